@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from ...worlds.spec import (
     Beat,
     Box,
     Fastened,
+    FieldDriver,
+    ForceDriver,
     HingeJoint,
     Limits,
     Part,
@@ -293,6 +296,20 @@ def _let_go_untold(folder: Path, m: float, rng: RNG) -> World:
     return scene.world(folder, "thing", still=True)
 
 
+def _carried_untold(folder: Path, m: float, rng: RNG) -> World:
+    """A force or a field of no beat carries a ball that is in the air."""
+    scene = Scene(rng)
+    scene.add("thing", Sphere(radius=0.1), at=(0, 0, 0.1 + m), motion="dynamic")
+    mass = 600.0 * 4 / 3 * np.pi * 0.1**3
+    carry: Any = ForceDriver(entity="thing", force=(0, 0, 9.81 * mass), start=0.0, end=100.0)
+    if rng.random() < 0.5:
+        high = scene.point((0, 0, 1000.0))
+        field = {"kind": "attraction", "center": high, "acceleration": 9.81, "distance": 1.0, "exponent": 0.0}
+        carry = FieldDriver.model_validate({"field": field, "entities": ["thing"]})
+    scene.more["drivers"] = {"carry": carry}
+    return scene.world(folder, "thing", still=True)
+
+
 def _let_go_in_a_beat(folder: Path, m: float, rng: RNG) -> World:
     scene = Scene(rng)
     _let_go(scene, m)
@@ -335,6 +352,7 @@ HELD_MECHANISMS = (
     Mechanism("leaves-untold", "slides off, and nothing says so", True, _leaves_untold, OVER * DRIFT, 0.09, "m", DRIFT),
     Mechanism("leaves-too-early", "gone before it is hit", True, _leaves_too_early, 2, FRAMES - 5, "frames"),
     Mechanism("let-go-untold", "hangs on a driver that no beat tells of", True, _let_go_untold, 0.02, 1.0, "film"),
+    Mechanism("carried-untold", "a force that no beat tells of carries it", True, _carried_untold, OVER * GAP, 1.0, "m", GAP),
     Mechanism("plates-apart", "parts of a free body with nothing between", True, _plates_apart, OVER * GAP, 0.5, "m", GAP),
     Mechanism("on-its-wall", "held from the side or above", False, _on_its_wall, 1e-6, UNDER * GAP, "m"),
     Mechanism("said-to-float", "it says why it hovers", False, _said_to_float, 0.01, 5.0, "m"),

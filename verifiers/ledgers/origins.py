@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Given", "Origin", "OriginKind", "Origins", "origins_of"]
 
-OriginKind = Literal["gravity", "driver", "spring", "drag", "fields", "matter", "contact", "joints"]
+OriginKind = Literal["gravity", "driver", "spring", "drag", "fields", "matter", "contact", "unlisted"]
 
 
 class Origin(NamedTuple):
@@ -57,7 +57,8 @@ class Origins:
     def of(self, entity: str) -> dict[Origin, Given]:
         """Every origin that gave something to an entity, and what; the works add up to the change of its kinetic energy of translation.
 
-        `joints` is what is left when all others are taken off the change of momentum. Zero for a body while a path or a release holds it.
+        `unlisted` is what is left when all others are taken off the change of momentum: of joints, and of what carries sleeping bodies, whose
+        contacts the engine does not list. Zero for a body while a path or a release holds it.
 
         Raises:
             EvidenceError: a channel is missing or damaged.
@@ -67,7 +68,7 @@ class Origins:
             row = self.books.row[entity]
             found = {origin: impulse for origin, impulse in self._impulses(entity, row).items() if impulse.any()}
             rest = np.diff(self.books.momentum[:, row], axis=0) - sum(found.values(), np.zeros((self.books.frames - 1, 3)))
-            found[Origin("joints", "")] = np.where((self.books.free_time[:, row] > 0)[:, None], rest, 0.0)
+            found[Origin("unlisted", "")] = np.where((self.books.free_time[:, row] > 0)[:, None], rest, 0.0)
             self._of[entity] = {origin: self._given(row, impulse) for origin, impulse in found.items()}
         return self._of[entity]
 

@@ -106,7 +106,7 @@ class _Helper:
     """On every entity that it works on directly, summed since frame 0 [J], shape (F,)."""
 
     def reaches(self, subject: str, until: int) -> Help | None:
-        """Whether it reaches a body by a frame."""
+        """Whether it reaches a body by a frame, with a share that counts then; others on the way with one that counted when they passed it on."""
         since: dict[str, int] = {}
         first: dict[str, tuple[str | None, float, float]] = {}
         waiting: list[tuple[str | None, str, F64]] = [(None, name, work) for name, work in self.work.items()]
@@ -114,13 +114,13 @@ class _Helper:
             source, name, work = waiting.pop(0)
             if name in since or name not in self.books.row or self.books.kinematic[self.books.row[name]]:
                 continue
-            had = np.maximum.accumulate(self.books.kinetic[:, self.books.row[name]])
-            counts = np.flatnonzero((work[: until + 1] > HELPED * had[: until + 1]) & (work[: until + 1] > LEAST_WORK))
-            if not len(counts):
+            had = np.maximum.accumulate(self.books.kinetic[:, self.books.row[name]])[: until + 1]
+            work = work[: until + 1]
+            counts = np.flatnonzero((work > HELPED * had) & (work > LEAST_WORK))
+            if not len(counts) or (name == subject and counts[-1] < len(work) - 1):
                 continue
             since[name] = int(counts[0])
-            end = min(until, len(work) - 1)
-            first[name] = (source, float(work[end]), float(work[end] / max(had[end], LEAST_WORK)))
+            first[name] = (source, float(work[-1]), float(work[-1] / max(had[-1], LEAST_WORK)))
             waiting += [(name, other, given) for other, given in self._handed_on(name, since[name]).items()]
         if subject not in since:
             return None

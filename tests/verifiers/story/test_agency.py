@@ -1,0 +1,54 @@
+"""`beat:driven`: helpers that the story is silent about, in worlds that the engine ran, and their twins that are told or do no work."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.testing.defects._helpers import pushed_row, sprung_block
+from worldagent.verifiers.story.beats import check
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.requirements import Row
+
+
+def driven(candidate: Candidate, beat: str) -> Row:
+    return next(r for r in check(candidate) if r.id == f"beat:driven:{beat}")
+
+
+def test_a_loaded_spring_of_no_beat_is_found_with_its_work(tmp_path: Path) -> None:
+    row = driven(sprung_block(tmp_path, load=0.6), "goes")
+    said = str(row.evidence["explanation"])
+    assert (row.status, row.evidence["trigger"]) == ("fail", "helped")
+    assert all(word in said for word in ("spring 'k'", "'block'", "goes"))
+    assert row.corrections[0].pointers == ("/simulation/joints/k",)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [{"load": 0.0}, {"load": 0.6, "told": "release"}, {"load": 0.6, "told": "first"}],
+    ids=["unloaded", "let go by a release of a beat", "part of an initial state"],
+)
+def test_a_spring_that_is_told_or_not_loaded_is_not(tmp_path: Path, more: dict[str, Any]) -> None:
+    row = driven(sprung_block(tmp_path, **more), "goes")
+    assert row.status == "pass", row.evidence["explanation"]
+
+
+@pytest.mark.parametrize("between", [0, 1, 2])
+def test_a_body_on_a_path_is_found_through_others(tmp_path: Path, between: int) -> None:
+    row = driven(pushed_row(tmp_path, between=between, told=False), "moves")
+    assert row.status == "fail"
+    help_ = row.evidence["helper"]
+    assert (help_["pointer"], help_["body"], len(help_["through"])) == ("/simulation/drivers/p", "last", between + 1)
+    assert row.corrections[0].pointers == ("/simulation/drivers/p",)
+
+
+@pytest.mark.parametrize("between", [0, 2])
+def test_a_path_that_a_beat_owns_is_told(tmp_path: Path, between: int) -> None:
+    row = driven(pushed_row(tmp_path, between=between, told=True), "moves")
+    assert row.status == "pass", row.evidence["explanation"]
+
+
+def test_a_body_on_a_path_that_touches_others_alone_helps_nobody_else(tmp_path: Path) -> None:
+    row = driven(pushed_row(tmp_path, between=0, told=False, aside=True), "moves")
+    assert row.status == "pass", row.evidence["explanation"]

@@ -14,19 +14,15 @@ from worldagent.tests.stories.inline_jobs import run_jobs_inline
 
 FOLDER = Path(__file__).parent / "holes"
 DISHONEST = (
-    *("pair_without_friction", "pair_that_bounces", "undrawn_rail", "spring_that_drives", "spring_behind_a_latch"),
-    *(
-        "hovers_on_a_force",
-        "hovers_on_a_field",
-        "slab_beside_air",
-        "needle_under_a_corner",
-        "beads_in_the_air",
-        "squeezed_by_skins",
-    ),
-    *("heavy_core", "pusher_of_no_beat", "contact_in_an_or"),
+    *("undrawn_rail", "slab_beside_air", "needle_under_a_corner", "beads_in_the_air", "squeezed_by_skins"),
+    *("heavy_core", "contact_in_an_or"),
 )
 """Worlds that no verdict should accept, and that one accepts."""
-CLOSED = ("weld_to_a_point", "spring_to_a_point", "slide_to_a_point")
+CLOSED = (
+    *("weld_to_a_point", "spring_to_a_point", "slide_to_a_point"),
+    *("pair_without_friction", "pair_that_bounces", "hovers_on_a_force", "hovers_on_a_field"),
+    *("spring_that_drives", "spring_behind_a_latch", "pusher_of_no_beat"),
+)
 """Worlds that were accepted once, and are refused."""
 HONEST = ("still_world",)
 """Worlds that should be accepted."""

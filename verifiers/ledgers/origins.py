@@ -28,7 +28,7 @@ OriginKind = Literal["gravity", "driver", "spring", "drag", "fields", "matter", 
 
 
 class Origin(NamedTuple):
-    """From what an impulse comes."""
+    """Source of an impulse."""
 
     kind: OriginKind
     name: str
@@ -37,7 +37,7 @@ class Origin(NamedTuple):
 
 @dataclass(frozen=True)
 class Given:
-    """What one origin gave to one entity over the intervals between frames."""
+    """Impulse and work of one origin on one entity, per interval between frames."""
 
     impulse: F64
     """[N s], shape (F - 1, 3)."""

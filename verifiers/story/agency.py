@@ -52,7 +52,7 @@ class Help(NamedTuple):
 
 @dataclass(frozen=True)
 class _Tale:
-    """What the beats that lead to an outcome tell of."""
+    """Drivers, joints and initial states of which the beats that lead to an outcome tell."""
 
     owners: frozenset[str]
     joints: frozenset[str]

@@ -17,7 +17,6 @@ from typing import Any
 from ..execution import Part, Tell
 from ..worlds.audits.audit import audit
 from ..worlds.audits.clauses import clauses_of
-from ..worlds.audits.story import uncaused
 from ..worlds.bake_plan import checkpoint_frames, groups_of
 from ..worlds.baked import BakeRecord, bake_record
 from ..worlds.candidate import Candidate, open_candidate
@@ -37,6 +36,7 @@ from .register.assemble import approximations
 from .rows.answers import row_of
 from .rows.corrections import correction
 from .rows.findings import Finding
+from .story.unasked import without_causes
 
 __all__ = ["NEEDED", "acceptance_subject", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 
@@ -188,12 +188,11 @@ def _bound_rows(
 
 def _unjudged(candidate: Candidate, check: Check) -> Row:
     """A check that found nothing to judge: no evidence is no pass, unless nothing of the kind can exist."""
-    lacking = uncaused(candidate.spec) if check == "causal" else f"nothing for {check} to judge"
-    if lacking is None:
-        text = "every entity is static, and there is no driver and no beat: nothing happens"
-        found = Finding("not_applicable", text, predicate="events have their causes")
+    if check == "causal":
+        found = without_causes(candidate)
     else:
-        pointer = {"causal": "/story/beats", "shots": "/shots"}.get(check, "/story")
+        lacking = f"nothing for {check} to judge"
+        pointer = "/shots" if check == "shots" else "/story"
         found = Finding("unverified", lacking, hints=(correction(lacking, "story", lacking, pointers=(pointer,)),))
     return row_of(candidate, UNJUDGED[check], (), found)
 

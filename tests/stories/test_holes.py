@@ -25,7 +25,7 @@ CLOSED = (
 )
 """Worlds that were accepted once, and are refused."""
 HONEST = ("still_world",)
-"""Worlds that should be accepted."""
+"""Worlds that were refused once, and are accepted."""
 STEPS = (("place_object", "static_passed"), ("probe_sim", "passed"), ("bake_sim", "passed"))
 """Tools between audit and acceptance, each with the field of its answer that says that it let the world through."""
 
@@ -53,13 +53,18 @@ def test_every_world_of_the_folder_is_judged() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", HONEST)
+def test_an_honest_world_is_accepted(name: str, agent_of: Any, tmp_path: Path) -> None:
+    assert verdict(name, agent_of, tmp_path) == "accepted"
+
+
+@pytest.mark.slow
 @pytest.mark.xfail(strict=True, raises=Hole, reason="a hole that is not closed yet: docs/threat-model.md")
-@pytest.mark.parametrize("name", [*DISHONEST, *HONEST])
+@pytest.mark.parametrize("name", DISHONEST)
 def test_a_world_is_judged_as_it_should_be(name: str, agent_of: Any, tmp_path: Path) -> None:
     found = verdict(name, agent_of, tmp_path)
-    if (found == "accepted") == (name in DISHONEST):
+    if found == "accepted":
         raise Hole(f"{name}: {found}")
-    assert found == "accepted" or name in DISHONEST
 
 
 @pytest.mark.slow

@@ -26,3 +26,5 @@ LEAST_WORK = 1e-6
 
 CONFIDENCE = 0.95
 """[1] Own choice: confidence of the interval told beside the share of samples in which a beat comes true."""
+TURNED = 0.02
+"""[rad] Own choice: what turns by less has not been moved by anything; as `support_drift` for positions."""

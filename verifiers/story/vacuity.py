@@ -344,8 +344,7 @@ def _hints(beat_id: str, beat: Beat, past: Past) -> list[Correction]:
                 pointers=(f"{place}/causes", f"{place}/predicate"),
             )
         )
-    return [
-        *found,
+    found += [
         correction(
             "the predicate describes what was so before",
             "story",
@@ -359,3 +358,14 @@ def _hints(beat_id: str, beat: Beat, past: Past) -> list[Correction]:
             pointers=(f"/entities/{beat.subject}/pose",),
         ),
     ]
+    if getattr(beat.predicate, "when", "always") != "always" and past.first == 0 and not past.event and not beat.causes:
+        found.append(
+            correction(
+                "it is meant to be so all the time: nothing is to happen",
+                "story",
+                "ask it of every frame, `when` always: what lasts needs no cause (where the prompt tells an event, that needs a beat of its own)",
+                pointers=(f"{place}/predicate/when",),
+                patch=({"op": "add", "path": f"{place}/predicate/when", "value": "always"},),
+            )
+        )
+    return found

@@ -12,13 +12,22 @@ from ..drivers import deed, to_declare, undeclared
 from ..errors import EvidenceError
 from ..fields import acting_on
 from ..predicates import Contact, NoContact, Predicate, atoms_of, entities_of
-from ..predicates.registry import PREDICATES
+from ..predicates.registry import PREDICATES, is_invariant
 from ..problems import Problem, removed, replaced
 from ..references import cycle_in, kinds_of, mentions_joint
 from ..spec import FieldDriver, SpecModel, Supports, WorldSpec
 from ..writers import writers_of
 
-__all__ = ["STARTED", "coverage_of", "evidence_problems", "graph_problems", "shot_problems", "story_problems", "uncaused"]
+__all__ = [
+    "STARTED",
+    "coverage_of",
+    "evidence_problems",
+    "graph_problems",
+    "shot_problems",
+    "story_problems",
+    "tells_of_change",
+    "uncaused",
+]
 
 STARTED = 1e-3
 """[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
@@ -103,6 +112,15 @@ def _own_start(spec: WorldSpec, name: str) -> list[Problem]:
     return [Problem(f"/entities/{beat.subject}/physics", text)]
 
 
+def tells_of_change(spec: WorldSpec) -> list[str]:
+    """Pointers of the beats and requirements that tell of a change, and of the drivers that act; a medium at rest brings nothing about."""
+    story, drivers = spec.story, spec.simulation.drivers
+    found = [f"/story/beats/{n}" for n, b in story.beats.items() if not is_invariant(b.predicate)]
+    found += [f"/story/requirements/{n}" for n, r in story.requirements.items() if not is_invariant(r.predicate)]
+    at_rest = [n for n, d in drivers.items() if isinstance(d, FieldDriver) and d.field.kind == "drag"]
+    return found + [f"/simulation/drivers/{n}" for n in drivers if n not in at_rest]
+
+
 def uncaused(spec: WorldSpec) -> str | None:
     """Why an acceptance would find no cause to judge, and what to add; None where it finds one, or nothing can happen."""
     beats = spec.story.beats
@@ -110,7 +128,14 @@ def uncaused(spec: WorldSpec) -> str | None:
         return None
     if not beats and not spec.simulation.drivers and all(e.motion == "static" for e in spec.entities.values()):
         return None
-    text = "no beat names causes, and without one an acceptance stays incomplete: "
+    change = tells_of_change(spec)
+    if not change and (beats or spec.story.requirements):
+        return (
+            "no beat names causes: an acceptance asks for none where all that the story tells holds from frame 0 on and nothing moves; if "
+            "something is to happen, give it a beat and name its cause"
+        )
+    text = "no beat names causes, and without one an acceptance stays incomplete"
+    text += f" ({', '.join(change[:4])} {'tell' if len(change) > 1 else 'tells'} of a change): " if change else ": "
     if len(beats) < 2:
         return (
             text

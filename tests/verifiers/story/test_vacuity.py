@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.story.beats import check
+from worldagent.verifiers.story.vacuity import check_vacuity
 from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.patch import apply_patch
 from worldagent.worlds.predicates import (
     After,
     And,
@@ -161,6 +163,21 @@ def test_a_crossing_is_an_event(tmp_path: Path, back: int, status: str) -> None:
 
 
 # ---------------------------------------------------------------- states
+
+
+@pytest.mark.parametrize("causes", [[], ["other"]])
+def test_what_is_so_from_the_start_may_be_asked_as_a_state_that_needs_no_cause(tmp_path: Path, causes: list[str]) -> None:
+    asked = Speed(entity="ball", max=0.1)
+    beats = {"b": beat(asked, (0, 20), causes=causes), "other": beat(Speed(entity="ball", max=0.1, when="always"), (0, 20))}
+    found = row(moved(tmp_path, beats))
+    assert found.status == "fail"
+    offered = [c for c in found.corrections if c.patch and c.patch[0]["path"].endswith("/when")]
+    assert bool(offered) == (not causes)
+    if offered:
+        mended = apply_patch(world({"floor": ground(), "ball": ball(0.1, motion="dynamic")}, beats=beats), list(offered[0].patch))
+        (tmp_path / "mended").mkdir()
+        lasting = moved(tmp_path / "mended", {**beats, "b": mended.story.beats["b"]})
+        assert [r for r in check_vacuity(lasting, "b") if r.status != "pass"] == []
 
 
 def test_a_state_that_was_there_before_and_lasts_is_refused(tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ..workflow.arguments import RowDetail, WaitSeconds, WorldId
 from ..workflow.context import ToolContext, ToolReply
-from ..worlds.errors import RefusedError
 
 __all__ = ["bake_sim"]
 
@@ -23,6 +22,7 @@ def bake_sim(
     Not for: trying settings (probe_sim is shorter). Next: run_checks(scope='acceptance').
     """
     from ..workflow.estimates import bake_estimate
+    from ..workflow.gates import require_probe
     from ..workflow.measurements import is_whole
     from ..workflow.motion_replies import motion_answer, require_room
     from ..workflow.session import Session
@@ -31,10 +31,7 @@ def bake_sim(
     session = Session.open(context.workspace, world)
     session.require_audit("bake_sim")
     freeze = session.freeze()
-    record = session.ledger.freeze(freeze)
-    if record is None or not record["passed"]:
-        left = "" if record is None else f" (the last probe left {record['detail']['failing'][:6]} open)"
-        raise RefusedError(f"bake_sim needs a passing probe of exactly these settings{left}; call probe_sim first")
+    record = require_probe(session, freeze)
     whole = session.ledger.bake(freeze) is not None and is_whole(session, freeze, "full")
     if not whole:
         require_room(context.workspace, session.spec)

@@ -189,7 +189,7 @@ def _final(
     context: ToolContext, session: Session, width: int | None, height: int | None, samples: int | None, wait_s: float
 ) -> ToolReply:
     from ..workflow.estimates import film_estimate
-    from ..workflow.jobs import require_acceptance
+    from ..workflow.gates import require_acceptance
     from ..workflow.waiting import start_and_wait
     from ..worlds.limits import check_film
 

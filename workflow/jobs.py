@@ -14,6 +14,7 @@ from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
 from .estimates import Pace
+from .gates import require_acceptance, require_probe, stored_rows
 from .landscapes import terrain
 from .pictures import film_sheet, motion_sheet
 from .rows import summary
@@ -55,12 +56,6 @@ JUDGED = 1.0 - 1e-9
 """Part of an acceptance that is the judgement; the report takes a moment."""
 
 
-def _failing(rows: list[Row], last: int) -> list[str]:
-    """Mandatory rows that do not pass; what can only be judged after frame `last` waits for the bake."""
-    later = {r.id for r in rows if r.status == "unverified" and r.frames is not None and r.frames[1] > last}
-    return [r.id for r in rows if r.mandatory and r.status in ("fail", "unverified") and r.id not in later]
-
-
 class _Work(NamedTuple):
     """The world of a job; its geometry is read or built once, here."""
 
@@ -92,6 +87,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..simulation.probe import probe_frames, run_probe
     from ..simulation.schedule import stretch_count
     from ..verifiers.checks import judging_share, names_of, run_checks
+    from ..verifiers.stored import open_in_probe
     from ..verifiers.story.phases import find_phases
     from ..worlds.bake_plan import groups_of
     from ..worlds.coarsening import overrides_for
@@ -108,7 +104,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         seconds["simulated"] = time.monotonic() - started
     candidate = _keeping(candidate, session.folder, freeze)
     rows = run_checks(candidate, progress=Part(context.progress, split, 1.0), seconds=seconds)
-    open_rows = _failing(rows, candidate.last_frame)
+    open_rows = [r.id for r in open_in_probe(rows, candidate.last_frame)]
     with session.ledger.together():  # a kill leaves the change untested, or all of its test
         session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
         rows = session.cited(rows)
@@ -128,6 +124,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             "failing": open_rows,
             "digest": candidate.digest,
             "events": _events(candidate),
+            "rows": stored_rows(rows, candidate.last_frame),
             **_spent(seconds, known),
             **({"coarser": coarser, "overrides": overrides} if overrides else {}),
         },
@@ -170,21 +167,13 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..simulation.bake import run_bake
     from ..simulation.schedule import stretch_count
     from ..verifiers.checks import judging_share, names_of, rerun_ids, run_checks
+    from ..verifiers.stored import open_in_probe
     from ..worlds.baked import frame_digests
     from .measurements import refuted
     from .promises import promise_row
 
     session, freeze, built = _work(payload)
-    record = session.ledger.freeze(freeze)
-    if record is None or not record["passed"]:
-        raise RefusedError(
-            "these exact settings have no passing probe: "
-            + (
-                "call probe_sim first"
-                if record is None
-                else f"the probe left {record['detail']['failing'][:6]} open; repair, then probe_sim"
-            )
-        )
+    record = require_probe(session, freeze)
     total = session.spec.simulation.frames
     forged = refuted(session, freeze)
     if forged:  # a forged frame and its forged digest agree: nothing of that bake is trusted
@@ -197,7 +186,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
     rows = session.cited(rows)
     changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec))
-    open_rows = _failing(rows, candidate.last_frame)
+    open_rows = [r.id for r in open_in_probe(rows, candidate.last_frame)]
     content = {"frames": total, "failing": open_rows, "frame_digests": frame_digests(candidate.caches)}
     session.ledger.put_bake(freeze, session.revision, candidate.digest, content)
     picture = motion_sheet(candidate, session.folder, f"bake_{freeze[:8]}.jpg")
@@ -217,6 +206,7 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Run the checks of one scope again on what is there."""
     from ..verifiers.checks import names_of, rerun_ids, run_checks
     from ..verifiers.delivery.binding import cache_row
+    from ..verifiers.stored import open_in_probe
     from ..worlds.baked import bake_record
 
     work = _work(payload)
@@ -230,7 +220,7 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     if stage == "full" and "delivery" in done:
         rows.append(cache_row(candidate, bake_record(session.folder.ledger_path, freeze)))
     whole = stage == "probe" and payload.get("only") is None
-    open_rows = _failing(rows, candidate.last_frame)
+    open_rows = [r.id for r in open_in_probe(rows, candidate.last_frame)]
     with session.ledger.together():  # as in a probe
         if whole:
             session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
@@ -242,7 +232,7 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         kept = ("simulated_s", "judged_s", "coarser", "overrides")
         spent = {} if known is None else {k: v for k, v in known["detail"].items() if k in kept}
         detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}
-        detail |= spent
+        detail |= {"rows": stored_rows(rows, candidate.last_frame), **spent}
         session.ledger.put_freeze(freeze, session.revision, passed=not open_rows, detail=detail)
     return {"scope": stage, "changed_rows": len(changed), **summary(rows)}
 
@@ -322,24 +312,6 @@ def require_true_geometry(session: Session, built: Mapping[str, BuiltEntity]) ->
                 f"the built geometry of {name!r} is not what the specification gives; it was moved aside to "
                 f"{path.with_suffix('.altered').name}. Call place_object, probe_sim and bake_sim again"
             )
-
-
-def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
-    """The acceptance of exactly this candidate.
-
-    Raises:
-        RefusedError: there is none.
-    """
-    from ..verifiers.acceptance import acceptance_subject
-    from ..worlds.candidate import open_candidate
-
-    baked = session.ledger.bake(freeze)
-    if baked is not None:
-        candidate = open_candidate(session.folder, freeze, "full")
-        found = session.ledger.acceptance(acceptance_subject(session.spec, freeze, candidate.digest))
-        if found is not None and found["verdict"] == "accepted":
-            return found
-    raise RefusedError("this very candidate is not accepted; call run_checks(world, scope='acceptance') and mend what it returns")
 
 
 def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:

@@ -186,8 +186,9 @@ def _accepted(ledger: Ledger, same: Callable[[str, int], bool], baked: Step) -> 
     bake = ledger.bake(latest["freeze"])
     if bake is None or bake["digest"] != latest["record"].get("cache_digest"):
         return Step("accepted", "stale", *when, "the bake it judged is not the present one"), latest
-    if latest["verdict"] != "accepted":
-        return Step("accepted", "failed", *when, str(latest["verdict"])), latest
+    unmet = [str(r["id"]) for r in latest["record"].get("rows", []) if r["mandatory"] and r["status"] in ("fail", "unverified")]
+    if unmet or latest["verdict"] != "accepted":
+        return Step("accepted", "failed", *when, _some(unmet, "open") or str(latest["verdict"])), latest
     return Step("accepted", "done", *when), latest
 
 

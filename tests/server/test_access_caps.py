@@ -104,7 +104,7 @@ def test_a_cap_is_held_before_the_work(
     client: tuple[Client, Path], portal: BlockingPortal, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     connected, workspace = client
-    monkeypatch.setattr("worldagent.workflow.jobs.require_acceptance", lambda *_: {})  # a film of a world that is not baked
+    monkeypatch.setattr("worldagent.workflow.gates.require_acceptance", lambda *_: {})  # a film of a world that is not baked
     monkeypatch.setitem(CAPS, name, replace(CAPS[name], value=-1))
     before = sorted(str(p) for p in workspace.rglob("*") if "jobs.db" not in p.name)
     tool, arguments = THROUGH_A_TOOL[name]
@@ -124,8 +124,9 @@ def test_work_that_does_not_fit_on_the_disk_is_refused_with_its_estimate(
     connected, _ = client
     usage = namedtuple("usage", ("total", "used", "free"))  # noqa: PYI024
     monkeypatch.setattr("shutil.disk_usage", lambda _: usage(10**9, 10**9 - 1000, 1000))
-    monkeypatch.setattr("worldagent.workflow.jobs.require_acceptance", lambda *_: {})
+    monkeypatch.setattr("worldagent.workflow.gates.require_acceptance", lambda *_: {})
     monkeypatch.setattr("worldagent.worlds.ledger.Ledger.freeze", lambda *_: {"passed": True, "detail": {}})
+    monkeypatch.setattr("worldagent.workflow.gates.require_probe", lambda *_: {"passed": True, "detail": {}})
     monkeypatch.setattr("worldagent.workflow.measurements.is_whole", lambda *_: False)
     answer = portal.call(connected.call_tool, tool, {"world": "w", **({"kind": "final"} if tool == "render_shot" else {})})
     assert answer.is_error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import sqlite3
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from worldagent.worlds.candidate import open_candidate
 from worldagent.worlds.errors import EvidenceError, RefusedError
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
+from worldagent.worlds.ledger_file import put_seal
 
 SEEDS = range(4)
 
@@ -75,13 +77,60 @@ def test_statuses_written_into_the_ledger_open_nothing(failed: Any) -> None:
     assert "not accepted" in failed.refused("render_shot", world="w", kind="final")
 
 
-def test_a_forged_freeze_leads_to_a_bake_that_acceptance_refuses(failed: Any) -> None:
-    _sql(failed.workspace / "w", "UPDATE freezes SET passed=1")
-    assert not failed.call("bake_sim", world="w")["passed"]
-    verdict = failed.call("run_checks", world="w", scope="acceptance")
-    assert verdict["verdict"] == "incomplete"
-    assert "beat:fall" in [r["id"] for r in verdict["open_rows"]]
-    assert "not accepted" in failed.refused("render_shot", world="w", kind="final")
+def test_a_probe_flipped_in_the_ledger_with_its_seal_made_anew_opens_no_bake(failed: Any) -> None:
+    folder = failed.workspace / "w"
+    ledger = Ledger(folder / "ledger.sqlite")
+    (known,) = ledger.freezes()
+    detail = {**known["detail"], "failing": []}
+    ledger.put_freeze(known["freeze"], known["revision"], passed=True, detail=detail)
+    text = failed.refused("bake_sim", world="w")
+    assert "beat:fall" in text
+    assert "call probe_sim first" in text
+    kept = {i: ("pass", last) for i, (_, last) in detail["rows"]["mandatory"].items()}
+    ledger.put_freeze(known["freeze"], known["revision"], passed=True, detail=detail | {"rows": {"last": 35, "mandatory": kept}})
+    assert "beat:fall" in failed.refused("bake_sim", world="w"), "the matrix says so too"
+    kept.pop("beat:roll")
+    ledger.put_freeze(known["freeze"], known["revision"], passed=True, detail=detail | {"rows": {"last": 35, "mandatory": kept}})
+    assert "beat:roll" in failed.refused("bake_sim", world="w"), "a row that the specification demands is missing"
+
+
+def _forge_acceptance(folder: Path, change: Callable[[list[dict[str, Any]]], list[dict[str, Any]]]) -> None:
+    """Rewrite the rows of the acceptance, whose word stays, with its seal."""
+    with sqlite3.connect(folder / "ledger.sqlite") as db:
+        number, freeze, subject, text = db.execute("SELECT n, freeze, subject, record FROM acceptances").fetchone()
+        record = json.loads(text)
+        new = json.dumps(record | {"rows": change(record["rows"])}, sort_keys=True)
+        db.execute("UPDATE acceptances SET record=? WHERE n=?", (new, number))
+        put_seal(db, f"acceptance:{number}", freeze, subject, "accepted", new)
+    db.close()
+
+
+def _with_open(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [{**r, "status": "fail"} if r["id"] == "beat:fall" else r for r in rows]
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (_with_open, "beat:fall: fail, measured"),
+        (lambda rows: [r for r in rows if r["id"] != "beat:fall"], "beat:fall: missing, although the specification demands it"),
+        (lambda rows: [r for r in rows if r["check"] != "navigability"], "navigability: no row of this check"),
+        (lambda rows: [r for r in rows if r["id"] != "delivery:replay"], "delivery:replay: missing"),
+    ],
+)
+def test_an_acceptance_whose_rows_are_open_or_missing_opens_no_film(accepted: Any, change: Any, named: str) -> None:
+    """The word `accepted` and every seal stand in the ledger."""
+    _forge_acceptance(accepted.workspace / "w", change)
+    text = accepted.refused("render_shot", world="w", kind="final")
+    assert named in text
+    assert "run_checks(world, scope='acceptance')" in text
+
+
+def test_an_acceptance_beside_a_matrix_with_an_open_row_opens_no_film(accepted: Any) -> None:
+    ledger = Ledger(accepted.workspace / "w" / "ledger.sqlite")
+    row = next(r for r in ledger.rows() if r.id == "beat:fall")
+    ledger.put_rows([row.model_copy(update={"status": "fail"})], revision=1, stage="full")
+    assert "beat:fall: fail" in accepted.refused("render_shot", world="w", kind="final")
 
 
 def test_an_edited_frame_is_found_refused_and_baked_again(accepted: Any) -> None:

@@ -1,0 +1,87 @@
+"""Gates between the steps. Each derives its verdict again from stored rows; no stored word of a verdict opens one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..worlds.errors import RefusedError
+from ..worlds.requirements import Row
+from .session import Session
+
+__all__ = ["require_acceptance", "require_probe", "stored_rows"]
+
+_NAMED = 8
+"""Open rows that a refusal names."""
+
+
+def stored_rows(rows: Sequence[Row], last: int) -> dict[str, Any]:
+    """Rows of a probe as its record keeps them, for its verdict to be derived again: last frame, (status, last frame needed) by id."""
+    needed = {r.id: (r.status, None if r.frames is None else r.frames[1]) for r in rows if r.mandatory}
+    return {"last": last, "mandatory": needed}
+
+
+def require_probe(session: Session, freeze: str) -> dict[str, Any]:
+    """The record of the probe of exactly these settings, if its rows pass.
+
+    Raises:
+        RefusedError: there is none, or rows of it, or of the matrix at the probe, are open or missing.
+    """
+    from ..verifiers.stored import open_in_probe
+
+    known = session.ledger.freeze(freeze)
+    if known is None:
+        raise RefusedError("bake_sim needs a passing probe of exactly these settings; call probe_sim first")
+    stages, last = session.ledger.stages(), int(known["detail"].get("rows", {}).get("last", -1))
+    judged = [r for r in session.ledger.rows() if stages.get(r.id) == "probe" and not r.evidence.get("stale")]
+    left = sorted({*_open_of_record(session, known), *(r.id for r in open_in_probe(judged, last))})
+    if not left and known["passed"]:
+        return known
+    named = left or known["detail"].get("failing", [])
+    raise RefusedError(
+        f"bake_sim needs a passing probe of exactly these settings (the last probe left {named[:_NAMED]} open); call probe_sim first"
+    )
+
+
+def _open_of_record(session: Session, known: dict[str, Any]) -> list[str]:
+    """Ids of rows that the record of a probe leaves open, or lacks although the specification it judged demands them."""
+    from ..verifiers.stored import demanded_of_motion
+    from ..worlds.spec import WorldSpec
+
+    rows, judged = known["detail"].get("rows", {}), session.ledger.revision_spec(known["revision"])
+    last, kept = int(rows.get("last", -1)), rows.get("mandatory", {})
+    found = [i for i, (status, _) in kept.items() if status == "fail"]
+    found += [i for i, (status, needed) in kept.items() if status == "unverified" and (needed is None or needed <= last)]
+    demanded = demanded_of_motion(WorldSpec.model_validate_json(judged[0])) if judged is not None else frozenset({"revision"})
+    return found + sorted(demanded - kept.keys())
+
+
+def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
+    """The acceptance of exactly this candidate, if the rows that it rests on pass.
+
+    Raises:
+        RefusedError: there is none; or rows of it or of the matrix are open or missing.
+    """
+    from ..verifiers.acceptance import acceptance_subject
+    from ..verifiers.stored import open_in_matrix, unmet
+    from ..worlds.candidate import open_candidate
+
+    found = None
+    if session.ledger.bake(freeze) is not None:
+        candidate = open_candidate(session.folder, freeze, "full")
+        found = session.ledger.acceptance(acceptance_subject(session.spec, freeze, candidate.digest))
+    if found is None or found["verdict"] != "accepted":
+        raise RefusedError(
+            "this very candidate is not accepted; call run_checks(world, scope='acceptance') and mend what it returns"
+        )
+    rows = [Row.model_validate(r) for r in found["record"]["rows"]]
+    left = list(dict.fromkeys([*unmet(session.spec, rows), *open_in_matrix(session.ledger.rows(), session.ledger.stages())]))
+    if left:
+        more = f"\n  and {len(left) - _NAMED} more" if len(left) > _NAMED else ""
+        raise RefusedError(
+            f"this very candidate is not accepted: the ledger says so, but {len(left)} of the rows that it rests on are open or missing, "
+            "and none may be. Call run_checks(world, scope='acceptance') and mend what it returns:\n"
+            + "\n".join(f"  {text}" for text in left[:_NAMED])
+            + more
+        )
+    return found

@@ -14,7 +14,7 @@ import numpy as np
 from ...verifiers.story.phase_ends import GROWTH
 from ...worlds.arrays import F64
 from ...worlds.candidate import Stage
-from ...worlds.predicates import Contact, Displacement, Predicate, Reaches
+from ...worlds.predicates import Contact, Displacement, Or, Predicate, Reaches
 from ...worlds.spec import Beat, BoxRegion, ForceDriver
 from ..worlds.small_worlds import IDENTITY, Event, Touch, ball, ground, make_candidate, world
 from ._helpers import pushed_row, sprung_block
@@ -119,6 +119,23 @@ def _came_before(folder: Path, m: float, rng: RNG) -> World:
 def _comes_home(folder: Path, m: float, rng: RNG) -> World:
     """It starts there, leaves after m frames, and comes back."""
     return _world(folder, {"comes": _beat(HOME, 50)}, (), x=1.0 - _between((0, round(m)), (int(rng.integers(50, 60)), LAST)))
+
+
+# ---------------------------------------------------------------- one of several
+
+
+def _either(folder: Path, blow: float, *culprits: str) -> World:
+    """It goes away, or it is hit with an impulse [N s]; the log knows one blow of 0.2 N s."""
+    either = Or(of=[FAR, Contact(a="ball", b="floor", min_impulse=blow)])
+    return _world(folder, {"goes": _beat(either, 5)}, culprits, x=np.clip(TIME - 0.5, 0, None), hits=(20,))
+
+
+def _one_side_never(folder: Path, m: float, rng: RNG) -> World:
+    return _either(folder, 0.2 * m, "goes")
+
+
+def _both_sides(folder: Path, m: float, rng: RNG) -> World:
+    return _either(folder, 0.2 * m)
 
 
 # ---------------------------------------------------------------- what starts it
@@ -231,6 +248,16 @@ SUITE = Suite(
         Mechanism("happened-before", "a contact that happened before its interval", True, _happened_before, 3, 40, "frames"),
         Mechanism("lasts-since-before", "a state that lasts since before its interval", True, _lasts_since, 1, 40, "frames"),
         Mechanism("came-before", "was already there once", True, _came_before, 1, 30, "frames"),
+        Mechanism(
+            "one-side-never",
+            "an `or` one side of which never comes true",
+            True,
+            _one_side_never,
+            1.1,
+            5000,
+            "times the blow",
+            1.0,
+        ),
         Mechanism("from-nothing", "moves by itself, later than frame 0", True, _from_nothing, 0.2, 1.5, "s"),
         Mechanism("unsaid-driver", "a driver that no beat owns starts it", True, _unsaid, 0.2, 1.5, "s"),
         Mechanism("loaded-spring", "a spring of no beat drives it on", True, _spring, 0.3, 1.5, "m"),
@@ -240,6 +267,7 @@ SUITE = Suite(
         Mechanism("second-of-two", "a second bounce whose first has a beat", False, _second_of_two, 3, 40, "frames"),
         Mechanism("went-again", "a state that ended and comes back", False, _went_again, 1, 40, "frames"),
         Mechanism("comes-home", "starts there, leaves and comes back", False, _comes_home, 1, 30, "frames"),
+        Mechanism("both-sides", "an `or` both sides of which come true", False, _both_sides, 0.1, 0.9, "times the blow"),
         Mechanism("sent-off", "starts with a declared velocity", False, _sent_off, 0.2, 1.5, "s"),
         Mechanism("owned-driver", "its own driver starts it", False, _owned, 0.2, 1.5, "s"),
         Mechanism("spring-told", "a spring that a release of a beat lets act", False, _spring_told, 0.3, 1.5, "m"),

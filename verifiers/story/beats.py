@@ -1,7 +1,8 @@
 """Beats and requirements of the story: does what the specification promises happen (R15, R86, R156)?
 
 Rows: `beat:<id>` and `requirement:<id>` judge the declared predicate over its frames; `beat:vacuous:<id>` fails a
-beat that was true before its interval begins (`story/vacuity.py`); `beat:driven:<id>` fails an outcome whose motion
+beat that was true before its interval begins (`story/vacuity.py`); `beat:branches:<id>` an `or` one side of which never comes true
+(`story/branches.py`); `beat:driven:<id>` fails an outcome whose motion
 is authored, or that nothing of the story starts (`story/driven.py`). An *invariant* (`always`, `stays_in`, `supported`, `no_contact`, `not`, an atom with `when=always`)
 without causes may be true from the start; a beat with causes may not.
 """
@@ -18,6 +19,7 @@ from ..predicates import Outcome, beat_times, evaluate
 from ..rows.answers import row_of
 from ..rows.findings import Finding
 from .beat_corrections import corrections_of, happens_at
+from .branches import check_branches
 from .driven import check_driven
 from .questions import BEAT, REQUIREMENT
 from .vacuity import check_vacuity
@@ -51,13 +53,13 @@ def check(candidate: Candidate) -> list[Row]:
         found = _judged(candidate, beat, times.outcome(beat_id), f"/story/beats/{beat_id}", beat.subject)
         rows.append(row_of(candidate, replace(BEAT, mandatory=beat.mandatory), (beat_id,), found))
         rows += check_vacuity(candidate, beat_id)
-        rows += check_driven(candidate, beat_id)
+        rows += check_driven(candidate, beat_id) + check_branches(candidate, beat, beat_id)
     for name, asked in candidate.spec.story.requirements.items():
         frames = asked.frames or (0, candidate.spec.simulation.frames - 1)
         found = _judged(candidate, asked, evaluate(candidate, asked.predicate, frames), f"/story/requirements/{name}")
         group = "spatial" if asked.predicate.kind in SPATIAL else REQUIREMENT.group
         question = replace(REQUIREMENT, mandatory=asked.mandatory, matrix_group=group)
-        rows.append(row_of(candidate, question, (name,), found))
+        rows += [row_of(candidate, question, (name,), found), *check_branches(candidate, asked, name)]
     return rows
 
 

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from ..rows.questions import Question
 
-__all__ = ["BEAT", "CAUSAL", "DRIVEN", "PHASES_SHOWN", "PROMISE", "QUESTIONS", "REQUIREMENT", "ROBUST", "VACUOUS", "WITHOUT"]
+__all__ = [
+    "BEAT",
+    "BRANCHES",
+    "CAUSAL",
+    "CHOICES",
+    "DRIVEN",
+    "PHASES_SHOWN",
+    "PROMISE",
+    "QUESTIONS",
+    "REQUIREMENT",
+    "ROBUST",
+    "VACUOUS",
+    "WITHOUT",
+]
 
 BEAT = Question(
     "beat",
@@ -17,6 +30,15 @@ BEAT = Question(
 )
 VACUOUS = Question("beat:vacuous", "{0} is not true before its interval begins", subject=("beat",))
 DRIVEN = Question("beat:driven", "a solver brings {0} about, and the story owns what starts it", subject=("beat",))
+BRANCHES = Question(
+    "beat:branches",
+    "every branch of an `or` of {0} comes true in the recorded motion, or in a perturbed run of a sample of it",
+    "branches that never do",
+    "branch",
+    "<=",
+    "0",
+    ("beat",),
+)
 REQUIREMENT = Question(
     "requirement",
     "the declared predicate of {0} holds over its frames",
@@ -24,6 +46,16 @@ REQUIREMENT = Question(
     "various",
     ">=",
     "field of the predicate",
+    ("requirement",),
+    matrix_group="physical",
+)
+CHOICES = Question(
+    "requirement:branches",
+    "every branch of an `or` of {0} comes true in the recorded motion",
+    "branches that never do",
+    "branch",
+    "<=",
+    "0",
     ("requirement",),
     matrix_group="physical",
 )
@@ -72,4 +104,4 @@ PROMISE = Question(
     matrix_group="temporal",
 )
 
-QUESTIONS = (BEAT, VACUOUS, DRIVEN, REQUIREMENT, CAUSAL, WITHOUT, ROBUST, PHASES_SHOWN, PROMISE)
+QUESTIONS = (BEAT, VACUOUS, DRIVEN, BRANCHES, REQUIREMENT, CHOICES, CAUSAL, WITHOUT, ROBUST, PHASES_SHOWN, PROMISE)

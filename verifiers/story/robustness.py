@@ -28,6 +28,7 @@ from ..rows.answers import row_of
 from ..rows.corrections import LEAST_STEP, correction, postponed
 from ..rows.findings import Finding, lacking
 from .bounds import CONFIDENCE
+from .branches import Branch, branches_of, comes_true
 from .perturbations import fixed_places, perturbed
 from .questions import ROBUST
 
@@ -111,6 +112,7 @@ def _perturbed(candidate: Candidate, name: str, item: Perturbed, beats: list[str
     end = last_needed(candidate.spec, beats)
     passed = dict.fromkeys(beats, 0)
     failed: dict[str, list[dict[str, Any]]] = {b: [] for b in beats}
+    never = {b: _never(candidate, b) for b in beats}
     opened = 0.0
     for sample in range(item.samples):
         spec, built, drawn = perturbed(candidate, name, item, sample)
@@ -126,10 +128,27 @@ def _perturbed(candidate: Candidate, name: str, item: Perturbed, beats: list[str
             if outcome.status == "unverified":
                 raise EvidenceError(f"sample {sample} cannot be judged: {outcome.explanation}")
             passed[beat] += outcome.status == "pass"
+            never[beat] = [branch for branch in never[beat] if not comes_true(variant, branch)]
             if outcome.status == "fail":
                 failed[beat].append({"sample": sample, "why": outcome.explanation, "drawn": _largest(drawn)})
     kept = sorted(fixed_places(candidate.spec) & set(item.entities or candidate.spec.entities))
-    return {b: _fraction(item, b, passed[b], failed[b], {"opened_m": opened, "not_moved": kept}) for b in beats}
+    found = {b: _fraction(item, b, passed[b], failed[b], {"opened_m": opened, "not_moved": kept}) for b in beats}
+    return {b: _with_branches(finding, never[b]) for b, finding in found.items()}
+
+
+def _never(candidate: Candidate, beat: str) -> list[Branch]:
+    """Branches of an `or` of a beat that the recorded motion never makes true."""
+    declared = candidate.spec.story.beats[beat]
+    branches = branches_of(declared, f"/story/beats/{beat}", candidate.spec.simulation.frames - 1)
+    return [b for b in branches if not comes_true(candidate, b)]
+
+
+def _with_branches(found: Finding, never: list[Branch]) -> Finding:
+    """The finding of a sample, failing where a branch came true neither in the recorded motion nor in any run of it."""
+    if not never:
+        return found
+    text = f"{never[0].text} never comes true, neither here nor in a perturbed run: drop that branch, {never[0].pointer}"
+    return replace(found, status="fail", text=text, evidence={**(found.evidence or {}), "never": [b.pointer for b in never]})
 
 
 def _opened(variant: Candidate) -> float:

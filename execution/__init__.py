@@ -1,4 +1,4 @@
-"""Floor 2: durable jobs in detached worker processes, progress, cancel, and work spread over processes.
+"""Floor 2: durable jobs in detached worker processes, progress and cancel.
 
 Knows nothing of what worlds contain. Importing it is cheap: no numpy, no pydantic.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from .caps import memory_cap, wall_cap
 from .context import JobContext
-from .executor import Executor, ExecutorLocal
 from .inline import run_inline
 from .job import BULK, ENDED_STATES, INTERACTIVE, JOB_STATES, NORMAL, Cancelled, Job, JobState, Progress, result_of
 from .jobs import JobStore
@@ -23,8 +22,6 @@ __all__ = [
     "JOB_STATES",
     "NORMAL",
     "Cancelled",
-    "Executor",
-    "ExecutorLocal",
     "Job",
     "JobContext",
     "JobState",

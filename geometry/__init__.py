@@ -8,13 +8,13 @@ from .clearance import Clearance, clearance_series, query_noise, signed_clearanc
 from .convex_union import is_convex_union
 from .forest import Forest
 from .heightfields import ground_solid, is_height_field
-from .idcast import IdCaster, IdImage, coverage
+from .idcast import IdCaster, IdImage
 from .inside import contains, distance_to_surface, winding_number
 from .kept import kept_solid
 from .motions import Motion, State, relative_travel
 from .solids import Solid
-from .soup import Crossings, crossing_triangles, pierced, self_crossings
-from .sweep import Lowest, Sweep, Swept, lowest_clearance, lowest_clearances, swept_clearance
+from .soup import Crossings, pierced, self_crossings
+from .sweep import Lowest, Sweep, lowest_clearance, lowest_clearances
 from .triangles import Nearest
 from .walls import wall_thickness
 
@@ -33,7 +33,6 @@ __all__ = [
     "Solid",
     "State",
     "Sweep",
-    "Swept",
     "aabb_of",
     "apart",
     "camera_at",
@@ -41,8 +40,6 @@ __all__ = [
     "clearance_batch",
     "clearance_series",
     "contains",
-    "coverage",
-    "crossing_triangles",
     "distance_to_surface",
     "ground_solid",
     "is_convex_union",
@@ -56,7 +53,6 @@ __all__ = [
     "relative_travel",
     "self_crossings",
     "signed_clearance",
-    "swept_clearance",
     "turned_boxes",
     "wall_thickness",
     "winding_number",

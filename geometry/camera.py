@@ -73,13 +73,6 @@ class Camera:
         """Focal length [pixels]."""
         return 0.5 * self.height / math.tan(math.radians(self.fov_deg) / 2.0)
 
-    def view_matrix(self) -> F64:
-        """World to camera coordinates, homogeneous, shape (4, 4)."""
-        matrix = np.eye(4)
-        matrix[:3, :3] = self.axes
-        matrix[:3, 3] = -self.axes @ self.position
-        return matrix
-
     def project(self, points: F64) -> tuple[F64, F64]:
         """Pixels, shape (n, 2), and depth along the viewing axis [m], shape (n,), of world points, shape (n, 3).
 

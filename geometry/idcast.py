@@ -20,7 +20,10 @@ from ..worlds.built import TriangleMesh
 from ..worlds.errors import InputError
 from .camera import Camera
 
-__all__ = ["IdCaster", "IdImage", "coverage"]
+__all__ = [
+    "IdCaster",
+    "IdImage",
+]
 
 F32 = NDArray[np.float32]
 LARGE = 512
@@ -42,20 +45,6 @@ class IdImage(NamedTuple):
     """Depth along the viewing axis [m], shape (height, width); inf where nothing is."""
     normals: F32
     """World normal of the triangle hit, outward by its winding, shape (height, width, 3); 0 where nothing is."""
-
-
-def coverage(ids: I32, instance_groups: Sequence[str]) -> dict[str, int]:
-    """Pixels per group; groups that are not seen have 0.
-
-    Args:
-        ids: `IdImage.ids`.
-        instance_groups: the group of each instance, e.g. the entity whose body it is.
-    """
-    counts = np.bincount(ids[ids >= 0].reshape(-1), minlength=len(instance_groups))
-    result = dict.fromkeys(instance_groups, 0)
-    for group, count in zip(instance_groups, counts, strict=True):
-        result[group] += int(count)
-    return result
 
 
 class IdCaster:

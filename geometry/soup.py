@@ -18,7 +18,7 @@ from ..worlds.arrays import F64, I32
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Crossings", "crossing_triangles", "pierced", "self_crossings"]
+__all__ = ["Crossings", "pierced", "self_crossings"]
 
 CELL = 2.0
 """Own choice: edge of a grid cell in mean triangle extents."""
@@ -41,26 +41,6 @@ class Crossings(NamedTuple):
     reach: F64
     """How far each pair reaches through each other [m], shape (k,): the smaller of the four rises over the other's plane;
     for coplanar overlap the length of the overlap."""
-
-
-def crossing_triangles(a: F64, b: F64, *, noise: float) -> Crossings:
-    """Triangles of one soup that cross triangles of another.
-
-    Args:
-        a: corners [m], shape (n, 3, 3), in a common frame.
-        b: corners [m], shape (m, 3, 3).
-        noise: [m] up to which surfaces touch and do not cross.
-    """
-    both = np.concatenate([a, b])
-    i, j = _near_pairs(both.min(axis=1) - noise, both.max(axis=1) + noise, split=len(a))
-    found, reach = [np.empty((0, 2), dtype=np.intp)], [np.empty(0)]
-    for s in range(0, len(i), CHUNK):
-        one, two = i[s : s + CHUNK], j[s : s + CHUNK]
-        value = _properly(both[one], both[two], noise)
-        hit = value > 0.0
-        found.append(np.stack([one[hit], two[hit] - len(a)], axis=1))
-        reach.append(value[hit])
-    return _sorted(np.concatenate(found), np.concatenate(reach))
 
 
 def self_crossings(solid: Solid, *, noise: float) -> Crossings:

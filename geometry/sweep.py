@@ -1,4 +1,4 @@
-"""Clearance of two moving bodies between two known states: first contact and deepest overlap, with a proven bound.
+"""Clearance of two moving bodies between two known states: deepest overlap or nearest pass, with a proven bound.
 
 Signed clearance changes no faster than the bodies move against each other: the nearest points, or the deepest point and
 its foot, move by at most `relative_travel`. With values c0, c1 at both ends of a piece of the path, no value within is
@@ -14,17 +14,22 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64, RigidPose
+from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .batch import clearance_batch
-from .clearance import clearance_series, query_noise, signed_clearance
+from .clearance import clearance_series
 from .forest import Forest
 from .motions import Motion, relative_travel
 
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Lowest", "Sweep", "Swept", "lowest_clearance", "lowest_clearances", "swept_clearance"]
+__all__ = [
+    "Lowest",
+    "Sweep",
+    "lowest_clearance",
+    "lowest_clearances",
+]
 
 DEPTH_ERROR = 0.01
 """Relative error that `clearance` promises for depths; widens the bound of a piece."""
@@ -35,8 +40,6 @@ TOGETHER = 200_000
 FARTHEST = 1e8
 """Own choice: a way longer than this many times the precision is not searched (1 km at 10 um): where surfaces stay near each other on
 it, halving it down to the precision would not end."""
-ADVANCES = 10_000
-"""Steps of conservative advancement after which a grazing motion counts as touching: never seen in tests."""
 
 
 class Lowest(NamedTuple):
@@ -48,20 +51,6 @@ class Lowest(NamedTuple):
     """Where, in 0..1, shape (n,)."""
     ends: F64
     """Clearance at both ends [m], shape (n, 2)."""
-
-
-class Swept(NamedTuple):
-    """How two surfaces meet along one motion."""
-
-    first: float | None
-    """Time of the first contact in 0..1, never later than the true one; None where they stay apart."""
-    distance: float
-    """Lowest signed clearance [m] on the way."""
-    time: float
-    """Where the clearance is lowest, in 0..1."""
-    point_a: F64
-    """Point of the surface of a at that time, in the world [m], shape (3,)."""
-    point_b: F64
 
 
 def _radius(solid: Solid, motion: Motion) -> float:
@@ -228,52 +217,3 @@ def _search(pair: _Pair, sweep: Sweep) -> Generator[_Ask, F64, Lowest]:
         s, e = np.concatenate([s, middle]), np.concatenate([middle, e])
         c0, c1 = np.concatenate([c0, c]), np.concatenate([c, c1])
     return Lowest(best, when, ends)
-
-
-def _first_contact(pair: _Pair, tolerance: float) -> F64:
-    """Time of the first contact per motion, shape (n,); NaN where there is none."""
-    count = len(pair.motion_a)
-    time, result = np.zeros(count), np.full(count, np.nan)
-    rows = np.arange(count)
-    for _ in range(ADVANCES):
-        gap = pair.clearance(rows, time[rows])
-        touching = gap <= tolerance
-        result[rows[touching]] = time[rows[touching]]
-        rows, gap = rows[~touching], gap[~touching]
-        rate = pair.travel(rows, time[rows], np.ones(len(rows))) / np.maximum(1.0 - time[rows], np.finfo(float).tiny)
-        with np.errstate(divide="ignore"):
-            step = np.where(rate > 0.0, gap / np.maximum(rate, np.finfo(float).tiny), np.inf)
-        ahead = time[rows] < 1.0
-        rows, step = rows[ahead], step[ahead]
-        if len(rows) == 0:
-            return result
-        time[rows] = np.minimum(time[rows] + step, 1.0)
-    result[rows] = time[rows]
-    return result
-
-
-def swept_clearance(
-    a: Solid, motion_a: Motion, b: Solid, motion_b: Motion, *, precision: float, tolerance: float | None = None
-) -> list[Swept]:
-    """First contact and deepest overlap of two surfaces on each of n motions.
-
-    Args:
-        a: one surface, in its own frame; any shape, open ones too.
-        motion_a: its motion.
-        b: the other surface.
-        motion_b: its motion, as many intervals.
-        precision: of the lowest clearance [m].
-        tolerance: gap [m] that counts as contact; default the precision.
-    """
-    pair = _Pair(a, motion_a, b, motion_b, skip_above=np.inf)
-    touch = max(precision if tolerance is None else tolerance, query_noise(a.size + b.size))
-    first = _first_contact(pair, touch)
-    lowest = lowest_clearance(Sweep(a, motion_a, b, motion_b, precision=precision), skip_above=np.inf)
-    found = []
-    for k in range(len(motion_a)):
-        row, s = np.array([k]), lowest.time[k : k + 1]
-        (pa, qa), (pb, qb) = motion_a.take(row).at(s), motion_b.take(row).at(s)
-        exact = signed_clearance(a, RigidPose(pa[0], qa[0]), b, RigidPose(pb[0], qb[0]))
-        when = None if np.isnan(first[k]) else float(first[k])
-        found.append(Swept(when, exact.distance, float(s[0]), exact.point_a, exact.point_b))
-    return found

@@ -14,7 +14,7 @@ from worldagent.tests import habits
 
 ALLOWED: dict[str, dict[str, str]] = json.loads((habits.ROOT / "tests" / "habits.json").read_text())
 """By measure: what is over its ceiling -> why."""
-UNCHECKED = 75
+UNCHECKED = 74
 """Test modules that `make types-tests` passes over; lower it with every one that is mended."""
 
 

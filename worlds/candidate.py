@@ -24,7 +24,7 @@ from .coarsening import coarsened, read_overrides
 from .errors import EvidenceError, SpecError
 from .folder import WorldFolder, safe_join
 from .patch import parse_spec
-from .spec import LiquidPhysics, ParticlePhysics, Shot, WorldSpec
+from .spec import LiquidPhysics, Shot, WorldSpec
 from .writers import writers_of
 
 __all__ = ["Candidate", "Stage", "cache_digest", "open_candidate", "recorded_inputs"]
@@ -136,11 +136,6 @@ class Candidate:
     def liquids(self) -> tuple[str, ...]:
         """Entities that are liquids."""
         return tuple(n for n, e in self.spec.entities.items() if isinstance(e.physics, LiquidPhysics))
-
-    @cached_property
-    def particulates(self) -> tuple[str, ...]:
-        """Entities that are grains or flying particles."""
-        return tuple(n for n, e in self.spec.entities.items() if isinstance(e.physics, ParticlePhysics))
 
     @property
     def last_frame(self) -> int:

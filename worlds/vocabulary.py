@@ -11,7 +11,6 @@ from pydantic_core import core_schema
 
 __all__ = [
     "BeatRef",
-    "DriverRef",
     "EntityRef",
     "Finite",
     "FrameInterval",
@@ -21,7 +20,6 @@ __all__ = [
     "NodeRef",
     "NonNegative",
     "OwnerRef",
-    "PartRef",
     "Positive",
     "Ref",
     "RegionRef",
@@ -33,7 +31,6 @@ __all__ = [
 ]
 
 ID_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]{0,63}$"
-PART_PATTERN = r"^[A-Za-z][A-Za-z0-9_-]{0,63}/[A-Za-z][A-Za-z0-9_-]{0,63}$"
 
 
 class SpecModel(BaseModel):
@@ -57,12 +54,10 @@ class Ref:
 
 Id = Annotated[str, StringConstraints(pattern=ID_PATTERN)]
 EntityRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("entity")]
-PartRef = Annotated[str, StringConstraints(pattern=PART_PATTERN), Ref("part")]
 RegionRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("region")]
 NodeRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("node")]
 BeatRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("beat")]
 SolverRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("solver")]
-DriverRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("driver")]
 JointRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("joint")]
 MaterialRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("material")]
 OwnerRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("owner")]

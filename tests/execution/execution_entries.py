@@ -5,7 +5,6 @@ import signal
 import time
 from pathlib import Path
 
-from worldagent.execution import ExecutorLocal
 from worldagent.worlds.errors import SpecError
 
 
@@ -98,30 +97,6 @@ def alone(payload, context):
     time.sleep(0.05)
     inside.unlink()
     return {"left": time.time()}
-
-
-def mapped(payload, context):
-    results = ExecutorLocal(payload["workers"]).map(payload["fn"], payload["items"], context)
-    return {"results": results}
-
-
-def square(item):
-    if item["x"] < 0:
-        raise SpecError(f"x {item['x']} must be >= 0")
-    return {"square": item["x"] ** 2, "pid": os.getpid()}
-
-
-def mark_and_hang(item):
-    Path(item["mark"]).write_text(str(os.getpid()))
-    return {"sum": sum(range(10**13))}
-
-
-def crash(item):
-    os.kill(os.getpid(), signal.SIGSEGV)
-
-
-def reflect(item):
-    return item
 
 
 WARM = ("fractions",)

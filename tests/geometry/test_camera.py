@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from worldagent.geometry import Camera, IdCaster, camera_at, coverage
+from worldagent.geometry import Camera, IdCaster, camera_at
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.spec import Shot
@@ -33,7 +33,6 @@ def test_the_picture_is_right_handed_with_z_up():
 def test_straight_down_has_y_up():
     view = camera((0, 0, 5.0))
     assert view.axes == pytest.approx(np.eye(3))
-    assert np.linalg.det(view.view_matrix()) == pytest.approx(1.0)
 
 
 def test_rays_project_back_to_their_pixels():
@@ -42,12 +41,6 @@ def test_rays_project_back_to_their_pixels():
     pixels, _ = view.project(origin + 3.7 * directions.reshape(-1, 3))
     x, y = np.meshgrid(np.arange(160) + 0.5, np.arange(90) + 0.5)
     assert pixels == pytest.approx(np.stack([x, y], axis=-1).reshape(-1, 2), abs=1e-9)
-
-
-def test_the_view_matrix_puts_the_target_on_the_negative_z_axis():
-    view = camera((3.0, -4.0, 2.0), (0.2, 0.1, 0.5))
-    moved = view.view_matrix() @ np.array([0.2, 0.1, 0.5, 1.0])
-    assert moved == pytest.approx([0, 0, -math.dist((3, -4, 2), (0.2, 0.1, 0.5)), 1.0], abs=1e-12)
 
 
 def test_an_impossible_camera_is_refused():
@@ -89,20 +82,15 @@ def test_visible_areas_are_those_of_the_pinhole():
     image = caster.cast(view, [at(), at(0, -3, 0)])
     side = view.focal / 4.5
     radius = view.focal * 0.3 / math.sqrt(2.0**2 - 0.3**2)
-    counts = coverage(image.ids, ["crate", "ball"])
-    assert counts["ball"] == pytest.approx(math.pi * radius**2, rel=0.01)
-    assert counts["crate"] + counts["ball"] == pytest.approx(max(side**2, math.pi * radius**2), rel=0.03)
+    crate, sphere = np.bincount(image.ids[image.ids >= 0])
+    assert sphere == pytest.approx(math.pi * radius**2, rel=0.01)
+    assert crate + sphere == pytest.approx(max(side**2, math.pi * radius**2), rel=0.03)
     alone = caster.cast(view, [at(), at(0, -3, 0)], only=[0])
-    assert coverage(alone.ids, ["crate", "ball"]) == {"crate": pytest.approx(side**2, rel=0.01), "ball": 0}
+    assert np.bincount(alone.ids[alone.ids >= 0]) == pytest.approx([side**2], rel=0.01)
     assert alone.depth[180, 320] == pytest.approx(4.5, rel=1e-6)
     assert alone.normals[180, 320] == pytest.approx([0, -1, 0], abs=1e-6)
     assert np.isinf(alone.depth[0, 0])
     assert alone.ids[0, 0] == -1
-
-
-def test_several_instances_of_one_entity_are_counted_together():
-    ids = np.array([[0, 1, -1], [2, 2, 1]], dtype=np.int32)
-    assert coverage(ids, ["rope", "rope", "wall"]) == {"rope": 3, "wall": 2}
 
 
 def test_hits_project_to_the_pixel_they_were_seen_in():

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import trimesh
-from worldagent.geometry import Motion, State, clearance_series, lowest_clearance, swept_clearance, wall_thickness
+from worldagent.geometry import Motion, State, clearance_series, lowest_clearance, wall_thickness
 from worldagent.geometry.motions import relative_travel
 from worldagent.geometry.sweep import Sweep
 from worldagent.worlds.arrays import rotation_matrix
@@ -95,21 +95,18 @@ def test_the_travel_bound_is_never_exceeded():
 
 def test_a_ball_through_a_plate_is_found_with_its_time_and_depth():
     sphere, plate = ball(0.02, 3), box(1, 1, 0.01)
-    (found,) = swept_clearance(sphere, straight((0, 0, 0.3), (0, 0, -0.5)), plate, still(), precision=1e-5)
-    # Contact at a height of 0.025 above the middle; deepest when a face of the plate passes the middle of the ball.
-    assert found.first == pytest.approx((0.3 - 0.025) / 0.8, abs=1e-4)
-    assert found.distance == pytest.approx(-0.02, abs=3e-4)
-    assert np.linalg.norm(found.point_a - found.point_b) == pytest.approx(-found.distance, rel=1e-6)
+    found = lowest_clearance(Sweep(sphere, straight((0, 0, 0.3), (0, 0, -0.5)), plate, still(), precision=1e-5))
+    # Deepest while the middle of the ball lies within the plate.
+    assert abs(0.3 - 0.8 * found.time[0]) <= 0.005 + 3e-4
+    assert found.value[0] == pytest.approx(-0.02, abs=3e-4)
 
 
 def test_bodies_that_pass_each_other_stay_apart():
-    (found,) = swept_clearance(ball(0.1), straight((-1, 0.201, 0), (1, 0.201, 0)), ball(0.1), still(), precision=1e-5)
-    assert found.first is None
-    assert 0.0 < found.distance < 0.01
-    a, b = ball(0.1), ball(0.1)
-    (found,) = swept_clearance(a, straight((-1, 0.05, 0), (1, 0.05, 0)), b, straight((1, 0, 0), (-1, 0, 0)), precision=1e-5)
-    assert found.distance < -0.05
-    assert found.first == pytest.approx((1 - 0.5 * math.sqrt(0.04 - 0.0025)) / 2, abs=0.01)
+    one, two = straight((-1, 0.201, 0), (1, 0.201, 0)), straight((1, 0, 0), (-1, 0, 0))
+    apart = lowest_clearance(Sweep(ball(0.1), one, ball(0.1), still(), precision=1e-5), skip_above=np.inf)
+    assert 0.0 < apart.value[0] < 0.01
+    near = straight((-1, 0.05, 0), (1, 0.05, 0))
+    assert lowest_clearance(Sweep(ball(0.1), near, ball(0.1), two, precision=1e-5)).value[0] < -0.05
 
 
 @pytest.mark.parametrize("angle", [0.9, 2.5, 2 * math.pi, 5.0])
@@ -120,11 +117,12 @@ def test_a_turning_blade_strikes_a_post_at_the_angle_of_geometry(angle):
     first = State(np.zeros((1, 3)), UPRIGHT, np.zeros((1, 3)), spin)
     motion = Motion.between(first, State(np.zeros((1, 3)), about_z(angle), np.zeros((1, 3)), spin), np.zeros(3), 1.0)
     place = (0.8 * math.cos(0.5), 0.8 * math.sin(0.5), 0)
-    (found,) = swept_clearance(blade, motion, post, still(at=place), precision=1e-5)
+    found = lowest_clearance(Sweep(blade, motion, post, still(at=place), precision=1e-5))
     corners = np.array([(place[0] + x, place[1] + y) for x in (-0.01, 0.01) for y in (-0.01, 0.01)])
     radius, polar = np.hypot(*corners.T), np.arctan2(corners[:, 1], corners[:, 0])
-    assert found.first * angle == pytest.approx(float((polar - np.arcsin(0.01 / radius)).min()), abs=1e-3)
-    assert found.distance == pytest.approx(-0.01, abs=2e-3)
+    first, last = (polar - np.arcsin(0.01 / radius)).min(), (polar + np.arcsin(0.01 / radius)).max()
+    assert first <= (found.time[0] * angle) % math.pi <= last  # both halves of the bar come past
+    assert found.value[0] == pytest.approx(-0.01, abs=2e-3)
 
 
 def test_the_lowest_clearance_is_that_of_dense_sampling():
@@ -151,9 +149,8 @@ def test_only_what_is_lower_than_wanted_is_searched():
 
 def test_an_open_sheet_is_swept_too():
     sheet = solid_of(trimesh.Trimesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]]), closed=False)
-    (found,) = swept_clearance(box(0.1, 0.1, 0.1), straight((0.3, 0, 1), (0.3, 0, -1)), sheet, still(), precision=1e-4)
-    assert found.first == pytest.approx(0.475, abs=1e-3)
-    assert found.distance == pytest.approx(-0.05, abs=1e-3)
+    found = lowest_clearance(Sweep(box(0.1, 0.1, 0.1), straight((0.3, 0, 1), (0.3, 0, -1)), sheet, still(), precision=1e-4))
+    assert found.value[0] == pytest.approx(-0.05, abs=1e-3)
 
 
 def test_walls_of_shells_are_thin_and_of_solids_thick():

@@ -89,11 +89,10 @@ from .story import (
     Story,
     Supports,
 )
-from .world import SPEC_VERSION, AreaLight, Clause, Look, WorldSpec, prompt_digest
+from .world import AreaLight, Clause, Look, WorldSpec, prompt_digest
 
 __all__ = [
     "MOVED",
-    "SPEC_VERSION",
     "Adjacent",
     "Appearance",
     "AreaLight",

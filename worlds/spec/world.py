@@ -13,9 +13,7 @@ from .simulation import SimulationPlan
 from .story import SceneGraph, Shot, Story
 from .terrain import Terrain
 
-__all__ = ["SPEC_VERSION", "AreaLight", "Clause", "Look", "WorldSpec", "prompt_digest"]
-
-SPEC_VERSION = "1"
+__all__ = ["AreaLight", "Clause", "Look", "WorldSpec", "prompt_digest"]
 
 
 class Clause(SpecModel):

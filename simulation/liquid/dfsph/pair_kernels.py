@@ -9,7 +9,7 @@ from .shape_kernels import cell_of, half_space, plane_weight, slope, weight, wra
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 2})  # 27 cells
 
-__all__ = ["BODIES_NEAR", "SHEET", "count_pairs", "fill_pairs", "list_pairs"]
+__all__ = ["SHEET", "count_pairs", "fill_pairs", "list_pairs"]
 
 LAYER = wp.constant(wp.float32(0.1497))
 """Fill that a plane of samples gives at a spacing, where liquid at rest keeps to it: of sheets and bodies that deform, the fill goes
@@ -23,8 +23,6 @@ SHEET = wp.constant(5)
 """Kind of sheets that deform."""
 FAINT = wp.constant(wp.float32(0.01))
 """Gradient of the fill by a solid along its nearest surface, in units of 1/h, below which nothing else of it is near."""
-BODIES_NEAR = 8
-"""Bodies that one particle can touch at once."""
 DRAG = wp.constant(wp.float32(4.7))
 """Of friction 1: 2 for the pairs, twice for the mirrored velocity, and what viscosity has; liquid then stands still at the surface,
 within a tenth of a spacing (measured, Couette and Poiseuille)."""

@@ -18,6 +18,8 @@ __all__ = ["place_object"]
 
 DROP_TOLERANCE = 1e-6
 """Clearance to which a resting place is found [m]."""
+STILL_GAP = 1e-4
+"""[m] Clearance that is left between things that never move, and on which no collision skin acts."""
 MOST_STEPS = 2000
 """Steps of the descent: at 85 degrees each leaves nine tenths of the way."""
 
@@ -47,7 +49,7 @@ def place_object(
     """Build the shapes of all entities and run the static checks; with `entity`, move that one first.
 
     Call it without `entity` after every edit of geometry. With `entity` and `on`, the entity is lowered along z onto that
-    support until it rests with a gap of two collision skins; `at` and `yaw_deg` choose where and how. Its tilt stays as
+    support until it rests with a gap of two collision skins (0.1 mm between static things); `at` and `yaw_deg` choose where and how. Its tilt stays as
     specified: on a slope, turn it first with edit_spec. A move is a new revision; after a failed row it needs a hypothesis, except the first
     one onto a support while nothing else fails.
     Returns: what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch.
@@ -178,14 +180,15 @@ def _skins(session: Session, *names: str) -> float:
 
 
 def _drop(session: Session, entity: str, on: str, pose: RigidPose) -> RigidPose:
-    """Lower the entity along -z until its clearance to `on` is the two skins."""
+    """Lower the entity along -z until its clearance to `on` is the two skins; between things that never move there is less air."""
     import numpy as np
 
     from ..worlds.arrays import RigidPose, pose_of
 
     solids = _solids(session, [entity, on])
     support = pose_of(session.spec.entities[on].pose)
-    gap = _skins(session, entity, on)
+    still = all(session.spec.entities[name].motion == "static" for name in (entity, on))
+    gap = min(STILL_GAP, _skins(session, entity, on)) if still else _skins(session, entity, on)
     top = max(float(support.apply(body.apply(s.vertices))[:, 2].max()) for body, s in solids[on])
     low = min(float(pose.apply(body.apply(s.vertices))[:, 2].min()) for body, s in solids[entity])
     span = float(np.ptp(np.concatenate([support.apply(body.apply(s.vertices)) for body, s in solids[on]])[:, 2]))

@@ -36,6 +36,8 @@ __all__ = ["HELD_MECHANISMS"]
 GAP, DRIFT = Limits().contact_gap, Limits().support_drift
 REACH = GAP + RigidSettings().skin
 """How far an anchor may be from a surface [m]."""
+SEAM, NARROW = 1e-3, 8e-4
+"""Gap over which no two static things touch, and over which those of this suite do, 8 cm in diagonal and more [m]."""
 OVER, UNDER = 1.05, 0.95
 FPS = 24
 
@@ -98,6 +100,25 @@ def _on_its_wall(folder: Path, m: float, rng: RNG) -> World:
         scene.add("thing", Sphere(radius=0.1), at=(0, 0, 2.9 - m))
         scene.on("beam", "thing")
     return scene.world(folder, still=True)
+
+
+def _row_of_beads(folder: Path, m: float, rng: RNG, count: int, *culprits: str) -> World:
+    """Static beads beside a pole, m from it and from each other."""
+    scene, size = Scene(rng), float(rng.uniform(0.1, 0.2))
+    scene.add("pole", Box(size=(0.1, 0.1, 2)), at=(0, 0, 1))
+    for k in range(count):
+        scene.add(f"bead{k}", Box(size=(size, size, size)), at=(0.05 + (k + 0.5) * size + (k + 1) * m, 0, 1.5))
+    return scene.world(folder, *culprits, still=True)
+
+
+def _beads(folder: Path, m: float, rng: RNG) -> World:
+    """As many as use up the contact tolerance, and one or two more."""
+    enough = int(np.ceil(GAP / m))
+    return _row_of_beads(folder, m, rng, enough + int(rng.integers(1, 3)), f"bead{enough}")
+
+
+def _short_row(folder: Path, m: float, rng: RNG) -> World:
+    return _row_of_beads(folder, m, rng, 2)
 
 
 def _said_to_float(folder: Path, m: float, rng: RNG) -> World:
@@ -342,9 +363,10 @@ def _plates_together(folder: Path, m: float, rng: RNG) -> World:
 
 
 HELD_MECHANISMS = (
-    Mechanism("static-in-the-air", "static, and nothing touches it", True, _static_in_the_air, OVER * GAP, 1.0, "m", GAP),
-    Mechanism("loose-part", "a part that touches no other", True, _loose_part, OVER * GAP, 0.5, "m", GAP),
+    Mechanism("static-in-the-air", "static, and nothing touches it", True, _static_in_the_air, OVER * SEAM, 1.0, "m", SEAM),
+    Mechanism("loose-part", "a part that touches no other", True, _loose_part, OVER * SEAM, 0.5, "m", SEAM),
     Mechanism("static-on-free", "static, on bodies that may move", True, _static_on_free, 0.05, 1.0, "m"),
+    Mechanism("beads", "a row of static things with a little air at each", True, _beads, 0.5 * NARROW, UNDER * NARROW, "m"),
     Mechanism("joint-over-a-gap", "no surface at its joint", True, _joint_over_a_gap, OVER * REACH, 0.5, "m", REACH),
     Mechanism("held-by-a-point", "joined to the air", True, _held_by_a_point, OVER * REACH, 1.0, "m", REACH),
     Mechanism("short-rope", "it ends before its hook", True, _short_rope, OVER * REACH, 0.5, "m", REACH),
@@ -354,7 +376,8 @@ HELD_MECHANISMS = (
     Mechanism("let-go-untold", "hangs on a driver that no beat tells of", True, _let_go_untold, 0.02, 1.0, "film"),
     Mechanism("carried-untold", "a force that no beat tells of carries it", True, _carried_untold, OVER * GAP, 1.0, "m", GAP),
     Mechanism("plates-apart", "parts of a free body with nothing between", True, _plates_apart, OVER * GAP, 0.5, "m", GAP),
-    Mechanism("on-its-wall", "held from the side or above", False, _on_its_wall, 1e-6, UNDER * GAP, "m"),
+    Mechanism("on-its-wall", "held from the side or above", False, _on_its_wall, 1e-6, UNDER * NARROW, "m"),
+    Mechanism("short-row", "two static things, a little air at each", False, _short_row, 1e-6, UNDER * NARROW, "m"),
     Mechanism("said-to-float", "it says why it hovers", False, _said_to_float, 0.01, 5.0, "m"),
     Mechanism("point-on-a-beam", "joined to the world where a beam is", False, _point_on_a_beam, 1e-6, UNDER * GAP, "m"),
     Mechanism("point-that-is-told", "joined to the air, and says so", False, _point_that_is_told, 0.01, 1.0, "m"),

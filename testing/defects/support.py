@@ -35,6 +35,8 @@ from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
 
+FITTED = 5e-5
+"""Gap to a wall up to which a body fits it [m]."""
 OVER, UNDER = 1.05, 0.95
 """Just over and just under a bound."""
 
@@ -293,18 +295,27 @@ def _held_book(folder: Path, m: float, rng: RNG) -> World:
     return wedged(folder, rng, -m)
 
 
-def _row_of_books(folder: Path, m: float, rng: RNG) -> World:
-    """Several books between two walls, none of them on anything."""
+def _between_walls(folder: Path, thick: float, gap: float, rng: RNG, *culprits: str) -> World:
+    """Several books between two walls, none of them on anything, with a gap at each [m]."""
     scene, count = Scene(rng, friction=0.6), int(rng.integers(1, 5))
     scene.add("left", Box(size=(0.2, 2, 4)), at=(-0.1, 0, 1))
     names = ["left"]
     for k in range(count):
         names.append(f"book{k}")
-        scene.add(names[-1], Box(size=(m, 0.2, 0.3)), at=((k + 0.5) * m + (k + 1) * 1e-5, 0, 1), motion="dynamic")
+        scene.add(names[-1], Box(size=(thick, 0.2, 0.3)), at=((k + 0.5) * thick + (k + 1) * gap, 0, 1), motion="dynamic")
         scene.on(names[-2], names[-1])
-    scene.add("right", Box(size=(0.2, 2, 4)), at=(count * m + (count + 1) * 1e-5 + 0.1, 0, 1))
+    scene.add("right", Box(size=(0.2, 2, 4)), at=(count * thick + (count + 1) * gap + 0.1, 0, 1))
     scene.on("right", names[-1])
-    return scene.world(folder, still=True)
+    return scene.world(folder, *culprits, still=True)
+
+
+def _row_of_books(folder: Path, m: float, rng: RNG) -> World:
+    return _between_walls(folder, m, 1e-5, rng)
+
+
+def _squeezed(folder: Path, m: float, rng: RNG) -> World:
+    """Drawn m from the walls, within the skins: what presses them is not there."""
+    return _between_walls(folder, float(rng.uniform(0.02, 0.1)), m, rng, "book0")
 
 
 def _hanging(folder: Path, m: float, rng: RNG) -> World:
@@ -452,6 +463,9 @@ SUITE = Suite(
         # On a steep ladder 10 % less friction lacks less than the documented 1 % of the weight.
         Mechanism("smooth-ladder", "a ladder on too little friction", True, _smooth_ladder, 0.25, 0.9, "of the needed friction"),
         Mechanism("slips-through", "walls that open downwards", True, _slips_through, 0.02, 0.4, "rad"),
+        Mechanism(
+            "squeezed", "between walls from which it is drawn apart", True, _squeezed, OVER * FITTED, UNDER * GAP, "m", FITTED
+        ),
         Mechanism("one-bookend", "pressed by something that floats", True, _one_bookend, 0.02, 0.1, "m"),
         Mechanism("slack", "hangs on a slack rope", True, _slack, OVER * GAP, 0.5, "m", GAP),
         Mechanism("weak-lift", "slides down its rail", True, _weak_lift, 0.02, 1.0, "weight"),

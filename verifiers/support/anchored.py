@@ -21,9 +21,9 @@ from ..rows.answers import row_of
 from ..rows.corrections import correction, pointer, set_value
 from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
-from .held import is_still
 from .joined import End, missed, on_axis, reach_of, touch
 from .questions import ANCHOR
+from .stillness import is_still
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate

@@ -38,6 +38,16 @@ RESOLVED = 1.0
 """[rad] Own choice: a spring that turns further in its phase within a frame is not resolved by the frames' states. A cubic
 through them is then wrong by up to 1 / 384 of the amplitude (Hermite interpolation)."""
 
+SEAM_SHARE = 0.01
+"""[1] Own choice: of the smaller of two static things, the widest gap between them: a seam that nobody takes for air."""
+SEAM_LEAST = 2e-4
+"""[m] Own choice: seams of small things; suggested moves leave LEFT."""
+SEAM_MOST = 1e-3
+"""[m] Own choice: seams of large things: two skins of the default, which people leave under what stands."""
+
+FITTED = 5e-5
+"""[m] Own choice: what is drawn as near to a wall as this fits it so closely that friction may hold it, as a book in a full shelf."""
+
 HANGING = 0.05
 """[m] Own choice: gap that may stay open under a level base on natural ground; turf and gravel close it."""
 SUNK = 0.5

@@ -21,7 +21,7 @@ from .carried import carried
 from .fallen_off import kept_rows
 from .free_bodies import derived
 from .graph import SupportGraph
-from .held import held_rows, is_still
+from .held import held_rows
 from .joined import joined_rows
 from .landed import Ground, landed_rows
 from .moved import support_interval
@@ -31,6 +31,7 @@ from .questions import BALANCE, CARRIED, DERIVED, SUPPORT_SCENE
 from .relations import carries
 from .resting import rest_rows
 from .stays import stays_rows
+from .stillness import is_still
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate

@@ -67,6 +67,9 @@ def derived(graph: SupportGraph, entity: str) -> Finding:
     sides = [] if entity in surfaces.broken else [n for n in beside(surfaces, entity, 0) if graph.grounded(n)[0]]
     if sides:
         text += f"; it touches {', '.join(map(repr, sides))} beside or above it, where neither friction nor a joint holds it"
+    squeezed = graph.squeezed(entity, 0) if sides else []
+    if squeezed:
+        text += f"; {'; '.join(one.text() for one in squeezed[:2])}"
     held = correction(
         "it is meant to be dropped, thrown or hung",
         "drivers",

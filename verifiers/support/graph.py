@@ -20,6 +20,8 @@ from .bounds import MISSING, OUTSIDE, SAME_PLACE
 from .equilibrium import Balance, Group, solve
 from .links import Link, links_of
 from .moved import spoken_of
+from .pressing import Squeeze, pressed, squeezes
+from .stillness import is_still
 from .touching import contacts_of
 
 if TYPE_CHECKING:
@@ -58,6 +60,16 @@ class SupportGraph:
     def links(self) -> tuple[Link, ...]:
         """Joints and rope ends."""
         return links_of(self.surfaces)
+
+    @cached_property
+    def still(self) -> frozenset[str]:
+        """Entities that never move."""
+        return frozenset(n for n in self.surfaces.entities if is_still(self.surfaces.candidate.spec, n))
+
+    def squeezed(self, entity: str, frame: int) -> list[Squeeze]:
+        """Walls beside which an entity, or what touches it, is drawn apart within their skins, where nothing presses."""
+        group = group_of(self, entity, frame)
+        return [] if group is None else squeezes(self.surfaces, group, self.still, frame)
 
     def linked(self, a: str, b: str) -> NDArray[np.bool_]:
         """At which frames a joint or rope end holds the two together, shape (frames,)."""
@@ -165,6 +177,8 @@ class SupportGraph:
         key = (entity, without, self._place(entity, frame))
         if key not in self._rests:
             group = group_of(self, entity, frame)
+            if group is not None:
+                group = pressed(self.surfaces, group, self.still, frame)
             if group is not None and without:
                 group = group.without(entity, without)
             self._rests[key] = group is not None and _can_rest(self.surfaces, group, entity)

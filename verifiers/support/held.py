@@ -1,39 +1,40 @@
 """Support of static things: a chain of contacts down to the ground, for every piece of every one of them (R92, R93, R154).
 
 The ground of a world is its landscapes, its height fields, and the static things that reach lowest. Everything else that
-never moves hangs together with it through visible surfaces that touch, from whichever side: a shelf on its wall, a beam
-between its posts. Parts of one entity that touch nothing of it need a chain of their own. What stands on bodies that may
+never moves hangs together with it through visible surfaces that touch within a seam (`support/seams.py`), from whichever side: a shelf
+on its wall, a beam between its posts; all seams of a chain together are no wider than the contact tolerance. Parts of one entity that touch nothing of it need a chain of their own. What stands on bodies that may
 move is not held by them.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from heapq import heappop, heappush
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ...geometry import signed_clearance
-from ...worlds.arrays import F64, RigidPose, pose_of
-from ...worlds.spec import HeightField, PathDriver, WorldSpec
+from ...worlds.arrays import F64, RigidPose
+from ...worlds.spec import HeightField, WorldSpec
 from ..rows.answers import row_of, rows_of
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding, lacking
-from .bounds import LEFT, TURNED
+from .bounds import LEFT
 from .free_bodies import along_up, placement
 from .graph import DROP_STEPS, NEAR, gravity_direction
-from .one_piece import own_touches
 from .questions import DERIVED, HELD
+from .seams import seam, seams_between
+from .stillness import is_still
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row
     from ..scene.surfaces import Surfaces
     from .landed import Ground
 
-__all__ = ["Held", "afloat_lines", "held_rows", "is_still"]
+__all__ = ["Held", "afloat_lines", "held_rows"]
 
 DETAILED = 20
 """Failing rows for which the way to what lies beneath and beside is measured; a scene of floating things is mended one by one."""
@@ -47,23 +48,6 @@ class Way(NamedTuple):
     to: str
     offset: F64
     """The move that closes it [m], shape (3,)."""
-
-
-def is_still(spec: WorldSpec, name: str) -> bool:
-    """Whether an entity never moves: it is static, or kinematic and its path stays in one place."""
-    entity = spec.entities[name]
-    if entity.motion != "kinematic":
-        return entity.motion == "static"
-    for driver in spec.simulation.drivers.values():
-        if isinstance(driver, PathDriver) and driver.entity == name:
-            places = [pose_of(key.pose) for key in driver.keys.values()]
-            first = places[0]
-            way = max(float(np.linalg.norm(p.position - first.position)) for p in places)
-            # The two signs of a quaternion are one rotation.
-            turn = max(1.0 - abs(float(p.quaternion @ first.quaternion)) for p in places)
-            if way > spec.simulation.limits.support_drift or turn > 0.5 * TURNED**2:
-                return False
-    return any(isinstance(d, PathDriver) and d.entity == name for d in spec.simulation.drivers.values())
 
 
 def afloat_lines(spec: WorldSpec) -> list[dict[str, str]]:
@@ -108,38 +92,41 @@ class Held:
             if self.ground.over(entity):
                 if self.ground.touched(entity, (i,)):
                     found.add(i)
-            elif value >= lowest - surfaces.contact_gap(entity, entity):
+            elif value >= lowest - seam(surfaces, entity, entity):
                 found.add(i)
         return frozenset(found)
 
     @cached_property
-    def _touching(self) -> Mapping[int, list[int]]:
-        """Parts that touch each part."""
-        surfaces, among = self.surfaces, set(self._parts)
-        assert surfaces.first is not None  # measures parts of different entities
-        found: dict[int, list[int]] = {i: [] for i in self._parts}
-        met = [
-            (i, j)
-            for (i, j), gap in surfaces.at_start.items()
-            if i in among and j in among and gap <= surfaces.contact_gap(surfaces.parts[i].entity, surfaces.parts[j].entity)
-        ]
-        for i, j in [*met, *(pair for name in self.names for pair in own_touches(surfaces, surfaces.parts_of[name]))]:
-            found[i].append(j)
-            found[j].append(i)
-        return found
+    def _touching(self) -> Mapping[int, dict[int, float]]:
+        """Parts that touch each part, and the gap to each [m]."""
+        return seams_between(self.surfaces, self.names)
+
+    @cached_property
+    def _chains(self) -> tuple[dict[int, int | None], dict[int, float]]:
+        """For every part on a chain to the ground the next part on the tightest one, None for the ground, and the sum of its gaps [m]."""
+        toward: dict[int, int | None] = {}
+        total: dict[int, float] = {}
+        waiting: list[tuple[float, int, int, int | None]] = [(0.0, 0, part, None) for part in sorted(self.foundation)]
+        while waiting:
+            width, links, part, before = heappop(waiting)
+            if part in total:
+                continue
+            toward[part], total[part] = before, width
+            for other, gap in self._touching[part].items():
+                if other not in total:
+                    heappush(waiting, (width + gap, links + 1, other, part))
+        return toward, total
 
     @cached_property
     def _toward(self) -> Mapping[int, int | None]:
-        """For every part that is held the next part on its shortest chain to the ground; None for the ground itself."""
-        found: dict[int, int | None] = dict.fromkeys(sorted(self.foundation))
-        waiting = deque(found)
-        while waiting:
-            part = waiting.popleft()
-            for other in self._touching[part]:
-                if other not in found:
-                    found[other] = part
-                    waiting.append(other)
-        return found
+        """For every part that is held the next part on its tightest chain to the ground; None for the ground itself."""
+        toward, total = self._chains
+        most = self.surfaces.candidate.spec.simulation.limits.contact_gap
+        return {part: before for part, before in toward.items() if total[part] <= most}
+
+    def open_seams(self, parts: Sequence[int]) -> float | None:
+        """Sum of the gaps on the tightest chain of some parts to the ground [m]; None where they have none."""
+        return min((self._chains[1][i] for i in parts if i in self._chains[1]), default=None)
 
     def loose(self, entity: str) -> tuple[int, ...]:
         """Parts of one piece of the entity that nothing holds: those that touch each other; empty where all are held."""
@@ -222,13 +209,19 @@ def _common(surfaces: Surfaces, name: str) -> dict[str, Any]:
 
 def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> Finding:
     surfaces = held.surfaces
-    gap = surfaces.contact_gap(name, name)
     whole = len(loose) == len(surfaces.parts_of[name])
     what = repr(name) if whole else f"part {name}/{surfaces.parts[loose[0]].part}"
     fall = _beneath(held, loose) if detailed else None
     near = _beside(held, loose) if detailed else None
     corrections: list[Correction] = []
-    if fall is not None and fall.distance <= gap:
+    gap = _seam_of(held, name, near or fall)
+    nearest = min((w.distance for w in (fall, near) if w is not None and w.distance > gap), default=None)
+    seams = held.open_seams(loose)
+    if seams is not None:
+        nearest, gap = seams, surfaces.candidate.spec.simulation.limits.contact_gap
+        text = f"{what} is held over gaps of {seams * 1e3:.4g} mm together; on a chain to the ground at most {gap * 1e3:.4g} mm are allowed"
+        corrections.append(_closer(name))
+    elif fall is not None and fall.distance <= gap:
         text = f"{what} touches {fall.to!r}, which nothing holds up either"
     elif fall is not None:
         text = f"{what} floats {fall.distance * 1e3:.4g} mm above {fall.to!r}, and touches nothing that is held up"
@@ -239,7 +232,6 @@ def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> F
         text += f"; the nearest thing that is held up is {near.to!r}, {near.distance * 1e3:.4g} mm away"
         corrections.insert(0, _move(held, name, loose, near, f"bring it to {near.to!r}"))
     corrections += _others(name, what)
-    nearest = min((w.distance for w in (fall, near) if w is not None and w.distance > gap), default=None)
     return Finding(
         "fail",
         text,
@@ -256,6 +248,14 @@ def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> F
     )
 
 
+def _seam_of(held: Held, name: str, way: Way | None) -> float:
+    """Widest gap that counts as contact with what a way leads to [m]: with a landscape, the contact tolerance (S3)."""
+    to = name if way is None else way.to
+    if to not in held.surfaces.entities:
+        return float(held.surfaces.candidate.spec.simulation.limits.contact_gap)
+    return seam(held.surfaces, name, to)
+
+
 def _move(held: Held, name: str, loose: Sequence[int], way: Way, what: str) -> Correction:
     surfaces = held.surfaces
     if len(loose) == len(surfaces.parts_of[name]):
@@ -267,6 +267,15 @@ def _move(held: Held, name: str, loose: Sequence[int], way: Way, what: str) -> C
         "shape",
         f"Move it by ({text}) m in the world ({what}), or add a part that joins it with the others.",
         pointers=(pointer("entities", name, "parts", part, "pose"),),
+    )
+
+
+def _closer(name: str) -> Correction:
+    return correction(
+        f"there is air between {name!r} and the ground, a little at each thing that holds it",
+        "placement",
+        f"Place {name!r} and what holds it so that they touch: what never moves needs no room for collision skins.",
+        pointers=(pointer("entities", name, "pose"),),
     )
 
 

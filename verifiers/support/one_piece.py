@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 __all__ = ["one_piece_rows", "own_touches"]
 
 
-def own_touches(surfaces: Surfaces, parts: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Pairs of an entity's parts that touch each other at frame 0."""
+def own_touches(surfaces: Surfaces, parts: Sequence[int], *, gap: float | None = None) -> Iterator[tuple[int, int]]:
+    """Pairs of an entity's parts that touch each other at frame 0, within `gap` [m]; default the contact tolerance (S3)."""
     if len(parts) < 2:
         return
     low, high = (box[:, 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
     own = np.array(parts)
     name = surfaces.parts[parts[0]].entity
-    gap = surfaces.contact_gap(name, name)
+    gap = surfaces.contact_gap(name, name) if gap is None else gap
     boxes = np.maximum(low[own][:, None] - high[own], low[own] - high[own][:, None]).max(axis=2)
     for a, b in np.argwhere(boxes <= gap):
         if a < b and not _apart(surfaces, int(own[a]), int(own[b]), gap):

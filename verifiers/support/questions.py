@@ -65,7 +65,7 @@ DERIVED = Question(
     "gap beneath it, or to the nearest thing that is held up",
     "m",
     "<=",
-    "limits.contact_gap",
+    "limits.contact_gap; between things that never move SEAM_SHARE of the smaller one, from SEAM_LEAST to SEAM_MOST",
     ("entity",),
 )
 HELD = Question(

@@ -27,9 +27,9 @@ from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
 from .bounds import STIRRED
 from .graph import gravity_direction
-from .held import is_still
 from .moved import moves_of, spoken_of, support_interval
 from .questions import STAYS
+from .stillness import is_still
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row

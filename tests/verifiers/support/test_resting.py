@@ -20,6 +20,7 @@ from worldagent.worlds.spec import (
     Box,
     Capsule,
     ContactPair,
+    HingeJoint,
     Material,
     Mesh,
     MotorDriver,
@@ -161,6 +162,37 @@ def test_books_between_walls_are_held_by_friction(tmp_path: Path, count: int) ->
     rows = rows_of(tmp_path, books(count, end="dynamic"), {}, relations=relations)
     assert rows["support:scene"].status == "fail"
     assert rows["support:derived:right"].status == "fail"
+
+
+@pytest.mark.parametrize(("gap", "status"), [(4e-5, "pass"), (6e-5, "fail"), (2e-4, "fail"), (9.9e-4, "fail")])
+def test_collision_skins_clamp_nothing_beside_drawn_air(tmp_path: Path, gap: float, status: str) -> None:
+    """A book between walls that friction could hold if something pressed it: nothing does but the skins, 0.5 mm each."""
+    things = {
+        "floor": ground(),
+        "left": box(0.2, 2, 2, at=(-0.1 - gap, 0, 1)),
+        "b0": box(0.05, 0.2, 0.3, motion="dynamic", at=(0.025, 0, 1)),
+        "right": box(0.2, 2, 2, at=(0.15 + gap, 0, 1)),
+    }
+    for stage in (None, {}):
+        row = rows_of(tmp_path / str(stage), things, stage)["support:derived:b0"]
+        assert row.status == status
+        if status == "fail":
+            text = f"'b0' is drawn {gap * 1e3:.4g} mm from 'left', and their collision skins of 1 mm overlap by {1 - gap * 1e3:.4g} mm"
+            assert text in row.evidence["explanation"]
+
+
+@pytest.mark.parametrize(("motion", "status"), [("dynamic", "pass"), ("static", "fail")])
+def test_a_jaw_on_a_hinge_presses_and_a_wall_does_not(tmp_path: Path, motion: str, status: str) -> None:
+    """Both are drawn two skins from the book, as bodies that touch are."""
+    things = {
+        "floor": ground(),
+        "wall": box(0.2, 2, 2, at=(-0.101, 0, 1)),
+        "b0": box(0.05, 0.2, 0.3, motion="dynamic", at=(0.025, 0, 1)),
+        "jaw": box(0.1, 0.2, 0.5, motion=motion, at=(0.101, 0, 1)),
+        "post": box(0.1, 0.2, 2, at=(0.2, 0, 1)),
+    }
+    hinge = {"h": HingeJoint(parent="post", child="jaw", anchor=(0.15, 0, 0.8), axis=(0, 1, 0))} if motion == "dynamic" else {}
+    assert rows_of(tmp_path, things, joints=hinge)["support:derived:b0"].status == status
 
 
 def test_a_body_between_walls_that_falls_was_not_held(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..instances import instance_for, membership_problems
 from ..problems import Problem, removed, replaced
 from ..spec import DetachDriver, MotorDriver, PathDriver, WorldSpec
+from .reach import held_at_points
 
 __all__ = ["ownership_problems"]
 
@@ -34,11 +35,11 @@ def ownership_problems(spec: WorldSpec) -> list[Problem]:
         if entity.active is not None:
             text = f"{name!r} has an active interval, but no engine of this build makes bodies appear or vanish; leave it out"
             problems.append(Problem(f"{place}/active", text, removed(f"{place}/active")))
-        if entity.afloat is not None and entity.motion == "dynamic":
+        if entity.afloat is not None and entity.motion == "dynamic" and name not in held_at_points(spec):
             text = (
-                f"{name!r} is dynamic, and afloat ({entity.afloat!r}) is allowed for static and kinematic things only: it says why one hangs in "
-                "the air with nothing that holds it; what is dynamic falls, or a contact, joint, rope or liquid carries it: leave afloat out, "
-                "or make it static"
+                f"{name!r} is dynamic, and afloat ({entity.afloat!r}) is allowed for static and kinematic things, and for what a joint or rope end "
+                "holds at a point of space: it says why one hangs in the air with nothing that holds it; what else is dynamic falls, or a contact, "
+                "joint, rope or liquid carries it: leave afloat out, or make it static"
             )
             problems.append(Problem(f"{place}/afloat", text, removed(f"{place}/afloat")))
         if entity.motion == "kinematic" and name not in driven:

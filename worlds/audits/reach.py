@@ -8,11 +8,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..arrays import F64, pose_of
+from ..extents import initial_box
 from ..problems import Problem, replaced
 from ..shapes import Shape
 from ..spec import BallJoint, Box, Capsule, Cylinder, HingeJoint, Rope, SlideJoint, Sphere, SpringJoint, WeldJoint, WorldSpec
 
-__all__ = ["reach_problems"]
+__all__ = ["held_at_points", "reach_problems"]
 
 FACETS = 0.01
 """[m] A visible surface is made of facets, and the check of it takes them into account by at most this."""
@@ -103,28 +104,9 @@ def _beside_axis(spec: WorldSpec, entity: str, anchor: F64, axis: F64) -> float:
     return best
 
 
-def _world_box(spec: WorldSpec, entity: str) -> tuple[F64, F64] | None:
-    """Corners of a box that holds an entity [m], shapes (3,); None where a shape does not tell."""
-    outer, found = pose_of(spec.entities[entity].pose), []
-    for part in spec.entities[entity].parts.values():
-        shape = part.shape
-        if isinstance(shape, Box):
-            half = 0.5 * np.array(shape.size)
-        elif isinstance(shape, Sphere | Capsule):
-            half = shape.radius + np.array([0.0, 0.0, 0.5 * shape.length if isinstance(shape, Capsule) else 0.0])
-        elif isinstance(shape, Cylinder):
-            half = np.array([shape.radius, shape.radius, 0.5 * shape.height])
-        else:
-            return None
-        signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        found.append(outer.apply(pose_of(part.pose).apply(signs * half)))
-    corners = np.concatenate(found) if found else None
-    return None if corners is None else (corners.min(axis=0), corners.max(axis=0))
-
-
 def _apart(spec: WorldSpec, a: str, b: str) -> bool:
     """Whether two entities can neither touch nor meet at one place of a joint, by the boxes that hold them."""
-    boxes = _world_box(spec, a), _world_box(spec, b)
+    boxes = initial_box(spec.entities[a]), initial_box(spec.entities[b])
     if boxes[0] is None or boxes[1] is None:
         return False
     gap = np.maximum(boxes[0][0] - boxes[1][1], boxes[1][0] - boxes[0][1])
@@ -145,6 +127,11 @@ def _anchors(spec: WorldSpec) -> Iterator[tuple[str, str, F64, str, float]]:
                 if to == "world":
                     point = pose_of(entity.pose).apply(np.array([rope.points[index]], dtype=np.float64))[0]
                     yield f"the {side} of rope {name!r}", name, point, f"/entities/{name}/generator/points/{index}", rope.radius
+
+
+def held_at_points(spec: WorldSpec) -> frozenset[str]:
+    """Entities that a joint, spring or rope end holds at a fixed point of space."""
+    return frozenset(entity for _, entity, *_ in _anchors(spec))
 
 
 def _from_nothing(spec: WorldSpec) -> Iterator[Problem]:

@@ -171,6 +171,8 @@ def test_contacts_of_different_pairs_and_afloat_of_what_is_static_are_no_fault()
     pairs = [("/simulation/contacts/one", {"a": "ball", "b": "b1"}), ("/simulation/contacts/two", {"a": "ball", "b": "b2"})]
     assert [p for p in _problems("bounds", *pairs) if "/contacts/" in p] == []
     assert [p for p in _problems("ownership", ("/entities/shelf/afloat", "a shelf of a dream")) if "afloat" in p] == []
+    hung = ("/simulation/joints/h", {"kind": "weld", "child": "b3", "anchor": [0, 0, 9]})
+    assert [p for p in _problems("ownership", hung, ("/entities/b3/afloat", "a block of a dream")) if "afloat" in p] == []
 
 
 def test_drivers_that_a_beat_tells_or_that_come_too_late_to_be_certain_are_no_fault() -> None:

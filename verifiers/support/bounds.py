@@ -42,9 +42,8 @@ SEAM_SHARE = 0.01
 """[1] Own choice: of the smaller of two static things, the widest gap between them: a seam that nobody takes for air."""
 SEAM_LEAST = 2e-4
 """[m] Own choice: seams of small things; suggested moves leave LEFT."""
-SEAM_MOST = 1e-3
-"""[m] Own choice: seams of large things: two skins of the default, which people leave under what stands."""
-
+SEAM_MOST = 2e-3
+"""[m] Own choice: seams of large things: two skins of 1 mm, which people leave under everything that stands."""
 FITTED = 5e-5
 """[m] Own choice: what is drawn as near to a wall as this fits it so closely that friction may hold it, as a book in a full shelf."""
 

@@ -22,6 +22,7 @@ from ...worlds.spec import HeightField, WorldSpec
 from ..rows.answers import row_of, rows_of
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding, lacking
+from ..scene.bounds import ROUNDING
 from .bounds import LEFT
 from .free_bodies import along_up, placement
 from .graph import DROP_STEPS, NEAR, gravity_direction
@@ -122,7 +123,7 @@ class Held:
         """For every part that is held the next part on its tightest chain to the ground; None for the ground itself."""
         toward, total = self._chains
         most = self.surfaces.candidate.spec.simulation.limits.contact_gap
-        return {part: before for part, before in toward.items() if total[part] <= most}
+        return {part: before for part, before in toward.items() if total[part] <= most + ROUNDING}
 
     def open_seams(self, parts: Sequence[int]) -> float | None:
         """Sum of the gaps on the tightest chain of some parts to the ground [m]; None where they have none."""

@@ -50,14 +50,14 @@ def mended(spec: WorldSpec, row: Row) -> WorldSpec:
 # ---------------------------------------------------------------- static things
 
 
-@pytest.mark.parametrize(("gap", "status"), [(0.0, "pass"), (0.00099, "pass"), (0.0011, "fail"), (0.5, "fail")])
+@pytest.mark.parametrize(("gap", "status"), [(0.0, "pass"), (0.00199, "pass"), (0.0021, "fail"), (0.5, "fail")])
 def test_a_static_thing_in_mid_air_fails_and_the_patch_puts_it_down(tmp_path: Path, gap: float, status: str) -> None:
     spec = world({"floor": ground(), "bust": box(0.2, 0.2, 0.4, at=(0, 0, 0.2 + gap))})
     row = {r.id: r for r in support.check(make_candidate(tmp_path, spec))}["support:derived:bust"]
     assert row.status == status
     if status == "fail":
         assert row.measured == pytest.approx(gap, abs=1e-4)
-        assert (round(row.bound, 5), row.unit, row.entities, row.first_failing_frame) == (0.001, "m", ("bust", "floor"), 0)
+        assert (round(row.bound, 5), row.unit, row.entities, row.first_failing_frame) == (0.002, "m", ("bust", "floor"), 0)
         assert [c.group for c in row.corrections] == ["placement", "shape", "placement"]
         again = support.check(make_candidate(tmp_path / "again", mended(spec, row)))
         assert {r.status for r in again} == {"pass"}
@@ -81,10 +81,10 @@ def test_a_shelf_holds_at_its_wall_and_a_beam_between_its_posts(tmp_path: Path) 
 
 
 @pytest.mark.parametrize(
-    ("size", "gap", "status"), [(0.1, 0.0009, "pass"), (0.02, 0.0003, "pass"), (0.02, 0.0004, "fail"), (8.0, 0.0011, "fail")]
+    ("size", "gap", "status"), [(0.1, 0.0009, "pass"), (0.02, 0.0003, "pass"), (0.02, 0.0004, "fail"), (8.0, 0.0021, "fail")]
 )
 def test_a_seam_is_small_against_what_it_joins(tmp_path: Path, size: float, gap: float, status: str) -> None:
-    """One in a hundred of the diagonal, at most one millimetre."""
+    """One in a hundred of the diagonal, at most two millimetres."""
     things = {
         "floor": ground(),
         "wall": box(1, 9, 9, at=(-1, 0, 4.5)),

@@ -90,6 +90,7 @@ def run_frames(
     progress: Callable[[float, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
     reuse: bool = True,
+    earlier: Mapping[str, Cache] | None = None,
 ) -> dict[str, Cache]:
     """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, and the surfaces and wet maps of liquids, resuming what is there.
 
@@ -101,6 +102,8 @@ def run_frames(
         progress: called with (done, total, message); `done` may fall where a frame is made again.
         check: called between frames and within them; raises to stop.
         reuse: whether a liquid's frames may come from another candidate; not where nothing else is to be trusted.
+        earlier: caches of another run of this specification and geometry, whose surfaces and wet maps are taken where all its frames
+            are those of this run.
 
     Raises:
         InputError: an instance cannot be prepared.
@@ -117,8 +120,9 @@ def run_frames(
         say = _Frames(partial(tell, rank), check, names, frames)
         caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
     if spec.simulation.liquid:
-        from .surfaces import map_wet_solids, mesh_liquids
+        from .surfaces import map_wet_solids, mesh_liquids, take_made
 
+        take_made(spec, caches, earlier or {})
         mesh_liquids(spec, built, caches, progress=partial(tell, len(groups)), check=check)
         map_wet_solids(spec, built, caches, progress=partial(tell, len(groups) + 1), check=check)
     return caches

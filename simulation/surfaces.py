@@ -13,14 +13,15 @@ from ..worlds.categories.liquid.facts import spacing_of
 from ..worlds.categories.liquid.surface import LiquidSurface
 from ..worlds.categories.liquid.wet import WetMap
 from ..worlds.categories.loose import domain_box
-from ..worlds.errors import InputError
+from ..worlds.errors import EvidenceError, InputError
 from ..worlds.spec import WorldSpec
 from .boundaries import meets_domain
+from .liquid.derived_frames import take_frames
 from .liquid.scene import MARGIN
 from .liquid.surface import default_settings, mesh_surfaces
 from .liquid.wet import WetPart, map_wet
 
-__all__ = ["map_wet_solids", "mesh_liquids", "walls_of"]
+__all__ = ["map_wet_solids", "mesh_liquids", "take_made", "walls_of"]
 
 
 def walls_of(
@@ -64,6 +65,28 @@ def walls_of(
         return found
 
     return at
+
+
+def take_made(spec: WorldSpec, caches: Mapping[str, Cache], earlier: Mapping[str, Cache]) -> None:
+    """Take surfaces and wet maps from an earlier run of the same specification and geometry that came to the same frames.
+
+    Solids hold a surface and carry what is wet, so that the frames of all instances have to be the same. `mesh_liquids` and
+    `map_wet_solids` then test and keep what was taken, and make what is missing.
+
+    Args:
+        spec: the specification.
+        caches: complete, of all instances.
+        earlier: those of the earlier run, which may be shorter.
+    """
+    try:
+        known = {name: earlier[name].digests() for name in caches if name in earlier}
+        if len(known) < len(caches) or any(caches[n].digests()[: len(d)] != d for n, d in known.items()):
+            return
+    except EvidenceError:
+        return
+    for name in spec.simulation.liquid:
+        for made in (LiquidSurface, WetMap):
+            take_frames(made(caches[name]), made(earlier[name]))
 
 
 def mesh_liquids(

@@ -160,6 +160,17 @@ def _events(candidate: Any) -> dict[str, int | None]:
     return {n: evaluate(candidate, b.predicate, b.frames).first_true_frame for n, b in candidate.spec.story.beats.items()}
 
 
+def _same_probe(work: _Work, detail: Mapping[str, Any]) -> Candidate | None:
+    """The probe of the freeze, if it ran at production settings and its digest is the one on record; else None."""
+    if detail.get("overrides"):
+        return None
+    try:
+        found = work.candidate("probe")
+    except EvidenceError:
+        return None
+    return found if found.digest == detail.get("digest") else None
+
+
 def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Bake the frozen candidate and check the full sequence."""
     import shutil
@@ -172,7 +183,8 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .measurements import refuted
     from .promises import promise_row
 
-    session, freeze, built = _work(payload)
+    work = _work(payload)
+    session, freeze, built = work
     record = require_probe(session, freeze)
     total = session.spec.simulation.frames
     forged = refuted(session, freeze)
@@ -180,7 +192,8 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
     split = 1.0 - judging_share(session.spec, "full")
     part = Part(context.progress, 0.0, split, alike=stretch_count(session.spec))
-    candidate = run_bake(session.folder, freeze, built=built, progress=part, check=context.check, reuse=not forged)
+    probe = None if forged else _same_probe(work, record["detail"])
+    candidate = run_bake(session.folder, freeze, built=built, progress=part, check=context.check, reuse=not forged, probe=probe)
     rows = run_checks(candidate, progress=Part(context.progress, split, 1.0))
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from ...worlds.derived import Derived
 from ...worlds.folder import write_atomically
 
-__all__ = ["Make", "make_frames"]
+__all__ = ["Make", "make_frames", "take_frames"]
 
 Make = Callable[[int], tuple[dict[str, Any], frozenset[str]]]
 """Channels of a frame without its `source`, and their writers."""
@@ -50,3 +51,22 @@ def make_frames(
             progress(frame + 1, index.frames, f"{index.solver}: {made.one} of frame {frame + 1} of {index.frames}")
         if check is not None:
             check()
+
+
+def take_frames(made: Derived, earlier: Derived) -> None:
+    """Put a copy of what was made of another cache where this one's stands, if that has more frames.
+
+    Whoever goes on from there tests recipe, digest and source of every frame, as of those that an interrupted run left.
+
+    Args:
+        made: where the copy goes.
+        earlier: what is copied, made of the same frames.
+    """
+    if earlier.count() <= made.count():
+        return
+    folder = made.files.folder
+    spare = folder.with_name(f".{folder.name}.taken")
+    shutil.rmtree(spare, ignore_errors=True)  # what a kill left
+    shutil.copytree(earlier.files.folder, spare)
+    shutil.rmtree(folder, ignore_errors=True)
+    spare.rename(folder)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,11 @@ from worldagent.simulation.bake import run_bake
 from worldagent.simulation.probe import replay
 from worldagent.testing.worlds.small_liquids import CRATE, LINER, PROMPT, tank_spec
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
+from worldagent.workflow import jobs
+from worldagent.workflow.session import Session
+from worldagent.worlds.cache import write_container
 from worldagent.worlds.candidate import Candidate, open_candidate
+from worldagent.worlds.categories.liquid.surface import LiquidSurface
 from worldagent.worlds.folder import WorldFolder
 
 SPACING, DEPTH, FRAMES = 0.03, 0.15, 24
@@ -110,3 +115,24 @@ def test_a_coarser_probe_runs_fewer_particles_and_gives_way_to_a_finer_one(agent
             assert told.get("overrides", {}) == ({"/entities/water/physics/resolution": resolution} if coarser > 1 else {})
         assert 2.0 < counts[1.0] / counts[1.5] < 5.0
         assert "allowed" in agent.refused("probe_sim", world="w", coarser=3.0)
+
+
+def test_a_surface_forged_in_the_probe_with_its_digest_does_not_reach_the_bake(probed: Any, tmp_path: Path) -> None:
+    """The record of the probe has the digest of its surfaces; what differs from it, and a coarser probe, is not taken from."""
+    _, _, candidate = probed
+    session = Session.at(WorldFolder.at(Path(shutil.copytree(candidate.folder, tmp_path / "w"))))
+    freeze = _freeze(session.folder)
+    record = session.ledger.freeze(freeze)
+    assert record is not None
+    work, detail = jobs._Work(session, freeze, dict(candidate.built)), record["detail"]
+    taken = jobs._same_probe(work, detail)
+    assert taken is not None
+    assert taken.digest == candidate.digest
+    assert jobs._same_probe(work, {**detail, "overrides": {"/entities/water/physics/resolution": 2 * SPACING}}) is None
+    surface = LiquidSurface(taken.caches["water"])
+    found = dict(surface.read(FRAMES - 1))
+    found["surface/vertices"] = found["surface/vertices"] + np.float32(0.1 * SPACING)
+    digests = surface.files.digests()
+    surface.files.begin_digests([*digests[:-1], write_container(surface.files.path(FRAMES - 1), found)])
+    LiquidSurface(taken.caches["water"]).read(FRAMES - 1)  # by itself it passes for whole
+    assert jobs._same_probe(work, detail) is None

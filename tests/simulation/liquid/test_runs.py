@@ -14,11 +14,12 @@ from worldagent.simulation.probe import replay
 from worldagent.simulation.protocol import Intervention
 from worldagent.simulation.runs import make_run
 from worldagent.simulation.schedule import run_frames
+from worldagent.simulation.surfaces import map_wet_solids, mesh_liquids, take_made
 from worldagent.simulation.variants import run_variant, simulated
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.built import BuiltEntity
-from worldagent.worlds.cache import Cache
+from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.categories.liquid.surface import LiquidSurface
 from worldagent.worlds.channels import names_written
@@ -73,6 +74,60 @@ def test_a_killed_run_goes_on_to_the_same_bytes(baked: Candidate, tmp_path: Path
     for name, cache in baked.caches.items():
         assert again[name].digests() == cache.digests(), name
         assert again[name].index == cache.index
+
+
+def _bare(baked: Candidate, folder: Path) -> dict[str, Cache]:
+    """Copies of the caches without what was made of them."""
+    leave = shutil.ignore_patterns("surface", "wet")
+    return {n: Cache(shutil.copytree(c.folder, folder / n, ignore=leave)) for n, c in baked.caches.items()}
+
+
+def _frames_made(baked: Candidate, caches: Mapping[str, Cache]) -> list[str]:
+    """What is told of the surfaces and wet maps that had to be made; the end equals that of the first run."""
+    told: list[str] = []
+    for make in (mesh_liquids, map_wet_solids):
+        make(baked.spec, baked.built, caches, progress=lambda done, total, text: told.append(text.split(": ")[1]))
+    assert cache_digest(caches) == cache_digest(baked.caches)
+    return told
+
+
+def test_surfaces_and_wet_maps_of_the_same_frames_are_taken_and_not_made_again(baked: Candidate, tmp_path: Path) -> None:
+    caches = _bare(baked, tmp_path)
+    take_made(baked.spec, caches, baked.caches)
+    assert _frames_made(baked, caches) == []
+
+
+def test_a_whole_run_takes_them_too(baked: Candidate, tmp_path: Path) -> None:
+    told: list[str] = []
+    again = run_frames(
+        baked.spec, baked.built, tmp_path, frames=FRAMES, progress=lambda *said: told.append(said[2]), earlier=baked.caches
+    )
+    assert cache_digest(again) == cache_digest(baked.caches)
+    assert f"frame {FRAMES} of {FRAMES}" in " ".join(told)
+    assert not [t for t in told if "surface" in t or "wet" in t]
+
+
+def test_of_an_earlier_run_only_what_is_whole_is_taken(baked: Candidate, tmp_path: Path) -> None:
+    """Altered bytes are found frame by frame, and all after them are made anew."""
+    earlier = {n: Cache(shutil.copytree(c.folder, tmp_path / "earlier" / n)) for n, c in baked.caches.items()}
+    surface = LiquidSurface(earlier["water"])
+    found = surface.read(9) | {"spray/id": np.zeros(0, dtype=np.int32)}
+    found["surface/vertices"] = found["surface/vertices"] + np.float32(0.01)
+    write_container(surface.files.path(9), found)
+    caches = _bare(baked, tmp_path / "later")
+    take_made(baked.spec, caches, earlier)
+    assert _frames_made(baked, caches) == [f"surface of frame {k + 1} of {FRAMES}" for k in range(9, FRAMES)]
+
+
+@pytest.mark.parametrize("other", ["rigid", "water"])
+def test_nothing_is_taken_of_another_motion(baked: Candidate, tmp_path: Path, other: str) -> None:
+    """A crate elsewhere wets and holds the water otherwise, whatever the water itself does."""
+    earlier = {n: Cache(shutil.copytree(c.folder, tmp_path / "earlier" / n)) for n, c in baked.caches.items()}
+    digests = earlier[other].digests()
+    earlier[other].begin_digests([*digests[:7], "0" * len(digests[7]), *digests[8:]])
+    caches = _bare(baked, tmp_path / "later")
+    take_made(baked.spec, caches, earlier)
+    assert len(_frames_made(baked, caches)) == 2 * FRAMES
 
 
 def test_intervals_replay_from_their_checkpoints_by_the_byte(baked: Candidate) -> None:

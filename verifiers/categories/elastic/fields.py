@@ -1,12 +1,16 @@
 """Impulses and work of force fields on elastic bodies, against those of the declared fields (R18, R63, R102).
 
 The fields are asked again at the vertices of every two frames, masses lumped to them and
-a medium meeting the faces that face it. Between the frames the mean of both ends holds; how far they differ is left open.
+a medium meeting the faces that face it. What they gave in between is told in two ways, and the recorded impulse has to agree with one:
+
+- the mean of both ends, with half of their difference left open, as where a field begins in space or blows in gusts;
+- Simpson's rule with the middle of the frame, where each vertex is taken along the cubic path that has its places and velocities at both
+  frames (C. Hermite). A body that lands swings within a frame, and its drag at both ends tells nothing of that; its way does.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,24 +93,45 @@ def _off(candidate: Candidate, soft: Deforming, found: Fields, given: F64) -> tu
         if k * h <= let_go + 1e-9:
             off[k] = float(np.linalg.norm(given[k]))
             continue
-        then, now = _force(soft, found, loose, k - 1, (k - 1) * h), _force(soft, found, loose, k, k * h - 1e-9)
-        largest = max(largest, h * float(np.linalg.norm(then)), h * float(np.linalg.norm(now)))
+        begin, middle, end = _states(soft, k, h)
+        then, now = (h * _force(soft, found, loose, at, time) for at, time in ((begin, (k - 1) * h), (end, k * h - 1e-9)))
+        largest = max(largest, float(np.linalg.norm(then)), float(np.linalg.norm(now)))
         if not any((k - 1) * h + 1e-9 < t < k * h - 1e-9 for t in switch):
-            doubt = 0.5 * h * float(np.linalg.norm(now - then))
-            off[k] = max(float(np.linalg.norm(given[k] - 0.5 * h * (then + now))) - doubt, 0.0)
+            doubt = 0.5 * float(np.linalg.norm(now - then))
+            off[k] = max(float(np.linalg.norm(given[k] - 0.5 * (then + now))) - doubt, 0.0)
+            if off[k] > 0.0:
+                halfway = h * _force(soft, found, loose, middle, (k - 0.5) * h)
+                off[k] = min(off[k], float(np.linalg.norm(given[k] - (then + 4.0 * halfway + now) / 6.0)))
     return off, largest
 
 
-def _force(soft: Deforming, found: Fields, loose: NDArray[np.bool_], frame: int, time: float) -> F64:
-    """Of all fields on what of a body is `loose` from its pins, at a frame [N], shape (3,)."""
-    total = (soft.masses * loose) @ found.acceleration(soft.positions(frame), time)
+class _State(NamedTuple):
+    """A body at one moment, by its vertices."""
+
+    places: F64
+    """[m], shape (v, 3)."""
+    speeds: F64
+    """[m/s], shape (v, 3)."""
+
+
+def _states(soft: Deforming, frame: int, h: float) -> tuple[_State, _State, _State]:
+    """A body at the frame before, halfway on the cubic path between the two, and at a frame; frames are `h` [s] apart."""
+    begin, end = (_State(soft.positions(k), soft.velocities(k)) for k in (frame - 1, frame))
+    places = 0.5 * (begin.places + end.places) + 0.125 * h * (begin.speeds - end.speeds)
+    speeds = 1.5 * (end.places - begin.places) / h - 0.25 * (begin.speeds + end.speeds)
+    return begin, _State(places, speeds), end
+
+
+def _force(soft: Deforming, found: Fields, loose: NDArray[np.bool_], at: _State, time: float) -> F64:
+    """Of all fields on what of a body is `loose` from its pins, in a state at a time [s] [N], shape (3,)."""
+    total = (soft.masses * loose) @ found.acceleration(at.places, time)
     if found.has_medium:
         for part, mesh in soft.meshes.items():
-            vertices, speeds = soft.positions(frame, part), soft.velocities(frame, part)
-            corners = vertices[mesh.faces]
+            own = soft.ranges[part]
+            corners = at.places[own][mesh.faces]
             medium = found.medium(corners.mean(axis=1), time)
-            push = face_drag(medium, corners, speeds[mesh.faces].mean(axis=1)).force
-            total = total + loose[soft.ranges[part]][mesh.faces].mean(axis=1) @ push
+            push = face_drag(medium, corners, at.speeds[own][mesh.faces].mean(axis=1)).force
+            total = total + loose[own][mesh.faces].mean(axis=1) @ push
     return np.asarray(total)
 
 

@@ -137,6 +137,11 @@ class _Draft:
         }
 
 
+def _blow(mass: float) -> float:
+    """Impulse [N s] that changes the speed of a mass [kg] by 2 mm/s: a touch that is no noise."""
+    return float(f"{0.002 * mass:.4g}")
+
+
 def _push(draft: _Draft, drawn: Mapping[str, float]) -> None:
     size, way = drawn["size"], drawn["size"] * drawn["way_of_size"]
     # The striker must come with speed to spare: v^2 = 2 mu g (way + half the size, for the push).
@@ -155,7 +160,7 @@ def _push(draft: _Draft, drawn: Mapping[str, float]) -> None:
     )
     draft.put("target", _box("wooden block", "wood", [size] * 3, [0, 0, z]), "floor")
     time = (speed - math.sqrt(max(0.0, speed**2 - 2 * FRICTION * G * way))) / (FRICTION * G)
-    draft.beat("hit", "target", time, {"kind": "contact", "a": "striker", "b": "target", "min_impulse": 1e-4})
+    draft.beat("hit", "target", time, {"kind": "contact", "a": "striker", "b": "target", "min_impulse": _blow(600 * size**3)})
     draft.extent = size
 
 
@@ -178,7 +183,9 @@ def _row(draft: _Draft, drawn: Mapping[str, float]) -> None:
     draft.put("ball", _ball("steel ball", radius, [-thick / 2 - 4 * radius, 0, block + 2 * draft.gap + radius], speed), "block")
     wave = 0.9 * math.sqrt(G * height)
     fall = 2 * math.sqrt(height / G)
-    draft.beat("knock", "d0", 3 * radius / speed, {"kind": "contact", "a": "ball", "b": "d0", "min_impulse": 1e-5})
+    draft.beat(
+        "knock", "d0", 3 * radius / speed, {"kind": "contact", "a": "ball", "b": "d0", "min_impulse": _blow(600 * height**3 / 12)}
+    )
     draft.beat(
         "last",
         f"d{count - 1}",
@@ -201,7 +208,7 @@ def _tower(draft: _Draft, drawn: Mapping[str, float]) -> None:
     radius = 0.3 * size
     speed = draft.rules["speed_margin"] * 1.5
     draft.put("ball", _ball("steel ball", radius, [-size / 2 - way - radius, 0, radius + draft.gap], speed), "floor")
-    draft.beat("hit", "box0", way / speed, {"kind": "contact", "a": "ball", "b": "box0", "min_impulse": 1e-4})
+    draft.beat("hit", "box0", way / speed, {"kind": "contact", "a": "ball", "b": "box0", "min_impulse": _blow(600 * size**3)})
     draft.extent = count * size
 
 

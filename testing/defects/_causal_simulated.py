@@ -183,12 +183,36 @@ def _hastened(folder: Path, magnitude: float, rng: Rng) -> World:
     return World(simulate(folder, world(entities, beats=beats, drivers={"wind": wind}, frames=FRAMES + 6, materials=SLICK)))
 
 
+def _within_noise(folder: Path, magnitude: float, rng: Rng) -> World:
+    """A ball of `magnitude` metres hits what a force moves anyway; the beat asks for next to no change."""
+    entities = {
+        "floor": ground(),
+        "a": ball(magnitude, motion="dynamic", at=(float(rng.uniform(0.0, 0.02)), 0, 0.001 + magnitude), velocity=(1.0, 0, 0)),
+        "b": box(0.1, 0.1, 0.1, motion="dynamic", at=(0.15, 0, 0.051)),
+    }
+    wind = ForceDriver(entity="b", force=(3.0, 0, 0), start=0.0, end=1.0)
+    far = _moves("b", 0.05, causes=["hit"], margins={"hit": CausalMargin(value=1e-9)})
+    spec = world(entities, beats={"hit": HIT, "slides": far}, drivers={"wind": wind}, frames=FRAMES, materials=SLICK)
+    return World(simulate(folder, spec), ("b",))
+
+
+def _strengthened(folder: Path, magnitude: float, rng: Rng) -> World:
+    """A force does it as well, but less: the beat says by how much the hit strengthens it."""
+    entities, _ = _blocks(rng)
+    wind = ForceDriver(entity="b", force=(magnitude * 0.6 * 0.1 * 9.81, 0, 0), start=0.25, end=2.0)
+    far = _moves("b", 0.04, causes=["hit"], margins={"hit": CausalMargin(value=0.01)})
+    beats = {"hit": HIT, "slides": far}
+    return World(simulate(folder, world(entities, beats=beats, drivers={"wind": wind}, frames=FRAMES + 6, materials=SLICK)))
+
+
 SIMULATED = (
     Mechanism("wind-does-it", "struck, but a driver moves it anyway", True, _wind_does_it, 1.5, 10, "1"),
     Mechanism("cut-by-the-clock", "touched, but a driver lets it fall", True, _cut_by_the_clock, 0.05, 0.25, "s"),
     Mechanism("brushed", "what it brushes on its way does not bring it there", True, _brushed, 5e-3, 0.02, "m"),
     Mechanism("sweep", "one driven bar strikes both in turn", True, _sweep, 0.03, 0.15, "m"),
     Mechanism("together", "two fall side by side", True, _together, 1e-3, 0.5, "m"),
+    Mechanism("within-noise", "a hit adds next to nothing, and no more is asked", True, _within_noise, 0.004, 0.012, "m"),
+    Mechanism("strengthened", "a hit strengthens what comes anyway, and says so", False, _strengthened, 1.2, 1.8, "1"),
     Mechanism("struck", "struck in a wind that is too weak to move it", False, _struck, 0.1, 0.9, "1"),
     Mechanism("row", "a row of blocks, the last one moves", False, _row, 2e-3, 0.03, "m"),
     Mechanism("rebound", "a wall sends a ball back", False, _rebound, 0.4, 0.95, "1"),

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...worlds.errors import EvidenceError
+from ...worlds.noise import least_margin
 from ...worlds.predicates import Contact
 from ..predicates import Outcome, beat_times, evaluate
 from ..rows.findings import Finding
@@ -101,6 +102,8 @@ def _weaker(edge: Edge, variant: Candidate, margin: CausalMargin) -> Finding:
     if here is None or there is None or (values[0].unit != values[1].unit and not pressed):
         raise EvidenceError(f"{unit or 'the predicate'} has no measured value at frame {first}; declare a margin in frames")
     change = abs(here - there)
-    asked = max(margin.value, LEAST_CHANGE * abs(here))
+    floor = least_margin(edge.candidate.spec, edge.effect)
+    noise = floor.value if floor is not None and floor.unit == unit else 0.0
+    asked = max(margin.value, LEAST_CHANGE * abs(here), noise)
     text = f"at frame {first} it measures {there:.4g} instead of {here:.4g} {unit}, {asked:g} is asked"
     return Finding("pass" if change >= asked else "fail", text, change, asked, unit, comparison=">=")

@@ -14,6 +14,7 @@ from typing import Any
 
 from ..categories.registry import CATEGORIES
 from ..drivers import behind
+from ..noise import least_impulse, least_margin, least_travel
 from ..predicates import atoms_of, entities_of
 from ..predicates.registry import PREDICATES, is_invariant
 from ..problems import Problem, replaced
@@ -39,10 +40,6 @@ __all__ = ["bound_problems", "clause_problems", "hold_problems", "overlap_proble
 
 UNMET_SHARE = 0.5
 """Own choice: with more of its clauses given up, a world is not the prompt's any more."""
-LEAST_TRAVEL_SHARE = 0.02
-"""Own choice: a displacement counts as an event from this share of the entity's diagonal on, within the two limits below."""
-LEAST_TRAVEL = (0.001, 0.02)
-"""[m]: above what bodies settle into their skins, and no more than one can see on a large body."""
 OVERLAP_SHARE = 0.5
 """Own choice: at least half of the smaller body stays outside (a post may be buried that deep), measured along its longest side."""
 
@@ -241,6 +238,7 @@ def bound_problems(spec: WorldSpec) -> list[Problem]:
     """Bounds of beats that noise alone would meet (R154)."""
     found: list[Problem] = []
     for name, beat in spec.story.beats.items():
+        found += _small_margins(spec, name, beat)
         if not is_invariant(beat.predicate):
             document = beat.predicate.model_dump(mode="json", exclude_none=True)
             for place, one in _nested(document, f"/story/beats/{name}/predicate"):
@@ -250,6 +248,16 @@ def bound_problems(spec: WorldSpec) -> list[Problem]:
         for place, one in _nested(document, f"/story/requirements/{name}/predicate"):
             found += _always_true(one, place)
     return found
+
+
+def _small_margins(spec: WorldSpec, name: str, beat: Beat) -> Iterator[Problem]:
+    """Causal margins that noise alone would meet."""
+    floor = least_margin(spec, beat)
+    for cause, margin in beat.margins.items():
+        if floor is not None and margin.value is not None and margin.value < floor.value:
+            place = f"/story/beats/{name}/margins/{cause}/value"
+            text = f"a causal margin of {margin.value:g} {floor.unit} is within noise; ask for at least {floor.value:g} {floor.unit} ({floor.how})"
+            yield Problem(place, text, replaced(place, floor.value))
 
 
 def _nested(predicate: Mapping[str, Any], place: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
@@ -281,23 +289,22 @@ def _within_noise(spec: WorldSpec, predicate: Mapping[str, Any], place: str, sub
     """Bounds that noise alone would meet."""
     kind = predicate["kind"]
     if kind == "displacement":
-        least = _least_travel(spec, predicate.get("entity", subject))
+        least, _, how = least_travel(spec, predicate.get("entity", subject))
         for field, sign in (("min", 1.0), ("max", -1.0)):
             value = sign * predicate.get(field, 0.0)
             if 0.0 < value < least:
-                text = f"a displacement of {value:g} m is within noise; ask for at least {least:g} m"
+                text = f"a displacement of {value:g} m is within noise; ask for at least {least:g} m ({how})"
                 yield Problem(f"{place}/{field}", text, replaced(f"{place}/{field}", sign * least))
+    if kind == "contact":
+        floor, value = least_impulse(spec, predicate["a"], predicate["b"]), predicate.get("min_impulse", 0.0)
+        if floor is not None and 0.0 < value < floor.value:
+            text = f"a contact of {value:g} N s is within noise; ask for at least {floor.value:g} N s ({floor.how}), or for the touch alone"
+            yield Problem(f"{place}/min_impulse", text, replaced(f"{place}/min_impulse", floor.value))
     for field, least in PREDICATES[kind].least.items():
         value = predicate.get(field)
         if value is not None and 0.0 < value < least:
             text = f"{kind} with {field} {value:g} is within noise; ask for at least {least:g}"
             yield Problem(f"{place}/{field}", text, replaced(f"{place}/{field}", least))
-
-
-def _least_travel(spec: WorldSpec, entity: str) -> float:
-    sizes = [spec.entities[n].dimensions.size for n in ([entity] if entity in spec.entities else [])]
-    diagonal = min((sum(s * s for s in size) ** 0.5 for size in sizes), default=0.0)
-    return round(min(max(LEAST_TRAVEL_SHARE * diagonal, LEAST_TRAVEL[0]), LEAST_TRAVEL[1]), 6)
 
 
 def overlap_problems(spec: WorldSpec) -> list[Problem]:

@@ -121,8 +121,12 @@ def test_a_margin_asks_for_another_value_at_the_same_frame(tmp_path: Path) -> No
         assert (row.status, row.unit, row.bound) == (status, "m", asked)
 
 
-def test_a_tiny_margin_does_not_make_noise_a_change(tmp_path: Path) -> None:
-    """The wind alone moves the block; a hit that adds nothing is no cause, however small a change was asked."""
+@pytest.mark.parametrize(("least", "bound"), [(0.2, None), (0.05, 0.003464)])
+def test_a_tiny_margin_does_not_make_noise_a_change(tmp_path: Path, least: float, bound: float | None) -> None:
+    """The wind alone moves the block; a hit that adds nothing is no cause, however small a change was asked.
+
+    Of a short way the least is 2 % of the block's diagonal, of a long one a share of the way.
+    """
     entities = {
         "floor": ground(),
         "a": ball(0.01, motion="dynamic", at=(0, 0, 0.011), velocity=(1.0, 0, 0)),
@@ -131,7 +135,7 @@ def test_a_tiny_margin_does_not_make_noise_a_change(tmp_path: Path) -> None:
     beats = {
         "hit": beat("b", Contact(a="a", b="b"), frames=(1, 20)),
         "far": beat(
-            "b", Displacement(entity="b", min=0.2), frames=(1, 24), causes=["hit"], margins={"hit": CausalMargin(value=1e-6)}
+            "b", Displacement(entity="b", min=least), frames=(1, 24), causes=["hit"], margins={"hit": CausalMargin(value=1e-6)}
         ),
     }
     drivers = {"wind": ForceDriver(entity="b", force=(3, 0, 0), start=0.0, end=1.0)}
@@ -140,6 +144,7 @@ def test_a_tiny_margin_does_not_make_noise_a_change(tmp_path: Path) -> None:
     assert row.bound is not None
     assert (row.status, row.unit) == ("fail", "m")
     assert 1e-6 < row.measured < row.bound
+    assert bound is None or row.bound == pytest.approx(bound)
 
 
 @pytest.mark.parametrize(

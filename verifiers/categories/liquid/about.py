@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ....geometry import Solid
 from ....worlds.arrays import F64
 from .samples import sample_inside, scattered
-from .solids import pieces_of
+from .solids import pieces_of, rows_within
 
 if TYPE_CHECKING:
     from .frames import Liquid
@@ -80,7 +80,7 @@ class Surroundings:
         self.walls, self.index, self.hull = walls, index, hull
         reach = REACH * liquid.spacing
         low, high = hull.skin.min(axis=0) - reach, hull.skin.max(axis=0) + reach
-        near = np.flatnonzero(((position > low) & (position < high)).all(axis=1))
+        near = rows_within(position, np.nextafter(low, np.inf), np.nextafter(high, -np.inf))
         self.touched: NDArray[np.bool_] = np.zeros(len(hull.skin), dtype=bool)
         """Which points of the skin liquid touches."""
         self.touching: NDArray[np.intp] = near[:0]

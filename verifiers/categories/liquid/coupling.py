@@ -26,6 +26,7 @@ from .footing import unwetted
 from .questions import COUPLING
 from .rows import coarse, longer_step
 from .samples import shares_under
+from .solids import rows_within
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -352,8 +353,7 @@ def _ring(liquid: Liquid, seen: F64, points: F64) -> NDArray[np.intp]:
     """Which particles lie about points."""
     s, here = liquid.spacing, points @ _flat(liquid).T
     low, high = here.min(axis=0), here.max(axis=0)
-    inside = ((seen > low - RING * s) & (seen < high + RING * s)).all(axis=1)
-    rows = np.flatnonzero(inside)
+    rows = rows_within(seen, np.nextafter(low - RING * s, np.inf), np.nextafter(high + RING * s, -np.inf))
     gap = np.maximum(low - seen[rows], seen[rows] - high).max(axis=1, initial=-np.inf)
     return np.asarray(rows[(gap > 0.5 * s) & (gap < RING * s)])
 

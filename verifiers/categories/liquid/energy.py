@@ -186,7 +186,8 @@ def _layers(liquid: Liquid, frame: Frame) -> float:
         return np.inf
     flat = np.eye(3)[np.argsort(np.abs(liquid.up))[:2]]
     cells = np.floor((frame.position @ flat.T) / liquid.spacing).astype(np.int64)
-    count = len(np.unique(cells, axis=0))
+    cells -= cells.min(axis=0)
+    count = len(np.unique(cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]))
     return float(frame.volume.sum()) / (count * liquid.spacing**3)
 
 

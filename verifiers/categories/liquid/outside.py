@@ -1,4 +1,4 @@
-"""Cells around a solid whose points all lie outside it, so that the many points of a liquid that are far from its bed need no query."""
+"""Cells around a solid with the distance of their middles, so that the many points of a liquid that lie outside its bed need no query."""
 
 from __future__ import annotations
 
@@ -15,14 +15,13 @@ __all__ = ["MANY", "OutsideCells"]
 MANY = 4096
 """Own choice: with fewer points a query of each costs less than looking up cells."""
 CELLS = 1e6
-"""Own choice: cells that the box of a solid is cut into; one byte each."""
+"""Own choice: cells that the box of a solid is cut into; four bytes each."""
 ROUNDING = 1e-4
 """Share of a solid's size that a distance in single precision may be off by, with room: it errs by some 1e-7 of it."""
-UNKNOWN, OUTSIDE, NEAR = np.uint8(0), np.uint8(1), np.uint8(2)
 
 
 class OutsideCells:
-    """Which cells of a solid's box lie wholly outside it, worked out for a cell when a point first comes to lie in it.
+    """How far outside a solid the middles of its box's cells lie, worked out for a cell when a point first comes to lie in it.
 
     Args:
         solid: in its body's frame.
@@ -35,17 +34,21 @@ class OutsideCells:
         self._edge = float((span.prod() / CELLS) ** (1 / 3))
         self._edge = max(self._edge, float(span.max()) / CELLS ** (1 / 2))
         self._counts = np.floor(span / self._edge).astype(np.int64) + 1
-        self._state = np.zeros(int(self._counts.prod()), dtype=np.uint8)
-        self._far = 0.5 * np.sqrt(3.0) * self._edge + ROUNDING * solid.size
+        self._distance = np.full(int(self._counts.prod()), np.nan, dtype=np.float32)
+        self._room = ROUNDING * solid.size
 
     def near(self, points: F64) -> NDArray[np.bool_]:
-        """Which points of the box, shape (n, 3), do not lie in a cell that is known to be outside, shape (n,)."""
+        """Which points of the box, shape (n, 3), are not nearer to the middle of their cell than that is to the solid, shape (n,).
+
+        All others lie outside.
+        """
         cells = np.minimum(((points - self._low) / self._edge).astype(np.int64), self._counts - 1)
         keys: I64 = (cells[:, 0] * self._counts[1] + cells[:, 1]) * self._counts[2] + cells[:, 2]
-        new = np.unique(keys[self._state[keys] == UNKNOWN])
+        new = np.unique(keys[np.isnan(self._distance[keys])])
         if len(new):
             z, rest = new % self._counts[2], new // self._counts[2]
             middle = np.column_stack([rest // self._counts[1], rest % self._counts[1], z]) + 0.5
-            outside = self._depth(middle * self._edge + self._low) < -self._far
-            self._state[new] = np.where(outside, OUTSIDE, NEAR)
-        return np.asarray(self._state[keys] == NEAR)
+            self._distance[new] = -self._depth(middle * self._edge + self._low)
+        off = points - ((cells + 0.5) * self._edge + self._low)
+        least = self._distance[keys] - self._room
+        return np.asarray((least < 0.0) | (np.einsum("ij,ij->i", off, off) >= least * least))

@@ -23,7 +23,7 @@ from .outside import MANY, OutsideCells
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
 
-__all__ = ["Depth", "Piece", "deepest", "pieces_of"]
+__all__ = ["Depth", "Piece", "deepest", "pieces_of", "rows_within"]
 
 MOST_FACETS = 64
 """Own choice: a convex part of more facets goes to the kernel."""
@@ -82,7 +82,7 @@ class Piece:
         result = np.full(len(points), NOWHERE)
         if not self.solid_through:
             return result
-        near = np.flatnonzero(((points >= solid.lower) & (points <= solid.upper)).all(axis=1))
+        near = rows_within(points, solid.lower, solid.upper)
         if len(near) == 0:
             return result
         if solid.convex and len(solid.facets.offsets) <= MOST_FACETS:
@@ -133,6 +133,15 @@ def _placed(points: F64, solid: Solid) -> Any:
 def _corners(solid: Solid) -> F64:
     low, high = solid.lower, solid.upper
     return np.array([[(low, high)[k >> a & 1][a] for a in range(3)] for k in range(8)])
+
+
+def rows_within(points: F64, low: F64, high: F64) -> Rows:
+    """Rows of the points that lie in a box or on its sides, axis by axis, so that most are looked at once."""
+    rows = np.arange(len(points))
+    for axis in range(points.shape[1]):
+        along = points[rows, axis] if axis else points[:, 0]
+        rows = rows[(along >= low[axis]) & (along <= high[axis])]
+    return rows
 
 
 def pieces_of(candidate: Candidate) -> tuple[Piece, ...]:
@@ -187,7 +196,7 @@ def deepest(pieces: tuple[Piece, ...], points: F64, frame: int, least: float) ->
         box_low, box_high = piece.box(frame)
         if (box_low > high).any() or (box_high < low).any():
             continue
-        near = np.flatnonzero(((points >= box_low) & (points <= box_high)).all(axis=1))
+        near = rows_within(points, box_low, box_high)
         if len(near) == 0:
             continue
         value = piece.depth(piece.local(points[near], frame))

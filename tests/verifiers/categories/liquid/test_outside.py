@@ -26,7 +26,7 @@ def piece(solid: Solid) -> Piece:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_points_in_a_cup_are_as_deep_with_cells_as_without(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Law: a cell is skipped only where its middle is farther outside than its half diagonal."""
+    """Law: a point is skipped only where the middle of its cell is farther outside than away from it."""
     points = np.random.default_rng(seed).uniform([-0.7, -0.7, -0.1], [0.7, 0.7, 1.1], (20_000, 3))
     own = piece(cup())
     quick = own.depth(points)
@@ -62,4 +62,19 @@ def test_a_flat_solid_gets_no_more_cells_than_memory_bears() -> None:
     box = trimesh.creation.box((100.0, 100.0, 1e-3))
     solid = Solid.from_mesh(TriangleMesh(np.array(box.vertices), np.array(box.faces, dtype=np.int32)), closed=True)
     cells = outside.OutsideCells(solid, lambda points: np.full(len(points), -1.0))
-    assert len(cells._state) < 3e6
+    assert len(cells._distance) < 3e6
+
+
+@pytest.mark.parametrize("axes", [2, 3])
+def test_points_in_a_box_are_those_that_all_comparisons_find(axes: int) -> None:
+    """Points on its sides count, and points that are not numbers lie nowhere."""
+    points = np.random.default_rng(axes).uniform(-1.0, 1.0, (5_000, axes)).round(2)
+    points[7, axes - 1] = np.nan
+    low, high = np.full(axes, -0.5), np.full(axes, 0.25)
+    wanted = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+    assert len(wanted) > 100
+    assert (solids.rows_within(points, low, high) == wanted).all()
+    open_ = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
+    assert len(open_) < len(wanted)
+    assert (solids.rows_within(points, np.nextafter(low, np.inf), np.nextafter(high, -np.inf)) == open_).all()
+    assert len(solids.rows_within(points[:0], low, high)) == 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from .edges import Edge
 
-__all__ = ["ask_for_displacement", "comes_anyway", "link_hints", "order_hints", "wrong_cause"]
+__all__ = ["ask_for_displacement", "comes_anyway", "link_hints", "not_prevented", "order_hints", "wrong_cause"]
 
 
 def wrong_cause(edge: Edge, more: str = "", pointers: tuple[str, ...] = ()) -> Correction:
@@ -117,7 +117,7 @@ def comes_anyway(edge: Edge) -> tuple[Correction, ...]:
 
 def ask_for_displacement(edge: Edge, variant: Candidate) -> tuple[Correction, ...]:
     """Correction of an effect that is true of a body also where nothing moves it, such as rest; none where it does not apply."""
-    effect, last = edge.effect, edge.effect.frames[1]
+    last = edge.effect.frames[1]
     try:
         ways = [
             float(np.linalg.norm(np.diff(motion.centers(c, edge.subject)[[0, last]], axis=0))) for c in (edge.candidate, variant)
@@ -127,16 +127,50 @@ def ask_for_displacement(edge: Edge, variant: Candidate) -> tuple[Correction, ..
     drift = edge.candidate.spec.simulation.limits.support_drift
     if ways[1] > drift or ways[0] < MOVED * drift:
         return ()
-    least = float(f"{0.5 * ways[0]:.2g}")
-    moved = {"kind": "displacement", "entity": edge.subject, "min": least, "when": "end"}
-    place = f"/story/beats/{edge.effect_id}/predicate"
-    both = {"kind": "and", "of": [effect.predicate.model_dump(mode="json", exclude_none=True), moved]}
+    place, value = _moved_too(edge, edge.effect_id, 0.5 * ways[0], "end")
     return (
         correction(
             f"{edge.effect_id} is true of {edge.subject} wherever nothing moves it",
             "story",
             f"ask also how far it has come by then: it went {ways[0]:.3g} m",
             pointers=(place,),
-            patch=({"op": "replace", "path": place, "value": both},),
+            patch=({"op": "replace", "path": place, "value": value},),
         ),
     )
+
+
+def not_prevented(edge: Edge) -> tuple[Correction, ...]:
+    """Corrections of a cause that holding its bodies does not prevent: ask for its motion where it moves, or name another cause."""
+    cause, candidate = edge.cause, edge.candidate
+    index, place = edge.effect.causes.index(edge.cause_id), f"/story/beats/{edge.effect_id}/causes"
+    another = correction(
+        f"{edge.cause_id} is so whatever moves",
+        "story",
+        f"take {edge.cause_id} out of the causes of {edge.effect_id} and name a beat of what moves or strikes {edge.subject} in its place",
+        pointers=(place,),
+        patch=({"op": "remove", "path": f"{place}/{index}"},),
+    )
+    try:
+        centers = motion.centers(candidate, cause.subject)
+    except EvidenceError:
+        return (another,)
+    way = float(np.linalg.norm(centers[cause.frames[0] : cause.frames[1] + 1] - centers[0], axis=1).max(initial=0.0))
+    if not way >= MOVED * candidate.spec.simulation.limits.support_drift:
+        return (another,)
+    pointer, value = _moved_too(edge, edge.cause_id, 0.5 * way, "eventually")
+    moves = correction(
+        f"{edge.cause_id} is true of {cause.subject} also while it is held in its place",
+        "story",
+        f"ask also that {cause.subject} has come some way: it goes {way:.3g} m from its place by frame {cause.frames[1]}",
+        pointers=(pointer,),
+        patch=({"op": "replace", "path": pointer, "value": value},),
+    )
+    return moves, another
+
+
+def _moved_too(edge: Edge, beat_id: str, least: float, when: str) -> tuple[str, dict[str, Any]]:
+    """Pointer and value of a beat's predicate that also asks its subject to be `least` [m] away from where it starts."""
+    beat = edge.candidate.spec.story.beats[beat_id]
+    moved = {"kind": "displacement", "entity": beat.subject, "min": float(f"{least:.2g}"), "when": when}
+    both = {"kind": "and", "of": [beat.predicate.model_dump(mode="json", exclude_none=True), moved]}
+    return f"/story/beats/{beat_id}/predicate", both

@@ -18,6 +18,7 @@ from ...worlds.errors import EvidenceError
 from ..predicates import evaluate, last_needed
 from ..rows.corrections import postponed
 from ..rows.findings import Finding, judged
+from .causal_corrections import not_prevented
 from .edges import edges_of
 from .interventions import FollowsError, preventions
 from .questions import WITHOUT
@@ -135,10 +136,12 @@ class _Variants:
                 told = {"intervention": way.text, "not_enough": failed, "from_frame": way.start, **variant.cost()}
                 return replace(found, evidence={**told, **(found.evidence or {})})
             failed.append(way.text)
-        raise EvidenceError(
-            f"nothing that this build can do prevents {edge.cause_id} ({'; '.join(failed) or 'no body of it moves'}); "
-            "state the cause as an event of a moving body"
+        text = (
+            f"nothing that this build can do prevents {edge.cause_id} ({'; '.join(failed) or 'no body of it moves'}), so that its absence tells "
+            "nothing: state the cause as an event of a moving body, which is not so while that body is held"
         )
+        told = {"missing": text, "not_enough": failed}
+        return Finding("unverified", f"no evidence: {text}", hints=not_prevented(edge), evidence=told)
 
     def _run(self, way: Prevention) -> _Variant:
         if way not in self._runs:

@@ -219,6 +219,27 @@ def test_a_cause_that_no_intervention_prevents_is_unverified(tmp_path: Path) -> 
     row = only(simulate(tmp_path, pushed(beats=beats)))
     assert row.status == "unverified"
     assert "prevents low" in row.evidence["explanation"]
+    asks, other = row.corrections
+    assert (asks.patch[0]["path"], other.patch[0]["path"]) == ("/story/beats/low/predicate", "/story/beats/slide/causes/0")
+    mended = WorldSpec.model_validate(apply_patch(pushed(beats=beats).model_dump(mode="json"), list(asks.patch)))
+    (tmp_path / "mended").mkdir()
+    again = only(simulate(tmp_path / "mended", mended))
+    assert again.status == "pass", again.evidence
+    bare = WorldSpec.model_validate(apply_patch(pushed(beats=beats).model_dump(mode="json"), list(other.patch)))
+    assert bare.story.beats["slide"].causes == []
+
+
+def test_a_cause_of_what_cannot_move_is_to_be_replaced_by_a_beat_of_what_does(tmp_path: Path) -> None:
+    beats = {
+        "lies": beat("floor", Speed(entity="floor", max=1.0), frames=(0, 24)),
+        "slide": beat("b", Displacement(entity="b", min=0.05), frames=(1, 24), causes=["lies"]),
+    }
+    row = only(simulate(tmp_path, pushed(beats=beats)))
+    assert row.status == "unverified"
+    assert "no body of it moves" in row.evidence["explanation"]
+    (found,) = row.corrections
+    assert "name a beat of what moves or strikes b" in found.action
+    assert found.patch[0] == {"op": "remove", "path": "/story/beats/slide/causes/0"}
 
 
 def test_where_holding_the_subject_is_not_enough_all_bodies_of_the_cause_are_held(tmp_path: Path) -> None:

@@ -33,6 +33,8 @@ SUPPORT = {"dfsph": 2.0, "flip": 3.0}
 """Of the sum over neighbours, in distances of particles; markers of a grid lie unevenly and need more."""
 MOST_CELLS = 1_000_000
 """Own choice: in larger spaces far cells share their places."""
+SLICE = 4096
+"""Elements of a slice of the kernel: some milliseconds of work."""
 FULL = {"dfsph": 28.0, "flip": 100.0}
 """Neighbours in a cubic lattice within the support."""
 
@@ -60,7 +62,7 @@ def crowding_of(liquid: Liquid, frame: Frame) -> tuple[F64, F64, F64]:
     filled, spread = (wp.zeros(frame.count, dtype=float, device="cpu") for _ in range(2))
     count = wp.zeros(frame.count, dtype=wp.int32, device="cpu")
     given = [wp.array(starts, dtype=wp.int32, device="cpu"), wp.vec3i(*map(int, cells)), float(size), sorted_points, velocity]
-    launch(crowding, frame.count, [*given, volume, support, filled, spread, count], device="cpu")
+    launch(crowding, frame.count, [*given, volume, support, filled, spread, count], device="cpu", slice_size=SLICE)
     found = np.empty((3, frame.count))
     found[:, order] = filled.numpy(), spread.numpy(), count.numpy()
     return found[0], found[1], found[2]

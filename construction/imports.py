@@ -66,17 +66,10 @@ def load_mesh(shape: Mesh, assets: Path) -> tuple[TriangleMesh, tuple[Convex, ..
         InputError: the file is missing or cannot be read, or the mesh is not closed or has no volume.
         LimitError: the file or the mesh is too large.
     """
-    import trimesh
-
-    vertices, faces = _triangles(shape, assets)
-    check_cap("mesh_triangles", len(faces), what="this mesh")
-    vertices = vertices * shape.scale
-    if np.abs(vertices).max(initial=0.0) > LARGEST:
-        raise InputError(f"mesh reaches to {np.abs(vertices).max():.3g} m, at most {LARGEST:g} m; lengths are in m, check scale")
-    solid = trimesh.Trimesh(vertices, faces, process=True)
+    solid = _triangles(shape, assets)
     if not len(solid.faces) or not solid.is_watertight:
         raise InputError(
-            f"mesh with {len(faces)} faces is not closed (watertight); close its holes or model it with other shapes"
+            f"mesh with {len(solid.faces)} faces is not closed (watertight); close its holes or model it with other shapes"
         )
     if solid.volume < 0:
         solid.invert()
@@ -95,21 +88,31 @@ def load_surface(shape: Mesh, assets: Path) -> tuple[F64, I32]:
         InputError: the file is missing or cannot be read, or no triangle is left.
         LimitError: the file or the mesh is too large.
     """
-    import trimesh
-
-    vertices, faces = _triangles(shape, assets)
-    check_cap("mesh_triangles", len(faces), what="this mesh")
-    vertices = vertices * shape.scale
-    if np.abs(vertices).max(initial=0.0) > LARGEST:
-        raise InputError(f"mesh reaches to {np.abs(vertices).max():.3g} m, at most {LARGEST:g} m; lengths are in m, check scale")
-    mesh = trimesh.Trimesh(vertices, faces, process=True)
+    mesh = _triangles(shape, assets)
     if not len(mesh.faces):
         raise InputError("mesh has no triangles")
     mesh.remove_unreferenced_vertices()
     return np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int32)
 
 
-def _triangles(shape: Mesh, assets: Path) -> tuple[F64, npt.NDArray[np.int64]]:
+def _triangles(shape: Mesh, assets: Path) -> Any:
+    """The `trimesh.Trimesh` of a mesh shape [m], equal vertices merged.
+
+    Raises:
+        InputError: the file is missing or cannot be read, an index is out of range, or the mesh reaches too far.
+        LimitError: the file or the mesh is too large.
+    """
+    import trimesh
+
+    vertices, faces = _arrays(shape, assets)
+    check_cap("mesh_triangles", len(faces), what="this mesh")
+    vertices = vertices * shape.scale
+    if np.abs(vertices).max(initial=0.0) > LARGEST:
+        raise InputError(f"mesh reaches to {np.abs(vertices).max():.3g} m, at most {LARGEST:g} m; lengths are in m, check scale")
+    return trimesh.Trimesh(vertices, faces, process=True)
+
+
+def _arrays(shape: Mesh, assets: Path) -> tuple[F64, npt.NDArray[np.int64]]:
     if shape.file is not None:
         found = arrays_of("mesh", assets, shape.file, "mesh_bytes")
         return found["vertices"], found["faces"]

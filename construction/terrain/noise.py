@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, TypedDict, Unpack
+
 import numpy as np
 
 from ...worlds.arrays import F64
@@ -37,43 +40,52 @@ def _octaves(wavelength: float, cell: float, octaves: int) -> int:
     return max(1, min(octaves, most))
 
 
-def fractal(x: F64, y: F64, *, wavelength: float, octaves: int, gain: float, seed: int, cell: float) -> F64:
-    """Fractional Brownian motion: octaves of halved wavelength and amplitude times `gain`; about -1 to 1.
+class Octaves(TypedDict):
+    """Octaves of a field: of halved wavelength [m] and amplitude times `gain`.
 
-    Octaves finer than the grid are left out, the coarse ones stay as they are: a finer grid adds detail only.
+    Those finer than two cells of the grid are left out, the coarse ones stay as they are: a finer grid adds detail only.
     """
+
+    wavelength: float
+    octaves: int
+    gain: float
+    seed: int
+    cell: float
+
+
+def _summed(x: F64, y: F64, part: Callable[[float, F64], F64], given: Octaves) -> F64:
+    """Sum of what `part` makes of the amplitude and the noise of each octave, over the sum of all amplitudes."""
+    wavelength, octaves = given["wavelength"], given["octaves"]
     total, amplitude, norm = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y))), 1.0, 0.0
     for k in range(octaves):
         norm += amplitude
-        if k < _octaves(wavelength, cell, octaves):
-            total += amplitude * gradient_noise(x, y, wavelength / 2**k, seed + 7919 * k)
-        amplitude *= gain
+        if k < _octaves(wavelength, given["cell"], octaves):
+            total += part(amplitude, gradient_noise(x, y, wavelength / 2**k, given["seed"] + 7919 * k))
+        amplitude *= given["gain"]
     return total / norm
 
 
-def ridged(x: F64, y: F64, *, wavelength: float, octaves: int, gain: float, seed: int, cell: float) -> F64:
+def fractal(x: F64, y: F64, **octaves: Unpack[Octaves]) -> F64:
+    """Fractional Brownian motion; about -1 to 1."""
+    return _summed(x, y, lambda amplitude, noise: amplitude * noise, octaves)
+
+
+def ridged(x: F64, y: F64, **octaves: Unpack[Octaves]) -> F64:
     """Ridged multifractal (Musgrave 1993): sharp crests, each octave weighted by the one before; 0 to 1."""
-    total, amplitude, norm = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y))), 1.0, 0.0
-    weight = np.ones_like(total)
-    for k in range(octaves):
-        norm += amplitude
-        if k < _octaves(wavelength, cell, octaves):
-            crest = (1.0 - np.minimum(np.abs(gradient_noise(x, y, wavelength / 2**k, seed + 7919 * k)), 1.0)) ** 2
-            total += amplitude * crest * weight
-            weight = np.clip(2.0 * crest, 0.0, 1.0)
-        amplitude *= gain
-    return total / norm
+    weight: Any = 1.0
+
+    def part(amplitude: float, noise: F64) -> F64:
+        nonlocal weight
+        crest = (1.0 - np.minimum(np.abs(noise), 1.0)) ** 2
+        own, weight = amplitude * crest * weight, np.clip(2.0 * crest, 0.0, 1.0)
+        return np.asarray(own)
+
+    return _summed(x, y, part, octaves)
 
 
-def billow(x: F64, y: F64, *, wavelength: float, octaves: int, gain: float, seed: int, cell: float) -> F64:
+def billow(x: F64, y: F64, **octaves: Unpack[Octaves]) -> F64:
     """Sum of absolute octaves: rounded hills with sharp valleys; 0 to 1."""
-    total, amplitude, norm = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y))), 1.0, 0.0
-    for k in range(octaves):
-        norm += amplitude
-        if k < _octaves(wavelength, cell, octaves):
-            total += amplitude * np.minimum(np.abs(gradient_noise(x, y, wavelength / 2**k, seed + 7919 * k)), 1.0)
-        amplitude *= gain
-    return total / norm
+    return _summed(x, y, lambda amplitude, noise: amplitude * np.minimum(np.abs(noise), 1.0), octaves)
 
 
 def warped(x: F64, y: F64, *, wavelength: float, strength: float, seed: int) -> tuple[F64, F64]:

@@ -7,7 +7,7 @@ from .near_kernels import is_edges, shares
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["crowd", "lean", "meet", "press", "tell", "yield_to"]
+__all__ = ["at_shares", "closing", "crowd", "lean", "meet", "press", "tell", "way_between", "yield_to"]
 
 PUSH = wp.constant(wp.float64(0.1))
 """Of an overlap of the contact shells that one step takes back."""
@@ -41,6 +41,30 @@ def stands(c: wp.vec4d, kind: wp.vec2i):
     else:
         bit = 4
     return (kind[1] & bit) != 0
+
+
+@wp.func
+def at_shares(values: wp.array(dtype=wp.vec3d), q: wp.vec4i, c: wp.vec4d):
+    """Sum of the values of a pair's vertices by their signed shares: what its nearest points have against each other."""
+    return c[0] * values[q[0]] + c[1] * values[q[1]] + c[2] * values[q[2]] + c[3] * values[q[3]]
+
+
+@wp.func
+def way_between(x: wp.array(dtype=wp.vec3d), q: wp.vec4i, c: wp.vec4d):
+    """Direction from the second to the first thing of a pair at its nearest points, and their distance [m]."""
+    r = at_shares(x, q, c)
+    d = wp.length(r)
+    n = r / wp.max(d, wp.float64(1.0e-30))
+    return wp.vec4d(n[0], n[1], n[2], d)
+
+
+@wp.func
+def closing(gap: wp.float64, dt: wp.float64):
+    """Relative speed away from each other that leaves no gap after a step, and takes back only a part of an overlap [m/s]."""
+    aim = -gap / dt
+    if gap < wp.float64(0.0):
+        aim = wp.min(PUSH * aim, FASTEST)
+    return aim
 
 
 @wp.func
@@ -89,20 +113,16 @@ def meet(
             wanted[p] = wp.float64(-2.0e30)
             return
     c = shares(x, q, kinds[p])
-    r = c[0] * x[q[0]] + c[1] * x[q[1]] + c[2] * x[q[2]] + c[3] * x[q[3]]
-    d = wp.length(r)
-    n = r / wp.max(d, wp.float64(1.0e-30))
-    gap = d - radius[q[0]] - radius[q[2]]
-    dt = clock[0]
-    speed = wp.dot(n, c[0] * u[q[0]] + c[1] * u[q[1]] + c[2] * u[q[2]] + c[3] * u[q[3]])
-    aim = -gap / dt
-    if gap < wp.float64(0.0):
-        aim = wp.min(PUSH * aim, FASTEST)
+    way = way_between(x, q, c)
+    n = wp.vec3d(way[0], way[1], way[2])
+    gap = way[3] - radius[q[0]] - radius[q[2]]
+    speed = wp.dot(n, at_shares(u, q, c))
+    aim = closing(gap, clock[0])
     if speed >= aim or not stands(c, kinds[p]):
         aim = wp.float64(-1.0e30)
     slack[p] = gap
     share[p] = c
-    normal[p] = wp.vec4d(n[0], n[1], n[2], d)
+    normal[p] = way
     wanted[p] = aim
     impulse[p] = wp.vec3d()
 
@@ -154,7 +174,7 @@ def press(
     if ease <= zero:
         change[p] = wp.vec3d()
         return
-    rate = c[0] * u[q[0]] + c[1] * u[q[1]] + c[2] * u[q[2]] + c[3] * u[q[3]]
+    rate = at_shares(u, q, c)
     along = wp.dot(rate, n)
     old = impulse[p]
     before = wp.dot(old, n)

@@ -34,6 +34,20 @@ def ease(which, pairs, share, inverse, hard, stiff):
 
 
 @njit(cache=True, nogil=True)
+def _change(pair, share, impulse, given, left):
+    """Give a contact another impulse, and the difference to its vertices."""
+    x, y, z = impulse
+    for s in range(4):
+        i = pair[s]
+        if i < len(left):
+            w = share[s]
+            left[i, 0] += w * (x - given[0])
+            left[i, 1] += w * (y - given[1])
+            left[i, 2] += w * (z - given[2])
+    given[0], given[1], given[2] = x, y, z
+
+
+@njit(cache=True, nogil=True)
 def offer(which, pairs, kinds, share, normal, wanted, friction, stiff, u, given, part, slide, left):
     """Impulses `given` (pairs, 3) as the contacts would have them now, into `left` too; which part of their stiffness they keep across
     the normal (k,): -1 where they do not press; and the way that those that slide go (k, 3), 0 where they stick."""
@@ -64,14 +78,7 @@ def offer(which, pairs, kinds, share, normal, wanted, friction, stiff, u, given,
                 slide[k, 0], slide[k, 1], slide[k, 2] = x / rub, y / rub, z / rub
             part[k] = keep
             x, y, z = press * nx + keep * x, press * ny + keep * y, press * nz + keep * z
-        for s in range(4):
-            i = pairs[p, s]
-            if i < len(left):
-                w = share[p, s]
-                left[i, 0] += w * (x - given[p, 0])
-                left[i, 1] += w * (y - given[p, 1])
-                left[i, 2] += w * (z - given[p, 2])
-        given[p, 0], given[p, 1], given[p, 2] = x, y, z
+        _change(pairs[p], share[p], (x, y, z), given[p], left)
 
 
 @njit(cache=True, nogil=True)
@@ -137,14 +144,7 @@ def clamp(which, pairs, kinds, share, normal, friction, slide, given, left):
             if rub > cap or (rub > 0.0 and _slides(slide[k])):
                 keep = cap / rub
             x, y, z = press * nx + keep * x, press * ny + keep * y, press * nz + keep * z
-        for s in range(4):
-            i = pairs[p, s]
-            if i < len(left):
-                w = share[p, s]
-                left[i, 0] += w * (x - given[p, 0])
-                left[i, 1] += w * (y - given[p, 1])
-                left[i, 2] += w * (z - given[p, 2])
-        given[p, 0], given[p, 1], given[p, 2] = x, y, z
+        _change(pairs[p], share[p], (x, y, z), given[p], left)
 
 
 @njit(cache=True, nogil=True)

@@ -3,7 +3,7 @@
 
 import warp as wp
 
-from .contact_kernels import FASTEST, PUSH, stands
+from .contact_kernels import at_shares, closing, stands, way_between
 from .near_kernels import is_edges, shares
 
 wp.set_module_options({"enable_backward": False})
@@ -45,7 +45,7 @@ def meets(
     q = pairs[p]
     c = shares(x, q, kinds[p])
     fast = fastest(u, q, kinds[p])
-    apart = wp.length(c[0] * x[q[0]] + c[1] * x[q[1]] + c[2] * x[q[2]] + c[3] * x[q[3]])
+    apart = wp.length(at_shares(x, q, c))
     wanted[p] = wp.float64(-2.0e30)
     if apart - clock[0] * fast <= radius[q[0]] + radius[q[2]]:
         met[0] = 1
@@ -72,20 +72,16 @@ def reckon(
     q = pairs[p]
     c = shares(x, q, kinds[p])
     fast = fastest(u, q, kinds[p])
-    r = c[0] * x[q[0]] + c[1] * x[q[1]] + c[2] * x[q[2]] + c[3] * x[q[3]]
-    d = wp.length(r)
-    n = r / wp.max(d, wp.float64(1.0e-30))
+    way = way_between(x, q, c)
     touch = radius[q[0]] + radius[q[2]]
-    gap = d - touch
+    gap = way[3] - touch
     dt = clock[0]
     slack[p] = gap
     share[p] = c
-    normal[p] = wp.vec4d(n[0], n[1], n[2], d)
+    normal[p] = way
     if gap > KEPT * touch:
         impulse[p] = wp.vec3d()
-    aim = -gap / dt
-    if gap < wp.float64(0.0):
-        aim = wp.min(PUSH * aim, FASTEST)
+    aim = closing(gap, dt)
     if gap > dt * fast + SPARE * touch:
         aim = wp.float64(-2.0e30)
     elif not stands(c, kinds[p]):

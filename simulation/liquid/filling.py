@@ -124,10 +124,11 @@ class PlacedSolid:
 
         count = len(local)
         mesh, middle = self._tree
-        nearest, face = wp.zeros(count, dtype=wp.vec3, device="cpu"), wp.zeros(count, dtype=wp.int32, device="cpu")
+        nearest, outward = (wp.zeros(count, dtype=wp.vec3, device="cpu") for _ in range(2))
+        face = wp.zeros(count, dtype=wp.int32, device="cpu")
         points = wp.array((local - middle).astype(np.float32), dtype=wp.vec3, device="cpu")
         sign = wp.zeros(count, dtype=wp.float32, device="cpu")
-        launch(nearest_places, count, [mesh.id, points, reach, nearest, face, sign], device="cpu")
+        launch(nearest_places, count, [mesh.id, points, reach, nearest, face, sign, outward], device="cpu")
         return nearest.numpy().astype(np.float64) + middle, face.numpy(), sign.numpy() < 0.0
 
     @cached_property

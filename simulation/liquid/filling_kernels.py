@@ -17,16 +17,18 @@ def nearest_places(
     nearest: wp.array(dtype=wp.vec3),
     face: wp.array(dtype=wp.int32),
     sign: wp.array(dtype=wp.float32),
+    outward: wp.array(dtype=wp.vec3),
 ):
-    """Nearest point within `reach`, its face (-1 where the surface is farther), and the sign of the side (-1 inside)."""
+    """Nearest point within `reach`, its face (-1 where there is none), the side (1 outside, -1 inside, 0 none) and the face's normal."""
     i = first + wp.tid()
     face[i] = -1
-    sign[i] = 1.0
+    sign[i] = 0.0
     found = wp.mesh_query_point_sign_normal(mesh, points[i], reach)
     if found.result:
         face[i] = found.face
         sign[i] = found.sign
         nearest[i] = wp.mesh_eval_position(mesh, found.face, found.u, found.v)
+        outward[i] = wp.mesh_eval_face_normal(mesh, found.face)
 
 
 @wp.kernel

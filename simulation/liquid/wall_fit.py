@@ -83,7 +83,7 @@ def _from_walls(points: F64, walls: Sequence[TriangleMesh], reach: float, touchi
     walls = [w for w in walls if len(w.faces)]
     if not walls or not len(points):
         return none
-    from .wall_kernels import nearest_wall
+    from .filling_kernels import nearest_places
 
     wp = warp()
     starts = np.cumsum([0, *(len(w.vertices) for w in walls)])
@@ -101,9 +101,10 @@ def _from_walls(points: F64, walls: Sequence[TriangleMesh], reach: float, touchi
     )
     count = len(points)
     asked = wp.array((points - origin).astype(np.float32), dtype=wp.vec3f, device="cpu")
-    place, outward = wp.zeros(count, dtype=wp.vec3f, device="cpu"), wp.zeros(count, dtype=wp.vec3f, device="cpu")
+    place, outward = (wp.zeros(count, dtype=wp.vec3f, device="cpu") for _ in range(2))
+    face = wp.zeros(count, dtype=wp.int32, device="cpu")
     sign = wp.zeros(count, dtype=wp.float32, device="cpu")
-    launch(nearest_wall, count, [mesh.id, float(reach), asked, place, sign, outward], device="cpu")
+    launch(nearest_places, count, [mesh.id, asked, float(reach), place, face, sign, outward], device="cpu")
     side = sign.numpy().astype(np.float64)
     gap = points - (place.numpy().astype(np.float64) + origin)
     length = np.linalg.norm(gap, axis=1)

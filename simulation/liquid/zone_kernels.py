@@ -134,6 +134,14 @@ def pulled(
     return v
 
 
+@wp.func
+def passed(mass: wp.float32, v: wp.vec3, after: wp.vec3):
+    """Momentum and energy that a mass takes up from one velocity to another."""
+    dv = after - v
+    work = wp.float64(0.5 * wp.dot(dv, after + v))
+    return wp.float64(mass) * wp.vec4d(wp.float64(dv[0]), wp.float64(dv[1]), wp.float64(dv[2]), work)
+
+
 @wp.kernel
 def pull_particles(
     first: wp.int32,
@@ -159,9 +167,7 @@ def pull_particles(
             dv = after - v
             if wp.dot(dv, dv) > 0.0:
                 velocity[i] = after
-                mass = wp.float64(volume[i] / lightness[i])
-                work = wp.float64(0.5 * wp.dot(dv, after + v))
-                total = total + mass * wp.vec4d(wp.float64(dv[0]), wp.float64(dv[1]), wp.float64(dv[2]), work)
+                total = total + passed(volume[i] / lightness[i], v, after)
     given[b] = total
 
 
@@ -192,7 +198,5 @@ def pull_cells(
             dv = after - v
             if wp.dot(dv, dv) > 0.0:
                 velocity[i] = wp.vec4(after[0], after[1], after[2], u[3])
-                work = wp.float64(0.5 * wp.dot(dv, after + v))
-                one = wp.float64(mass * p[3])
-                total = total + one * wp.vec4d(wp.float64(dv[0]), wp.float64(dv[1]), wp.float64(dv[2]), work)
+                total = total + passed(mass * p[3], v, after)
     given[b] = total

@@ -244,25 +244,7 @@ class Coupling:
         w, s, run = self._work, self.bodies, self.passes
         self.taken = w.moving
         return [
-            run(
-                "wrench",
-                kernels.wrench_lanes,
-                self.count * self.lanes,
-                [
-                    self.lanes,
-                    self.width,
-                    self._x,
-                    self._volume,
-                    p,
-                    self.pairs,
-                    self.order,
-                    self.spans,
-                    s.center,
-                    self.force,
-                    self.torque,
-                ],
-                smallest=ALONE,
-            ),
+            self._lanes("wrench", kernels.PRESSED, p),
             run(
                 "react",
                 kernels.react,
@@ -284,20 +266,21 @@ class Coupling:
 
         if not self.total:
             return
-        w, s, run = self._work, self.bodies, self.passes
-        lists = [self.pairs, self.order, self.spans, s.center, self.force, self.torque]
-        lanes = self.count * self.lanes
-        run(
-            "ledger",
-            kernels.ledger_lanes,
-            lanes,
-            [self.lanes, self.width, self._x, self._volume, w.lightness, p, *lists],
-            smallest=ALONE,
-        )()
+        self._lanes("ledger", kernels.FELT, p)()
         self._account(self.reaction_sum, moves=False)
-        run("book", kernels.wrench_lanes, lanes, [self.lanes, self.width, self._x, self._volume, p, *lists], smallest=ALONE)()
+        self._lanes("book", kernels.PRESSED, p)()
         self._account(self.impulse, moves=True)
         self.soft.press(self, p)
+
+    def _lanes(self, name: str, kind: int, p: Any = None, value: Any = None) -> Callable[[], None]:
+        """Sums of the pairs' forces on each body, by pressures `p` or as `value` gives them."""
+        from . import reaction_kernels as kernels
+
+        inputs = [
+            kind, self.lanes, self.width, self._x, self._volume, self._work.lightness, p, value, self.pairs, self.order, self.spans,
+            self.bodies.center, self.force, self.torque,
+        ]  # fmt: skip
+        return self.passes(name, kernels.lanes_of, self.count * self.lanes, inputs, smallest=ALONE)
 
     def _account(self, sums: list[Any], *, moves: bool) -> None:
         from . import reaction_kernels as kernels
@@ -334,10 +317,8 @@ class Coupling:
 
         if not self.total:
             return
-        lists = [self.pairs, self.order, self.spans, self.bodies.center, self.force, self.torque]
         for name, value, sums in (("back", self.pair_return, self.reaction_sum), ("rubbed", self.pair_force, self.impulse)):
-            inputs = [self.lanes, self.width, self._x, value, *lists]
-            self.passes(name, kernels.force_lanes, self.count * self.lanes, inputs, smallest=ALONE)()
+            self._lanes(name, kernels.GIVEN, value=value)()
             self._account(sums, moves=name == "rubbed")
         self.soft.take(self, self.pair_force)
 

@@ -10,19 +10,25 @@ wp.set_module_options({"enable_backward": False})
 
 DT = wp.constant(int(Slot.DT))
 
+PRESSED, FELT, GIVEN = 0, 1, 2
+"""Force of a pair that lanes sum: of the pressure on the body, masses times accelerations of the liquid by it, and a value of its own."""
+PRESSED_KIND = wp.constant(PRESSED)
+FELT_KIND = wp.constant(FELT)
+
 VERTICES = wp.constant(wp.float32(0.5))
 """Of the sum of a row of A through vertices: what counts as its diagonal. Forces on one vertex hardly differ in direction."""
 
 __all__ = [
+    "FELT",
+    "GIVEN",
+    "PRESSED",
     "account",
     "carry",
     "finish_factors",
-    "force_lanes",
     "kick",
-    "ledger_lanes",
+    "lanes_of",
     "reach",
     "react",
-    "wrench_lanes",
 ]
 
 
@@ -133,14 +139,59 @@ def finish_factors(
     firm[i] = s
 
 
+@wp.func
+def pair_force(
+    kind: wp.int32,
+    k: wp.int32,
+    i: wp.int32,
+    volume: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
+    p: wp.array(dtype=wp.float32),
+    pairs: Pairs,
+    value: wp.array(dtype=wp.vec3),
+):
+    """Force of pair k, whose particle is i, by its kind."""
+    if kind == PRESSED_KIND:
+        return volume[i] * p[i] * pairs.slope[k]
+    if kind == FELT_KIND:
+        if lightness[i] > 0.0:
+            return (volume[i] / lightness[i]) * (-lightness[i] * (p[i] * pairs.slope[k]))
+        return wp.vec3(0.0, 0.0, 0.0)
+    return value[k]
+
+
+@wp.func
+def double(v: wp.vec3):
+    """A vector in double precision."""
+    return wp.vec3d(wp.float64(v[0]), wp.float64(v[1]), wp.float64(v[2]))
+
+
+@wp.func
+def summed(values: wp.array(dtype=wp.vec3d), b: wp.int32, parts: wp.int32):
+    """Sum of the parts of a body."""
+    s = wp.vec3d()
+    for t in range(parts):
+        s += values[b * parts + t]
+    return s
+
+
+@wp.func
+def single(v: wp.vec3d):
+    """A vector in single precision."""
+    return wp.vec3(wp.float32(v[0]), wp.float32(v[1]), wp.float32(v[2]))
+
+
 @wp.kernel
-def wrench_lanes(
+def lanes_of(
     first: wp.int32,
+    kind: wp.int32,
     lanes: wp.int32,
     width: wp.int32,
     x: wp.array(dtype=wp.vec3),
     volume: wp.array(dtype=wp.float32),
+    lightness: wp.array(dtype=wp.float32),
     p: wp.array(dtype=wp.float32),
+    value: wp.array(dtype=wp.vec3),
     pairs: Pairs,
     order: wp.array(dtype=wp.int32),
     spans: wp.array(dtype=wp.vec2i),
@@ -148,7 +199,7 @@ def wrench_lanes(
     force: wp.array(dtype=wp.vec3d),
     torque: wp.array(dtype=wp.vec3d),
 ):
-    """Pressure force and torque on a body, one lane of its pairs."""
+    """Force and torque of the pairs of a body about its centre, one lane of them; `kind` is PRESSED, FELT or GIVEN."""
     t = first + wp.tid()
     b = t / lanes
     span = spans[b]
@@ -157,10 +208,9 @@ def wrench_lanes(
     for at in range(span[0] + t % lanes, span[1], lanes):
         k = order[at]
         i = pairs.particle[k]
-        one = volume[i] * p[i] * pairs.slope[k]
-        turn = wp.cross(x[i] - center[b], one)
-        f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
-        m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
+        one = pair_force(kind, k, i, volume, lightness, p, pairs, value)
+        f += double(one)
+        m += double(wp.cross(x[i] - center[b], one))
     wp.tile_store(force, wp.tile_sum(wp.tile(f, preserve_type=True)), offset=t / width)
     wp.tile_store(torque, wp.tile_sum(wp.tile(m, preserve_type=True)), offset=t / width)
 
@@ -177,78 +227,10 @@ def react(
 ):
     """Sum the parts of a body; its linear and angular acceleration by them."""
     b = first + wp.tid()
-    f = wp.vec3d()
-    m = wp.vec3d()
-    for t in range(parts):
-        f += force[b * parts + t]
-        m += torque[b * parts + t]
-    velocity[b] = bodies.lightness[b] * wp.vec3(wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2]))
-    spin[b] = bodies.mobility[b] * wp.vec3(wp.float32(m[0]), wp.float32(m[1]), wp.float32(m[2]))
-
-
-@wp.kernel
-def ledger_lanes(
-    first: wp.int32,
-    lanes: wp.int32,
-    width: wp.int32,
-    x: wp.array(dtype=wp.vec3),
-    volume: wp.array(dtype=wp.float32),
-    lightness: wp.array(dtype=wp.float32),
-    p: wp.array(dtype=wp.float32),
-    pairs: Pairs,
-    order: wp.array(dtype=wp.int32),
-    spans: wp.array(dtype=wp.vec2i),
-    center: wp.array(dtype=wp.vec3),
-    force: wp.array(dtype=wp.vec3d),
-    torque: wp.array(dtype=wp.vec3d),
-):
-    """Change of the liquid's own momentum by a body's pressure: masses times accelerations of the particles, one lane."""
-    t = first + wp.tid()
-    b = t / lanes
-    span = spans[b]
-    f = wp.vec3d()
-    m = wp.vec3d()
-    for at in range(span[0] + t % lanes, span[1], lanes):
-        k = order[at]
-        i = pairs.particle[k]
-        if lightness[i] > 0.0:
-            a = -lightness[i] * (p[i] * pairs.slope[k])
-            one = (volume[i] / lightness[i]) * a
-            turn = wp.cross(x[i] - center[b], one)
-            f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
-            m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
-    wp.tile_store(force, wp.tile_sum(wp.tile(f, preserve_type=True)), offset=t / width)
-    wp.tile_store(torque, wp.tile_sum(wp.tile(m, preserve_type=True)), offset=t / width)
-
-
-@wp.kernel
-def force_lanes(
-    first: wp.int32,
-    lanes: wp.int32,
-    width: wp.int32,
-    x: wp.array(dtype=wp.vec3),
-    value: wp.array(dtype=wp.vec3),
-    pairs: Pairs,
-    order: wp.array(dtype=wp.int32),
-    spans: wp.array(dtype=wp.vec2i),
-    center: wp.array(dtype=wp.vec3),
-    force: wp.array(dtype=wp.vec3d),
-    torque: wp.array(dtype=wp.vec3d),
-):
-    """Forces of the pairs summed, one lane of each body."""
-    t = first + wp.tid()
-    b = t / lanes
-    span = spans[b]
-    f = wp.vec3d()
-    m = wp.vec3d()
-    for at in range(span[0] + t % lanes, span[1], lanes):
-        k = order[at]
-        one = value[k]
-        turn = wp.cross(x[pairs.particle[k]] - center[b], one)
-        f += wp.vec3d(wp.float64(one[0]), wp.float64(one[1]), wp.float64(one[2]))
-        m += wp.vec3d(wp.float64(turn[0]), wp.float64(turn[1]), wp.float64(turn[2]))
-    wp.tile_store(force, wp.tile_sum(wp.tile(f, preserve_type=True)), offset=t / width)
-    wp.tile_store(torque, wp.tile_sum(wp.tile(m, preserve_type=True)), offset=t / width)
+    f = summed(force, b, parts)
+    m = summed(torque, b, parts)
+    velocity[b] = bodies.lightness[b] * single(f)
+    spin[b] = bodies.mobility[b] * single(m)
 
 
 @wp.kernel
@@ -265,18 +247,11 @@ def account(
 ):
     """Add the impulse of one solve to a body's sums; where `moves`, to its velocity too."""
     b = first + wp.tid()
-    f = wp.vec3d()
-    m = wp.vec3d()
-    for t in range(parts):
-        f += force[b * parts + t]
-        m += torque[b * parts + t]
+    f = summed(force, b, parts)
+    m = summed(torque, b, parts)
     dt = wp.float64(settings[DT])
     linear[b] = linear[b] + dt * f
     angular[b] = angular[b] + dt * m
     if moves != 0:
-        bodies.velocity[b] = bodies.velocity[b] + settings[DT] * bodies.lightness[b] * wp.vec3(
-            wp.float32(f[0]), wp.float32(f[1]), wp.float32(f[2])
-        )
-        bodies.spin[b] = bodies.spin[b] + settings[DT] * (
-            bodies.mobility[b] * wp.vec3(wp.float32(m[0]), wp.float32(m[1]), wp.float32(m[2]))
-        )
+        bodies.velocity[b] = bodies.velocity[b] + settings[DT] * bodies.lightness[b] * single(f)
+        bodies.spin[b] = bodies.spin[b] + settings[DT] * (bodies.mobility[b] * single(m))

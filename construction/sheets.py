@@ -10,8 +10,8 @@ from ..worlds.arrays import F64, I32, RigidPose, pose_of
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, TriangleMesh
 from ..worlds.categories.cloth.facts import sheet_grid
 from ..worlds.categories.cloth.tears import corners_of
-from ..worlds.categories.elastic.simulation_mesh import SimulationMesh
 from ..worlds.errors import InputError
+from ..worlds.simulation_mesh import SimulationMesh
 from ..worlds.spec import Entity, Part, WorldSpec
 from .imports import load_surface
 

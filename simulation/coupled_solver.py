@@ -18,6 +18,7 @@ from ..worlds.errors import EngineError, InputError
 from .bodies import CacheMotion, resting
 from .boundaries import BodyState, Surround
 from .protocol import SHORTEST, Intervention, Within, stepping
+from .recipes import coupled_recipe
 from .sealed import Stamp, seal, unseal
 
 if TYPE_CHECKING:
@@ -50,6 +51,11 @@ class CoupledSolver(ABC):
     """What to do where its state is no longer finite."""
     PASSES = False
     """Whether an intervention may let it through solids."""
+
+    @staticmethod
+    def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
+        """Recipe of an instance that reads the bodies' motion from their caches: everything that decides any motion."""
+        return coupled_recipe(spec, built)
 
     def __init__(
         self,

@@ -9,7 +9,7 @@ from ..worlds.errors import EvidenceError, InputError
 from ..worlds.instances import cloth_of, coupled_groups, membership_problems
 from .engines import solver_class
 from .protocol import Intervention, Solver, Within
-from .recipes import alone_recipe, coupled_recipe
+from .recipes import coupled_recipe
 
 if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
@@ -98,4 +98,4 @@ def make_run(
     if missing:
         raise EvidenceError(f"{name!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
     have = {n: c for n, c in read.items() if c is not None}
-    return Run({name: solver(name, caches=have, recipe=alone_recipe(spec, built, name, have))})
+    return Run({name: solver(name, caches=have, recipe=solver_class(spec, name).recipe_alone(spec, built, name, have))})

@@ -15,7 +15,7 @@ from .boundaries import Boundary, SoftBoundary
 
 if TYPE_CHECKING:
     from ..worlds.cache import Cache
-    from ..worlds.categories.elastic.simulation_mesh import SimulationMesh
+    from ..worlds.simulation_mesh import SimulationMesh
     from ..worlds.spec import WorldSpec
 
 __all__ = ["VertexPath", "soft_boundaries"]

@@ -40,7 +40,7 @@ def probe_sim(
     Next: bake_sim when passed; else one edit_spec with a hypothesis and one parameter group, then probe again.
     """
     from ..simulation.probe import probe_frames
-    from ..workflow.estimates import liquid_seconds
+    from ..workflow.estimates import usual_seconds
     from ..workflow.measurements import is_whole
     from ..workflow.motion_replies import motion_answer, require_room
     from ..workflow.session import Session
@@ -66,7 +66,7 @@ def probe_sim(
     payload = {"detail": detail, **({"coarser": coarser} if overrides else {})}
     data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:
-        data["estimate_s"] = liquid_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
+        data["estimate_s"] = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
         data["estimate_of"] = "moving its liquids once, checks and runs without a cause apart,"
     return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.lacking]}, detail)
 

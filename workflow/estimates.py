@@ -11,11 +11,13 @@ if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
     from .session import Session
 
-__all__ = ["Pace", "bake_estimate", "film_estimate", "liquid_seconds"]
+__all__ = [
+    "Pace",
+    "bake_estimate",
+    "film_estimate",
+]
 
 SEEN_JOBS = 200
-PARTICLE_STEPS = {"dfsph": 1.5e5, "flip": 1.0e6}
-"""Per second on two cores of the development machine, by engine; told as an estimate before anything was measured."""
 
 
 class Pace:
@@ -61,14 +63,12 @@ def bake_estimate(session: Session, record: dict[str, Any]) -> float | None:
     return round(per_frame * session.spec.simulation.frames, 1)
 
 
-def liquid_seconds(spec: WorldSpec, frames: int) -> float | None:
-    """Seconds that the liquids of a world will take for so many frames, from particles, steps and a usual rate; None without any."""
-    from ..worlds.categories.liquid.facts import liquid_estimate
+def usual_seconds(spec: WorldSpec, frames: int) -> float | None:
+    """Seconds that a world will take for so many frames by the usual rates of its categories; None where none is known."""
+    from ..worlds.categories.registry import CATEGORIES
 
-    share = frames / spec.simulation.frames
-    found = {n: liquid_estimate(spec, n) for n in spec.simulation.liquid}
-    total = sum(e.particles * e.steps / PARTICLE_STEPS[spec.simulation.liquid[n].engine] for n, e in found.items())
-    return round(total * share, 1) if found else None
+    known = [s for s in (category.seconds(spec) for category in CATEGORIES.values()) if s is not None]
+    return round(sum(known) * (frames / spec.simulation.frames), 1) if known else None
 
 
 def film_estimate(jobs: JobStore, *, frames: int, width: int, height: int, samples: int) -> float | None:

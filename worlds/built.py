@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 
 from .arrays import F64, I32, RigidPose
+from .bonds import Bonds, bond_arrays, bonds_from
 from .cache import DAMAGE, read_array
-from .categories.elastic.simulation_mesh import SimulationMesh, mesh_arrays, mesh_from
-from .categories.fracture.bonds import Bonds, bond_arrays, bonds_from
 from .errors import EvidenceError
 from .folder import write_atomically
+from .simulation_mesh import SimulationMesh, mesh_arrays, mesh_from
 
 __all__ = ["BuiltBody", "BuiltEntity", "BuiltPart", "Convex", "TriangleMesh", "load_built", "save_built"]
 

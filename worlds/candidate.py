@@ -17,10 +17,10 @@ from .built import BuiltBody, BuiltEntity, load_built
 from .cache import Cache
 from .canonical import digest_of, spec_digest
 from .categories.deforming import Deforming, deforming_of
-from .categories.liquid.surface import LiquidSurface
-from .categories.liquid.wet import WetMap
+from .categories.derived import DERIVED
 from .channels import Channel
 from .coarsening import coarsened, read_overrides
+from .derived import Derived
 from .errors import EvidenceError, SpecError
 from .folder import WorldFolder, safe_join
 from .patch import parse_spec
@@ -101,10 +101,8 @@ class Candidate:
 
     def written_by(self, quantity: Channel) -> list[Cache]:
         """Caches of the instances that record a quantity."""
-        if "surface" in quantity.of:
-            made = [LiquidSurface(c) for c in self.liquid_caches.values()]
-            return [m.files for m in made if m.count() >= m.cache.index.frames]
-        return [c for n, c in self.caches.items() if writers_of(self.spec, n) & set(quantity.of)]
+        made = [m for c in self.caches.values() for m in _made_of(c) if m.writes in quantity.of]
+        return [m.files for m in made] or [c for n, c in self.caches.items() if writers_of(self.spec, n) & set(quantity.of)]
 
     @cached_property
     def deforming(self) -> dict[str, Deforming]:
@@ -270,6 +268,11 @@ class Candidate:
         return hashlib.sha256(json.dumps(source, sort_keys=True, default=str).encode()).hexdigest()[:32]
 
 
+def _made_of(cache: Cache) -> list[Derived]:
+    """What was made of all frames of a cache, in the order of the categories."""
+    return [m for m in (kind(cache) for kind in DERIVED) if m.count() >= cache.index.frames > 0]
+
+
 def cache_digest(caches: Mapping[str, Cache], frames: Mapping[str, Sequence[str]] | None = None) -> str:
     """SHA-256 over the indices and the digests of all frames, surfaces and wet maps, hex.
 
@@ -289,11 +292,7 @@ def cache_digest(caches: Mapping[str, Cache], frames: Mapping[str, Sequence[str]
             )
         state.update(name.encode())
         state.update(json.dumps(asdict(caches[name].index), sort_keys=True).encode())
-        surface = LiquidSurface(caches[name])
-        shown = [surface.digest()] if surface.count() >= caches[name].index.frames > 0 else []
-        wet = WetMap(caches[name])
-        shown += [wet.digest()] if wet.count() >= caches[name].index.frames > 0 else []
-        for digest in [*digests[: caches[name].index.frames], *shown]:
+        for digest in [*digests[: caches[name].index.frames], *(made.digest() for made in _made_of(caches[name]))]:
             state.update(digest.encode())
     return state.hexdigest()
 

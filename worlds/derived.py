@@ -22,6 +22,8 @@ class Derived:
     one: ClassVar[str]
     """Name of one frame of it, for messages."""
     many: ClassVar[str]
+    writes: ClassVar[str] = ""
+    """Kind of writer that its channels have in `worlds/channels.py`; empty where no quantity is read from it."""
     note: ClassVar[str]
     """File that says what it was made with."""
 

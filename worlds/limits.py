@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .categories.caps import CATEGORY_CAPS, Cap
-from .categories.rigid.facts import body_count
 from .errors import InputError, LimitError
 
 if TYPE_CHECKING:
@@ -114,10 +113,11 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
     from .categories.registry import CATEGORIES
 
     plan, look = spec.simulation, spec.look
-    bodies = sum(body_count(entity) for entity in spec.entities.values() if entity.motion != "static")
+    made = {name: CATEGORIES[e.physics.category].bodies(e) for name, e in spec.entities.items()}
+    bodies = sum(made[name] for name, e in spec.entities.items() if e.motion != "static")
     counts: dict[str, float] = {
         "bodies": bodies,
-        "parts": sum(max(len(entity.parts), body_count(entity)) for entity in spec.entities.values()),
+        "parts": sum(max(len(e.parts), made[name]) for name, e in spec.entities.items()),
         "stems": sum(p.shape.count for e in spec.entities.values() for p in e.parts.values() if p.shape.kind == "stems"),
         "frames": plan.frames + plan.preroll * plan.fps,
         "width": look.width,

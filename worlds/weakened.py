@@ -11,7 +11,6 @@ from collections.abc import Collection, Iterator, Mapping
 from functools import reduce
 from typing import Any
 
-from .categories.fracture.audit import usual_crumble
 from .categories.registry import CATEGORIES
 from .directions import way_of
 from .parameters import Parameter
@@ -41,7 +40,8 @@ def physical_weakenings(before: WorldSpec, after: WorldSpec, old: Document, new:
     for key, entity in old["entities"].items():
         if key in new["entities"]:
             yield from _entity(key, entity, new["entities"][key], old["story"])
-            yield from _crumble(key, before, after)
+            for category in CATEGORIES.values():
+                yield from category.eased(key, before.entities[key], after.entities[key])
 
 
 def _plan(old: Document, new: Document) -> Iterator[str]:
@@ -120,16 +120,6 @@ def _sides(predicate: Document, entity: str, kinds: Collection[str], *, turned: 
     for one in inner:
         found |= _sides(one, entity, kinds, turned=turned != (kind == "not"))
     return found
-
-
-def _crumble(key: str, before: WorldSpec, after: WorldSpec) -> Iterator[str]:
-    one, other = before.entities[key], after.entities[key]
-    if one.breakable is None or other.breakable is None:
-        return
-    was, now = one.breakable.bond.crumble, other.breakable.bond.crumble
-    if now is not None and now != was and now > (usual_crumble(one) if was is None else was):
-        before_text = "the default" if was is None else f"{was:g} m"
-        yield f"/entities/{key}/breakable/bond/crumble {before_text} -> {now:g} m: pieces may lie deeper in one another"
 
 
 def surface_weakenings(old: Document, new: Document, judged: Collection[str]) -> Iterator[str]:

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, RigidPose
+from ...worlds.bonds import Bonds
 from ...worlds.built import BuiltBody, BuiltPart, Convex, TriangleMesh
-from ...worlds.categories.fracture.bonds import Bonds
 from ...worlds.errors import InputError, LimitError
 from ...worlds.limits import CAPS
 from .faces import Face, bonds_of, shared_faces, side_faces

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.categories.fracture.bonds import WORLD, Bonds
+from ...worlds.bonds import WORLD, Bonds
 from .polyhedra import Facet, facets_of, overlap
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64
 from ...worlds.built import BuiltPart, TriangleMesh
-from ...worlds.categories.elastic.simulation_mesh import SimulationMesh
+from ...worlds.simulation_mesh import SimulationMesh
 from .clipping import clipped_mesh
 from .lattice import block_tets, cells_of, grid_points, outer_faces
 

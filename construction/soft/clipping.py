@@ -16,8 +16,8 @@ from ...geometry.inside import contains, distance_to_surface
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, I32
 from ...worlds.built import BuiltPart, TriangleMesh
-from ...worlds.categories.elastic.simulation_mesh import SimulationMesh, volumes
 from ...worlds.errors import InputError
+from ...worlds.simulation_mesh import SimulationMesh, volumes
 from .lattice import outer_faces
 
 __all__ = ["clipped_mesh", "clipped_tets"]

@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from ...worlds.arrays import F64, I32
-from ...worlds.categories.elastic.simulation_mesh import volumes
 from ...worlds.errors import LimitError
+from ...worlds.simulation_mesh import volumes
 
 __all__ = ["LATTICE_CELLS", "block_tets", "cells_of", "grid_points", "outer_faces"]
 

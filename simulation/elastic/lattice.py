@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, I64
-from ...worlds.categories.elastic.simulation_mesh import SimulationMesh, volumes
+from ...worlds.simulation_mesh import SimulationMesh, volumes
 
 __all__ = ["Lattice"]
 

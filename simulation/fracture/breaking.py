@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64, cross
-from ...worlds.categories.fracture.bonds import WORLD, components
+from ...worlds.bonds import WORLD, components
 from ...worlds.categories.fracture.facts import SHARES
 from .clusters import Cluster, clusters_of
 from .pieces import NO_CAUSE

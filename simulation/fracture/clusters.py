@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.categories.fracture.bonds import WORLD, components
+from ...worlds.bonds import WORLD, components
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.categories.fracture.bonds import WORLD, Bonds
+from ...worlds.bonds import WORLD, Bonds
 
 if TYPE_CHECKING:
     from ...worlds.spec import Bond

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.categories.fracture.bonds import WORLD
+from ...worlds.bonds import WORLD
 
 if TYPE_CHECKING:
     from .network import BondNetwork

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +15,13 @@ from ..boundaries import BodyState, Surround
 from ..coupled_solver import CoupledSolver, motion_records
 from ..protocol import SHORTEST
 from .engine import Engine, LiquidReport, LiquidSetup
+from .recipe import liquid_recipe
 from .scene import LiquidScene, build_scene
 
 if TYPE_CHECKING:
-    from ...worlds.spec import LiquidInstance
+    from ...worlds.built import BuiltEntity
+    from ...worlds.cache import Cache
+    from ...worlds.spec import LiquidInstance, WorldSpec
 
 __all__ = ["SolverLiquid", "make_engine"]
 
@@ -47,6 +51,11 @@ class SolverLiquid(CoupledSolver):
 
     KIND = "liquid"
     REMEDY = "shorten max_step or cfl"
+
+    @staticmethod
+    def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
+        """Recipe of a liquid that reads the bodies' motion: only what reaches its domain."""
+        return liquid_recipe(spec, built, name, caches)
 
     def set_up(self) -> None:
         """Fill the volume and make the engine."""

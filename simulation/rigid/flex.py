@@ -11,8 +11,8 @@ import numpy as np
 
 from ...worlds.arrays import F64, I64, RigidPose, pose_of
 from ...worlds.built import BuiltPart
-from ...worlds.categories.elastic.simulation_mesh import volumes
 from ...worlds.errors import InputError
+from ...worlds.simulation_mesh import volumes
 from ...worlds.spec import ElasticPhysics, Pin, WorldSpec
 from ..boundaries import MovingSurface
 from ..elastic import Lattice

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.categories.fracture.bonds import WORLD
+from ...worlds.bonds import WORLD
 from ...worlds.categories.fracture.pieces import piece_overlap
 from ...worlds.spec import WorldSpec
 from ._films import Film

@@ -15,7 +15,7 @@ from ...worlds.built import BuiltPart, TriangleMesh
 from ...worlds.cache import Cache, write_container
 from ...worlds.candidate import Candidate
 from ...worlds.categories.deforming import lumped
-from ...worlds.categories.elastic.simulation_mesh import SimulationMesh, volumes
+from ...worlds.simulation_mesh import SimulationMesh, volumes
 from ...worlds.spec import WorldSpec
 from .small_worlds import build_all, make_candidate
 

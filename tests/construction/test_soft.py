@@ -10,8 +10,8 @@ from worldagent.construction.build import build_entity
 from worldagent.geometry import Solid, self_crossings
 from worldagent.simulation.elastic import Lattice
 from worldagent.testing.worlds.small_worlds import ball, box, entity, world
-from worldagent.worlds.categories.elastic.simulation_mesh import volumes
 from worldagent.worlds.errors import InputError, LimitError
+from worldagent.worlds.simulation_mesh import volumes
 from worldagent.worlds.spec import Cylinder, ElasticPhysics, Extrusion, Part, Pose, Wedge
 
 SOFT = ElasticPhysics(young_modulus=1e5)

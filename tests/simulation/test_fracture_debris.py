@@ -13,8 +13,8 @@ from worldagent.simulation.fracture.pieces import CHANGE, LATEST, Pieces, pieces
 from worldagent.simulation.rigid.crumbling import EXCESS, HARDENING, STIFFNESS_OF_STEP, Crumbling, Weak
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import struck_wall
+from worldagent.worlds.bonds import WORLD
 from worldagent.worlds.built import BuiltEntity
-from worldagent.worlds.categories.fracture.bonds import WORLD
 
 NONE = np.zeros(0, dtype=np.int64)
 

@@ -9,7 +9,7 @@ from worldagent.simulation.fracture.network import BondNetwork
 from worldagent.simulation.fracture.stiffness import Stiffness
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import struck_wall
-from worldagent.worlds.categories.fracture.bonds import components
+from worldagent.worlds.bonds import components
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...worlds.categories.fracture.bonds import WORLD
+from ...worlds.bonds import WORLD
 from ...worlds.spec import SpringJoint
 
 if TYPE_CHECKING:

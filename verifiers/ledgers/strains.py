@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
-from ...worlds.categories.elastic.simulation_mesh import volumes
 from ...worlds.errors import EvidenceError
+from ...worlds.simulation_mesh import volumes
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate

@@ -72,6 +72,8 @@ class CategorySpec:
     audit: Audit | None = None
     masses: Callable[[WorldSpec, str], Iterable[Problem]] = lambda spec, entity: ()
     """Problems of the declared mass of an entity of it."""
+    bodies: Callable[[Entity], int] = lambda entity: 1
+    """How many bodies an entity of it becomes."""
     starts_alone: bool = False
     """An entity of it with a velocity at frame 0 moves without any cause, so that a beat has to tell of that."""
     coupling: Callable[[WorldSpec, str, Coupling], Iterable[Problem]] | None = None
@@ -82,6 +84,10 @@ class CategorySpec:
     """Recipes of its own artifacts by name, given that of the motion."""
     weakenings: Callable[[str, Mapping[str, Any], Mapping[str, Any]], Iterable[str]] = lambda place, old, new: ()
     """Edits of an entity's physics that ask for less and that no direction tells: pointer of the physics, before, after."""
+    eased: Callable[[str, Entity, Entity], Iterable[str]] = lambda name, old, new: ()
+    """Edits of an entity by which it is easier to judge and that no direction tells: its name, before, after."""
+    seconds: Callable[[WorldSpec], float | None] = lambda spec: None
+    """Seconds that its instances take by a usual rate, told before anything was measured; None where none is known."""
     missing: Callable[[WorldSpec, str, Iterable[str]], Iterable[tuple[str, str]]] = lambda spec, text, met_by: ()
     """Words of a clause that tell of such matter which nothing simulates, with what to do; from the clause and its `met_by`."""
 

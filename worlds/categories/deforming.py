@@ -16,7 +16,7 @@ from ..arrays import F64, RigidPose, quaternion_of
 from ..built import BuiltEntity, BuiltPart
 from ..cache import Cache
 from ..errors import EvidenceError
-from .elastic.simulation_mesh import SimulationMesh, volumes
+from ..simulation_mesh import SimulationMesh, volumes
 
 __all__ = ["Deforming", "deforming_of", "lumped"]
 

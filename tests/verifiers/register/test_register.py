@@ -22,8 +22,8 @@ from worldagent.verifiers.categories.cloth import register as cloth_register
 from worldagent.verifiers.categories.liquid import register as liquid_register
 from worldagent.verifiers.categories.rigid import register as rigid_register
 from worldagent.verifiers.register.assemble import approximations
+from worldagent.worlds.bonds import WORLD
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.categories.fracture.bonds import WORLD
 from worldagent.worlds.patch import parse_spec
 
 WIND = {"kind": "field", "field": {"kind": "wind", "velocity": [10, 0, 0]}}

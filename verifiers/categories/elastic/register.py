@@ -127,7 +127,7 @@ def _cells(candidate: Candidate, name: str) -> str:
 
 def _lost(candidate: Candidate, name: str) -> float:
     """Share of the declared volume that the simulation mesh misses."""
-    from ....worlds.categories.elastic.simulation_mesh import volumes
+    from ....worlds.simulation_mesh import volumes
 
     built = candidate.entity(name)
     held = sum(float(volumes(p.simulation.vertices, p.simulation.tets).sum()) for p in built.parts if p.simulation is not None)

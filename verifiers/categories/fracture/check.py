@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....geometry.solids import Solid
-from ....worlds.categories.fracture.bonds import WORLD, components
+from ....worlds.bonds import WORLD, components
 from ....worlds.categories.fracture.pieces import middle_size
 from ....worlds.errors import EvidenceError
 from ...rows.answers import row_of

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ....worlds.arrays import pose_of
-from ....worlds.categories.fracture.bonds import WORLD, components
+from ....worlds.bonds import WORLD, components
 from ....worlds.categories.fracture.pieces import crumble_of
 from ...ledgers.balance import books_of
 from .bounds import TUMBLE

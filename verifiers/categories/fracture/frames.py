@@ -12,10 +12,10 @@ from ....worlds.errors import EvidenceError
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64
+    from ....worlds.bonds import Bonds
     from ....worlds.built import BuiltEntity
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
-    from ....worlds.categories.fracture.bonds import Bonds
 
 __all__ = ["Broken", "Frames"]
 

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....worlds.arrays import F64
-from ....worlds.categories.fracture.bonds import WORLD
+from ....worlds.bonds import WORLD
 from ....worlds.categories.fracture.facts import SHARES
 
 if TYPE_CHECKING:
+    from ....worlds.bonds import Bonds
     from ....worlds.built import BuiltEntity
-    from ....worlds.categories.fracture.bonds import Bonds
     from ....worlds.spec import Bond
 
 __all__ = ["Loaded", "stress_ratios"]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
-from ....worlds.categories.fracture.bonds import components
+from ....worlds.bonds import components
 from ....worlds.errors import EvidenceError
 from ....worlds.predicates import Breach, Broken, Debris
 from ...predicates.kinematic import region_offset

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....physics.drag import area_vectors
-from ....worlds.categories.fracture.bonds import WORLD
+from ....worlds.bonds import WORLD
 from ....worlds.categories.fracture.pieces import crumble_of
 from ....worlds.fields import fields_of
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ....physics.substances import DENSITY_RANGES
-from ...holders import cannot_hold
 from ...problems import Problem, replaced
 from ...weights import ROUNDING
+from ..holders import cannot_hold
 from .facts import THIN, grids_of, held_by, vertices_of
 from .models import ClothPhysics
 

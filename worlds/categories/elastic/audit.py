@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ...holders import cannot_hold
 from ...problems import Problem, removed, replaced
+from ..holders import cannot_hold
 from .models import ElasticPhysics
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from .facts import CRUMBLE, piece_count
 if TYPE_CHECKING:
     from ...spec import Breakable, Entity, WorldSpec
 
-__all__ = ["crumble_limit", "fracture_problems", "usual_crumble"]
+__all__ = ["crumble_limit", "eased", "fracture_problems", "usual_crumble"]
 
 LEAST_SIZE = 10.0
 """Pieces are at least so many summed skins wide: below, their contacts would be all skin."""
@@ -53,6 +53,22 @@ def usual_crumble(entity: Entity) -> float:
     assert entity.breakable is not None
     pattern = entity.breakable.pattern
     return pattern.joint / 2 if pattern.kind == "bricks" else CRUMBLE * _least_piece(entity, entity.breakable)
+
+
+def eased(name: str, old: Entity, new: Entity) -> Iterator[str]:
+    """Pieces that an edit lets lie deeper in one another, in words.
+
+    Args:
+        name: of the entity.
+        old: the entity before the edit.
+        new: the entity after it.
+    """
+    if old.breakable is None or new.breakable is None:
+        return
+    was, now = old.breakable.bond.crumble, new.breakable.bond.crumble
+    if now is not None and now != was and now > (usual_crumble(old) if was is None else was):
+        before = "the default" if was is None else f"{was:g} m"
+        yield f"/entities/{name}/breakable/bond/crumble {before} -> {now:g} m: pieces may lie deeper in one another"
 
 
 def _least_piece(entity: Entity, breakable: Breakable) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...parameters import BREAKABLE, GroupInfo, Parameter, Way, parameters
 from ..caps import PIECES
 from ..category import Audit, CategorySpec
-from .audit import fracture_problems
+from .audit import eased, fracture_problems
 from .channels import CHANNELS, DIMENSIONS, writers
 from .predicates import PREDICATES
 
@@ -45,6 +45,7 @@ FRACTURE = CategorySpec(
     dimensions=DIMENSIONS,
     writers=writers,
     caps=(PIECES,),
+    eased=eased,
     audit=Audit(
         "fracture",
         "breakable entities are free rigid bodies, cut no finer than skins and caps allow, and bear their own weight",

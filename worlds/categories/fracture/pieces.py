@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .bonds import WORLD
+from ...bonds import WORLD
 from .facts import CRUMBLE
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from ..loose import counts
 from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, STEPS, TEMPERATURE
 from .audit import liquid_problems
 from .channels import CHANNELS, DIMENSIONS, writers
-from .facts import liquid_estimate
+from .facts import liquid_estimate, liquid_seconds
 from .models import DfsphInstance, FlipInstance, InflowDriver, LiquidPhysics, OutflowDriver, WavesDriver
 from .predicates import PREDICATES
 from .recipe import liquid_recipes
@@ -65,5 +65,6 @@ LIQUID = CategorySpec(
         "liquids", "liquids are members of a liquid instance that resolves them, and its domain holds them", liquid_problems
     ),
     recipes=liquid_recipes,
+    seconds=liquid_seconds,
     missing=missing_liquid,
 )

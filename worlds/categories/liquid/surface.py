@@ -27,6 +27,7 @@ class LiquidSurface(Derived):
     """Reader of the surfaces that were made of a cache; its note says recipe, settings, versions and spacing [m]."""
 
     one, many, note = "surface", "surfaces", "surface.json"
+    writes = "surface"
 
     def __init__(self, cache: Cache) -> None:
         super().__init__(cache, surface_folder(cache))

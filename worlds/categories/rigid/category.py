@@ -6,7 +6,7 @@ from ...parameters import DRIVER, PHYSICS, SETTINGS, parameters
 from ..category import CategorySpec
 from ..shared import LINEAR_VELOCITY, STEPS
 from .channels import CHANNELS, DIMENSIONS, writers
-from .facts import rigid_counts
+from .facts import body_count, rigid_counts
 from .masses import mass_problems
 from .models import DetachDriver, ForceDriver, MotorDriver, PathDriver, RigidInstance, RigidPhysics
 
@@ -43,5 +43,6 @@ RIGID = CategorySpec(
     writers=writers,
     estimate=rigid_counts,
     masses=mass_problems,
+    bodies=body_count,
     starts_alone=True,
 )

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import F64, I32
+from .arrays import F64, I32
 
 __all__ = ["WORLD", "Bonds", "bond_arrays", "bonds_from", "components"]
 

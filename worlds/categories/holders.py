@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .categories.fracture.facts import piece_count
+from .fracture.facts import piece_count
 
 if TYPE_CHECKING:
-    from .spec import Entity
+    from ..spec import Entity
 
 __all__ = ["cannot_hold"]
 
 
 def cannot_hold(entity: Entity) -> str | None:
     """Why nothing can be pinned to an entity ("which is ..."); None where it can hold: it is rigid, and one body."""
-    if entity.physics.category != "rigid":
+    if entity.physics.shape != "solid":
         return f"which is {entity.physics.category}; only rigid ones hold"
     if entity.generator is not None:
         bodies = f"a {entity.generator.kind} of {entity.generator.segments} bodies"

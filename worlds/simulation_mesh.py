@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import F64, I32
+from .arrays import F64, I32
 
 __all__ = ["SimulationMesh", "mesh_arrays", "mesh_from", "volumes"]
 

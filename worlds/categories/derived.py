@@ -1,0 +1,15 @@
+"""What is made of caches and kept beside them, by all categories. A new product is a line here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..cache import Cache
+from ..derived import Derived
+from .liquid.surface import LiquidSurface
+from .liquid.wet import WetMap
+
+__all__ = ["DERIVED"]
+
+DERIVED: tuple[Callable[[Cache], Derived], ...] = (LiquidSurface, WetMap)
+"""Readers, each made of a cache, in the order in which the digest of caches takes them."""

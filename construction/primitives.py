@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -105,27 +106,33 @@ def _sphere(shape: Sphere) -> ShapeGeometry:
     )
 
 
-def _lathe(rings: list[tuple[float, float]], segments: int) -> TriangleMesh:
-    """Closed surface from an open profile of (r, z) that starts and ends on the axis, walked upwards outside."""
+def _rings(profile: list[tuple[float, float]], on_axis: list[bool], segments: int) -> tuple[list[Any], list[list[int]]]:
+    """Vertices of the rings that a profile of (r, z) turns into, one vertex where it is on the axis, and by ring their numbers."""
     vertices: list[tuple[float, float, float]] = []
     index: list[list[int]] = []
-    for r, z in rings:
-        if r <= 0:
-            vertices.append((0.0, 0.0, z))
-            index.append([len(vertices) - 1] * segments)
-        else:
-            start = len(vertices)
-            vertices += [(r * math.cos(t), r * math.sin(t), z) for t in (2 * math.pi * k / segments for k in range(segments))]
-            index.append(list(range(start, start + segments)))
+    angles = [2 * math.pi * k / segments for k in range(segments)]
+    for (r, z), axis in zip(profile, on_axis, strict=True):
+        start = len(vertices)
+        vertices += [(0.0, 0.0, z)] if axis else [(r * math.cos(t), r * math.sin(t), z) for t in angles]
+        index.append([start] * segments if axis else list(range(start, start + segments)))
+    return vertices, index
+
+
+def _band(low: list[int], high: list[int]) -> list[tuple[int, int, int]]:
+    """Faces between two rings."""
     faces = []
-    for low, high in itertools.pairwise(index):
-        for k in range(segments):
-            n = (k + 1) % segments
-            if low[k] != low[n]:
-                faces.append((low[k], low[n], high[n]))
-            if high[k] != high[n]:
-                faces.append((low[k], high[n], high[k]))
-    return _mesh(vertices, faces)
+    for k, n in enumerate([*range(1, len(low)), 0]):
+        if low[k] != low[n]:
+            faces.append((low[k], low[n], high[n]))
+        if high[k] != high[n]:
+            faces.append((low[k], high[n], high[k]))
+    return faces
+
+
+def _lathe(profile: list[tuple[float, float]], segments: int) -> TriangleMesh:
+    """Closed surface from an open profile of (r, z) that starts and ends on the axis, walked upwards outside."""
+    vertices, index = _rings(profile, [r <= 0 for r, _ in profile], segments)
+    return _mesh(vertices, [face for low, high in itertools.pairwise(index) for face in _band(low, high)])
 
 
 def _cylinder(shape: Cylinder) -> ShapeGeometry:
@@ -192,29 +199,13 @@ def _revolution(shape: Revolution) -> ShapeGeometry:
     if signed_area(profile) < 0:
         profile = profile[::-1]
     n, segments = len(profile), shape.segments
-    angles = [2 * math.pi * k / segments for k in range(segments)]
     on_axis = [r <= 1e-9 for r, _ in profile]
-    vertices: list[tuple[float, float, float]] = []
-    index: list[list[int]] = []
-    for (r, z), axis in zip(profile, on_axis, strict=True):
-        start = len(vertices)
-        if axis:
-            vertices.append((0.0, 0.0, z))
-            index.append([start] * segments)
-        else:
-            vertices += [(r * math.cos(t), r * math.sin(t), z) for t in angles]
-            index.append(list(range(start, start + segments)))
+    vertices, index = _rings(profile, on_axis, segments)
     faces = []
     for k in range(n):
-        low, high = index[k], index[(k + 1) % n]
-        if on_axis[k] and on_axis[(k + 1) % n]:
-            continue
-        for s in range(segments):
-            m = (s + 1) % segments
-            if low[s] != low[m]:
-                faces.append((low[s], low[m], high[m]))
-            if high[s] != high[m]:
-                faces.append((low[s], high[m], high[s]))
+        m = (k + 1) % n
+        if not (on_axis[k] and on_axis[m]):
+            faces += _band(index[k], index[m])
     mesh = _mesh(vertices, faces)
     pieces = []
     for ring in convex_partition(profile):

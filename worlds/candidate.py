@@ -269,7 +269,7 @@ class Candidate:
 
 
 def _made_of(cache: Cache) -> list[Derived]:
-    """What was made of all frames of a cache, in the order of the categories."""
+    """Products that cover all frames of a cache, in the order of their registry."""
     return [m for m in (kind(cache) for kind in DERIVED) if m.count() >= cache.index.frames > 0]
 
 

@@ -15,7 +15,7 @@ from .bounds import SAME_HEIGHT
 from .columns import Ints, expand
 from .walkable import DIRECTIONS, Floor, floor_end, standing
 
-__all__ = ["Obstacles", "clearance_at", "measure_clearance", "unique_pairs"]
+__all__ = ["Obstacles", "clearance_at", "measure_clearance", "obstacles_near"]
 
 FINE = 512
 """Places along a cell, of which one corner of an obstacle each is kept."""
@@ -78,6 +78,17 @@ def _improve(best: F64, label: Ints, nearest: F64, row: Ints, distance: F64, new
     best[row[better]], label[row[better]], nearest[row[better]] = distance[better], new[better], point[better]
 
 
+def obstacles_near(floor: Floor, obstacles: Obstacles, nodes: Ints, rings: int) -> tuple[Ints, Ints]:
+    """Obstacles known at nodes and at those linked to them over up to `rings` links: pairs (row of `nodes`, label), sorted by row."""
+    around = nodes[:, None]
+    for _ in range(rings):
+        more = np.where(around[..., None] >= 0, floor.links[around], -1).reshape(len(nodes), -1)
+        around = np.concatenate([around, more], axis=1)
+    labels = np.where(around >= 0, obstacles.label[around], -1)
+    row, column = np.nonzero(labels >= 0)
+    return _unique_pairs(row, labels[row, column], len(obstacles.start))
+
+
 def clearance_at(floor: Floor, obstacles: Obstacles, nodes: Ints, points: F64, *, rings: int) -> F64:
     """Distance from points near nodes to the obstacles known around them [m], shape (n,).
 
@@ -92,19 +103,13 @@ def clearance_at(floor: Floor, obstacles: Obstacles, nodes: Ints, points: F64, *
     step = max(1, PAIRS // 400)
     for start in range(0, len(nodes), step):
         block = nodes[start : start + step]
-        around = block[:, None]
-        for _ in range(rings):
-            more = np.where(around[..., None] >= 0, floor.links[around], -1).reshape(len(block), -1)
-            around = np.concatenate([around, more], axis=1)
-        labels = np.where(around >= 0, obstacles.label[around], -1)
-        row, column = np.nonzero(labels >= 0)
-        row, label = unique_pairs(row, labels[row, column], len(obstacles.start))
+        row, label = obstacles_near(floor, obstacles, block, rings)
         distance, _ = _to_obstacles(obstacles, points[start + row], label)
         np.minimum.at(result, start + row, distance)
     return result
 
 
-def unique_pairs(row: Ints, label: Ints, labels: int) -> tuple[Ints, Ints]:
+def _unique_pairs(row: Ints, label: Ints, labels: int) -> tuple[Ints, Ints]:
     """Distinct (row, label) pairs sorted by row; `labels` bounds the labels."""
     key = np.unique(row * labels + label)
     return key // labels, key % labels

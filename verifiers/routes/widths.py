@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
-from .clearances import Obstacles, clearance_at, unique_pairs
+from .clearances import Obstacles, clearance_at, obstacles_near
 from .columns import Ints, expand
 from .walkable import DIRECTIONS, Floor
 
@@ -196,13 +196,7 @@ def _shortest(floor: Floor, points: F64, keep: NDArray[np.bool_], stops: Sequenc
 
 def _centred(floor: Floor, obstacles: Obstacles, nodes: Ints, cap: float) -> tuple[F64, F64]:
     """Move points within their cells to where clearance is largest: pattern search with halved steps."""
-    around = nodes[:, None]
-    for _ in range(LOST):
-        more = np.where(around[..., None] >= 0, floor.links[around], -1).reshape(len(nodes), -1)
-        around = np.concatenate([around, more], axis=1)
-    labels = np.where(around >= 0, obstacles.label[around], -1)
-    row, column = np.nonzero(labels >= 0)
-    row, label = unique_pairs(row, labels[row, column], len(obstacles.start))
+    row, label = obstacles_near(floor, obstacles, nodes, LOST)
     first = obstacles.start[label]
     group, number = expand(obstacles.start[label + 1] - first)
     owner, obstacle = row[group], obstacles.point[first[group] + number]

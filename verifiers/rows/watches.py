@@ -18,19 +18,27 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Row, Status
     from .questions import Question
 
-__all__ = ["Watching"]
+__all__ = ["Watch", "Watching"]
 
 Verdicts = dict[str, dict[str, tuple["Question", Finding]]]
 """Each question with its finding, by watch and name of the question."""
 
 
 class Watch(Protocol):
-    """One family of questions; `see` takes what each frame is made of."""
+    """One family of questions: made from what is watched, its method `see` takes each frame in order, then it says what it found.
+
+    Whatever the evidence for its questions lacks is told by an EvidenceError.
+    """
 
     questions: ClassVar[Mapping[str, Question]]
+    """Questions by name; a name is the second last part of a row's id."""
 
     def findings(self) -> dict[str, Finding]:
-        """Finding on every question by name, after the last frame."""
+        """Finding on every question by name, after the last frame.
+
+        Raises:
+            EvidenceError: there is nothing to judge them by.
+        """
 
 
 def _unread(kind: type[Any], name: str, error: EvidenceError) -> Status:

@@ -1,4 +1,4 @@
-"""What is made of caches and kept beside them, by all categories. A new product is a line here."""
+"""Products of caches, kept beside them, of all categories. A new one is a line here."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ import numpy as np
 from ....worlds.errors import EvidenceError, NotFiniteError
 from ...rows.corrections import halve_step
 from ...rows.findings import Finding
-from ...rows.watches import Watching
+from ...rows.watches import Watch, Watching
 from ...scene import initial_state
 from ..container import rows_about
 from .contacts import Contacts
@@ -21,7 +21,7 @@ from .flight import Flight
 from .frames import matched, swarm_of
 from .ledger import Books, Identity
 from .questions import NUMBERS
-from .rows import SwarmWatch, emitted_slower, stiffer
+from .rows import emitted_slower, stiffer
 from .walls import Walls
 
 if TYPE_CHECKING:
@@ -99,11 +99,11 @@ class Numbers:
         return {"finite": Finding("pass", "every frame was read, and all of it is finite"), "speed": speed, "travel": travel}
 
 
-WATCHES: tuple[type[SwarmWatch], ...] = (Numbers, Identity, Books, Contacts, Walls, Flight)
+WATCHES: tuple[type[Watch], ...] = (Numbers, Identity, Books, Contacts, Walls, Flight)
 """All families, in the order of their rows. `Books` and `Contacts` share what they find of a frame's contacts."""
 
 
-def _unread(kind: type[SwarmWatch], name: str, error: EvidenceError) -> Status:
+def _unread(kind: type[Watch], name: str, error: EvidenceError) -> Status:
     """Frames that hold numbers that are not finite cannot be read: that alone is a failure, of `finite`."""
     return "fail" if kind is Numbers and name == "finite" and isinstance(error, NotFiniteError) else "unverified"
 

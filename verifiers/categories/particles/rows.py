@@ -1,43 +1,16 @@
-"""Protocol of the watches of particles, and corrections that several of them name."""
+"""Corrections that several watches of particles name."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING
 
 from ....worlds.requirements import Correction
 from ...rows.corrections import correction
-from ...rows.findings import Finding
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from .frames import Swarm
 
-    from ...rows.questions import Question
-    from .frames import Swarm, SwarmFrame
-
-__all__ = ["SwarmWatch", "emitted_slower", "stiffer"]
-
-
-class SwarmWatch(Protocol):
-    """One family of questions about particles: it sees all frames in order, then says what it found."""
-
-    questions: ClassVar[Mapping[str, Question]]
-    """Questions by name; a name is the second last part of a row's id."""
-
-    def __init__(self, swarm: Swarm) -> None: ...
-
-    def see(self, now: SwarmFrame, before: SwarmFrame | None) -> None:
-        """Take in the next frame.
-
-        Raises:
-            EvidenceError: a channel that the questions need is missing.
-        """
-
-    def findings(self) -> dict[str, Finding]:
-        """Finding on every question by name, after the last frame.
-
-        Raises:
-            EvidenceError: there is nothing to judge them by.
-        """
+__all__ = ["emitted_slower", "stiffer"]
 
 
 def emitted_slower(swarm: Swarm) -> tuple[Correction, ...]:

@@ -101,7 +101,7 @@ def _body_channel(candidate: Candidate, entity: str, body: str, channel: str) ->
         return series
     contract = candidate.spec.entities[entity]
     initial = (0.0, 0.0, 0.0)
-    if contract.motion == "dynamic" and contract.physics.shape == "solid":
+    if contract.motion == "dynamic" and contract.physics.category == "rigid":
         initial = contract.physics.linear_velocity if channel == "velocity" else contract.physics.angular_velocity
     return np.repeat(np.array(initial, dtype=np.float64)[None], candidate.frame_count, 0)
 

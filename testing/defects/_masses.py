@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from ...physics.substances import DENSITY_RANGES
-from ...worlds.spec import Box, Cylinder, Entity, Material, RigidPhysics, Shape, Sphere
+from ...worlds.spec import Box, Cylinder, Entity, Material, Part, RigidPhysics, Shape, Sphere
 from ...worlds.weights import LEAST_WALL
 from ..worlds.small_worlds import entity, make_candidate, world
 from .cases import World
 
-__all__ = ["heavier_than_its_volume", "lighter_than_its_volume", "of_its_volume", "thin_shell"]
+__all__ = ["heavier_than_its_volume", "hidden_core", "hidden_dowel", "lighter_than_its_volume", "of_its_volume", "thin_shell"]
 
 RNG = np.random.Generator
 SUBSTANCES = ("steel", "wood", "stone", "rubber", "plastic", "ice", "aluminium")
@@ -66,3 +66,24 @@ def thin_shell(folder: Path, m: float, rng: RNG) -> World:
     shell = 4 * np.pi * radius**2 * LEAST_WALL * m
     body = entity(Sphere(radius=radius), motion="dynamic")
     return _world(folder, body, "aluminium", shell * DENSITY_RANGES["aluminium"][1], hollow=True)
+
+
+def _with_core(folder: Path, share: float, rng: RNG, *culprits: str) -> World:
+    """A wooden block with a steel block in its middle that weighs a share of it."""
+    side, wood, steel = float(rng.uniform(0.05, 0.5)), 600.0, 7850.0
+    inner = side * (share * wood / steel) ** (1 / 3)
+    parts = {"body": Part(shape=Box(size=(side,) * 3)), "core": Part(shape=Box(size=(inner,) * 3), material="core")}
+    body = entity(Box(size=(side,) * 3), motion="dynamic").model_copy(update={"parts": parts, "material": "own"})
+    materials = {"own": Material(density=wood, substance="wood"), "core": Material(density=steel, substance="steel")}
+    spec = world({"body": body}, materials=materials)
+    return World(make_candidate(folder, spec), culprits)
+
+
+def hidden_core(folder: Path, m: float, rng: RNG) -> World:
+    """A heavy core that no camera sees."""
+    return _with_core(folder, m, rng, "body")
+
+
+def hidden_dowel(folder: Path, m: float, rng: RNG) -> World:
+    """A nail or dowel inside."""
+    return _with_core(folder, m, rng)

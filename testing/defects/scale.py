@@ -32,7 +32,7 @@ from ...worlds.spec import (
     Wedge,
 )
 from ..worlds.small_worlds import ball, box, build, entity, ground, make_candidate, mesh_of, pose, world
-from ._masses import heavier_than_its_volume, lighter_than_its_volume, of_its_volume, thin_shell
+from ._masses import heavier_than_its_volume, hidden_core, hidden_dowel, lighter_than_its_volume, of_its_volume, thin_shell
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -411,6 +411,8 @@ SUITE = Suite(
         ),
         Mechanism("too light", "steel of a milligram", True, lighter_than_its_volume, 1.03, 1e8, "1", bound=1.0),
         Mechanism("too heavy", "more than its volume holds", True, heavier_than_its_volume, 1.03, 1e3, "1", bound=1.0),
+        Mechanism("hidden core", "a heavy core that no camera sees", True, hidden_core, 0.11, 5.0, "1", bound=0.1),
+        Mechanism("hidden dowel", "a nail or dowel inside", False, hidden_dowel, 0.001, 0.09, "1"),
         Mechanism("of its volume", "a mass of its own, in the range", False, of_its_volume, 0.001, 1.0, "1"),
         Mechanism("thin shell", "hollow, and says so", False, thin_shell, 1.05, 10.0, "1"),
         Mechanism("absurd", "larger than a mountain", True, _absurd, 1.001 * LARGEST, 100.0 * LARGEST, "m", bound=LARGEST),

@@ -13,6 +13,14 @@ FACETS = 0.02
 SPECK = 1e-6
 """[1] Own choice: a loose piece with less than this share of the surface (6 mm^2 on a cube of 1 m), or a triangle lower than this
 share of the diagonal, is dust and gives nothing its size. Else a stray vertex could stand in for a missing length."""
+HIDDEN_MASS = 0.1
+"""[1] Own choice: parts that lie inside others may weigh this share of those that can be seen: nails, dowels, hinges."""
+HIDDEN_SURFACE = 0.95
+"""[1] Own choice: a part is hidden when so much of its surface lies inside others."""
+HIDDEN_DEPTH = 0.01
+"""[1] Own choice: share of its own diagonal by which a part must stand out to be seen; faces in one plane hide each other."""
+HIDDEN_TRIANGLES = 500
+"""[1] Own choice: largest triangles of a part that are looked at."""
 
 CROSSING_NOISE = 1e-6
 """[1] Of the size: files in single precision round vertices by 6e-8 of their coordinates, so that surfaces that touch may cross by a

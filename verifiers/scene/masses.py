@@ -14,6 +14,7 @@ from ...worlds.spec import RigidPhysics
 from ...worlds.weights import LEAST_WALL, ROUNDING, allowed
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
+from .hidden import hidden_parts
 
 if TYPE_CHECKING:
     from ...worlds.built import TriangleMesh
@@ -39,14 +40,15 @@ def mass_finding(candidate: Candidate, name: str) -> Finding:
     assert isinstance(physics, RigidPhysics)
     assert physics.mass is not None
     built = candidate.entity(name)
-    pieces = []
+    pieces, seen, hidden = [], [], hidden_parts(candidate, name)
     for part in built.parts:
         own = entity.parts.get(part.part)
         volume = _volume(part.render)
         if not np.isfinite(volume) or volume <= 0.0:
             raise EvidenceError(f"the surface of {name}/{part.part} bounds no volume; call place_object")
         pieces.append((volume, spec.materials[(own.material if own else None) or entity.material].substance))
-    weights = allowed(pieces)
+        seen += [] if part.part in hidden else pieces[-1:]
+    weights = allowed(pieces)._replace(most=allowed(seen).most)
     if entity.breakable is not None:  # pieces fill the body and do not lie in one another
         weights = weights._replace(least=sum(allowed([p]).least for p in pieces))
     least = weights.hollow if physics.hollow else weights.least

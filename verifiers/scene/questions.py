@@ -6,6 +6,7 @@ from ..rows.questions import Question
 from .bounds import LARGEST, NOMINAL_FACTOR, SMALLEST
 
 __all__ = [
+    "HIDDEN",
     "MASS",
     "NOMINAL",
     "OVERLAP",
@@ -42,6 +43,15 @@ MASS = Question(
     "kg",
     ">=",
     "volume times the density of the substances",
+    ("entity",),
+)
+HIDDEN = Question(
+    "scale:hidden",
+    "parts of {0} that lie inside others weigh little beside those that can be seen",
+    "mass of the hidden parts by that of the others",
+    "1",
+    "<=",
+    "HIDDEN_MASS; any where the role says that it is weighted",
     ("entity",),
 )
 NOMINAL = Question(
@@ -99,4 +109,4 @@ OVERLAP_SCENE = Question(
     "0",
 )
 
-QUESTIONS = (SCALE_SCENE, SIZE, MASS, NOMINAL, RATIO, RELATION, OVERLAP_SCENE, OVERLAP, SELF_CROSSING)
+QUESTIONS = (SCALE_SCENE, SIZE, MASS, HIDDEN, NOMINAL, RATIO, RELATION, OVERLAP_SCENE, OVERLAP, SELF_CROSSING)

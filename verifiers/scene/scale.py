@@ -23,8 +23,9 @@ from ..rows.corrections import correction, pointer, set_value
 from ..rows.findings import Finding
 from .bounds import FACETS, LARGEST, NOMINAL_FACTOR, SMALLEST
 from .extents import Extent, built_extent, part_extents, specified_extent
+from .hidden import hidden_finding, hidden_parts
 from .masses import declares_mass, mass_finding
-from .questions import MASS, NOMINAL, RATIO, SCALE_SCENE, SIZE
+from .questions import HIDDEN, MASS, NOMINAL, RATIO, SCALE_SCENE, SIZE
 from .ratios import ratio_finding
 
 if TYPE_CHECKING:
@@ -43,6 +44,8 @@ def check(candidate: Candidate) -> list[Row]:
         judges: list[tuple[Question, Callable[[Candidate, str], Finding]]] = [(SIZE, _dimensions)]
         if declares_mass(entity):
             judges.append((MASS, mass_finding))
+        elif hidden_parts(candidate, name):
+            judges.append((HIDDEN, hidden_finding))
         if entity.nominal_diagonal is not None:
             judges.append((NOMINAL, _nominal))
         rows += [row_of(candidate, q, (name,), partial(judge, candidate, name), entities=(name,)) for q, judge in judges]

@@ -1,0 +1,131 @@
+"""Parts that lie inside others of the same body, where no camera sees them, and what they weigh (R154).
+
+A block of wood with a core of something heavy would move as no block of wood does. What such parts weigh may be a small share of what
+the parts that can be seen weigh, unless the entity's role says that it is weighted, which the register prints.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...geometry.inside import contains
+from ...geometry.solids import Solid
+from ...worlds.arrays import F64
+from ...worlds.spec import RigidPhysics
+from ..rows.corrections import correction, pointer
+from ..rows.findings import Finding
+from .bounds import HIDDEN_DEPTH, HIDDEN_MASS, HIDDEN_SURFACE, HIDDEN_TRIANGLES
+
+if TYPE_CHECKING:
+    from ...worlds.built import BuiltPart
+    from ...worlds.candidate import Candidate
+
+__all__ = ["hidden_finding", "hidden_lines", "hidden_parts"]
+
+_WEIGHTED = re.compile(r"\b(weighted|ballast|ballasted|loaded)\b", re.IGNORECASE)
+"""Words of a role that declare a hidden weight."""
+_CORNERS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [1, 3, 3], [3, 1, 3], [3, 3, 1]])
+_SPOTS = _CORNERS / _CORNERS.sum(axis=1, keepdims=True)
+"""Barycentric coordinates of the samples of a triangle."""
+
+
+class _Weighed(NamedTuple):
+    """A part with its solid and its mass [kg]."""
+
+    part: BuiltPart
+    solid: Solid
+    mass: float
+    opaque: bool
+
+
+def hidden_parts(candidate: Candidate, name: str) -> dict[str, float]:
+    """Masses [kg] of the parts of an entity that lie inside larger opaque ones; empty where there are none, or nothing moves it."""
+    return {w.part.part: w.mass for w in _hidden(_weighed(candidate, name))}
+
+
+def _weighed(candidate: Candidate, name: str) -> list[_Weighed]:
+    """Closed parts of a free rigid entity, the largest first."""
+    entity, built = candidate.spec.entities[name], candidate.built.get(name)
+    rigid = isinstance(entity.physics, RigidPhysics) and entity.motion == "dynamic" and entity.generator is None
+    if built is None or not rigid or entity.breakable is not None or len(built.parts) < 2:
+        return []
+    found = []
+    for part in built.parts:
+        material = candidate.spec.materials.get(part.material)
+        if part.closed and material is not None and np.isfinite(part.render.vertices).all():
+            solid = Solid.from_mesh(part.render, closed=True)
+            opaque = material.appearance.transmission == 0.0
+            found.append(_Weighed(part, solid, abs(solid.volume) * material.density, opaque))
+    return sorted(found, key=lambda w: -abs(w.solid.volume))
+
+
+def _hidden(weighed: list[_Weighed]) -> list[_Weighed]:
+    found = []
+    for k, inner in enumerate(weighed):
+        around = [w.solid for w in weighed[:k] if w.opaque and w.part.body == inner.part.body]
+        if around and _share_inside(inner.solid, around) >= HIDDEN_SURFACE:
+            found.append(inner)
+    return found
+
+
+def _share_inside(inner: Solid, around: list[Solid]) -> float:
+    """Share of a solid's surface that lies inside others, to a depth of HIDDEN_DEPTH of its size."""
+    corners: F64 = inner.triangles
+    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    largest = np.argsort(-areas, kind="stable")[:HIDDEN_TRIANGLES]
+    inwards = inner.face_normals[largest, None] * (HIDDEN_DEPTH * inner.size)
+    points = np.einsum("sk,fkj->fsj", _SPOTS, corners[largest]) - inwards
+    covered = np.zeros(points.shape[:2], dtype=bool)
+    for solid in around:
+        covered |= contains(solid, points.reshape(-1, 3)).reshape(covered.shape)
+    total = float(areas[largest].sum())
+    return float(areas[largest] @ covered.mean(axis=1)) / total if total > 0.0 else 0.0
+
+
+def hidden_finding(candidate: Candidate, name: str) -> Finding:
+    """Whether the parts of an entity that no camera sees weigh little beside those that can be seen."""
+    weighed = _weighed(candidate, name)
+    hidden = _hidden(weighed)
+    inside = sum(w.mass for w in hidden)
+    seen = sum(w.mass for w in weighed) - inside
+    share = inside / seen
+    named = " and ".join(f"{w.part.part!r} of {w.part.material!r}, {w.mass:.4g} kg" for w in hidden)
+    told = _WEIGHTED.search(candidate.spec.entities[name].role)
+    heavy = share > HIDDEN_MASS and told is None
+    text = f"inside {name!r}, where no camera sees it, lies {named}; what can be seen weighs {seen:.4g} kg"
+    if told is not None:
+        text += f"; its role says that it is {told.group(0).lower()}"
+    places = [pointer("entities", name, "parts", w.part.part) for w in hidden]
+    return Finding(
+        "fail" if heavy else "pass",
+        text,
+        min(share, HIDDEN_MASS) if told is not None else share,
+        HIDDEN_MASS,
+        hints=(
+            correction(
+                "a part that no camera sees makes the body heavier than it looks",
+                "mass",
+                f"Drop the hidden part of {name!r}, or choose a material that weighs what the body should; where it is meant to be weighted, "
+                "say `weighted` in its role, which is printed.",
+                pointers=(*places, pointer("entities", name, "role")),
+                patch=tuple({"op": "remove", "path": place} for place in places),
+            ),
+        ),
+        evidence={"hidden": {w.part.part: w.mass for w in hidden}, "hidden_kg": inside, "seen_kg": seen},
+        frames=(0, 0),
+        extra=candidate.spec.entities[name].role,
+    )
+
+
+def hidden_lines(candidate: Candidate) -> list[dict[str, str]]:
+    """Lines of the register: parts that no camera sees, and what they weigh."""
+    lines = []
+    for name in candidate.spec.entities:
+        for part, mass in hidden_parts(candidate, name).items():
+            lines.append(
+                {"what": f"part {name}/{part} lies hidden inside others", "effect": f"it weighs {mass:.4g} kg and is never seen"}
+            )
+    return lines

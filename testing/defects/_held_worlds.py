@@ -38,6 +38,8 @@ REACH = GAP + RigidSettings().skin
 """How far an anchor may be from a surface [m]."""
 SEAM, NARROW = 2e-3, 8e-4
 """Gap over which no two static things touch, and over which those of this suite do, 8 cm in diagonal and more [m]."""
+OUTSIDE = 0.002
+"""How far a centre of mass may seem to lie beside what carries it [m]."""
 OVER, UNDER = 1.05, 0.95
 FPS = 24
 
@@ -126,6 +128,25 @@ def _said_to_float(folder: Path, m: float, rng: RNG) -> World:
     reason = "a glowing orb that the tale lets hover by magic"
     scene.add("thing", Sphere(radius=0.2), at=(0, 0, 0.2 + m), afloat=reason)
     return scene.world(folder, still=True)
+
+
+def _on_a_post(folder: Path, beyond: float, rng: RNG, *culprits: str) -> World:
+    """A static slab on a post, its centre `beyond` the post's edge [m]; sometimes with another one on it."""
+    scene, half = Scene(rng), float(rng.uniform(0.05, 0.2))
+    length = float(rng.uniform(2.2, 4.0)) * (half + abs(beyond))
+    scene.add("pillar", Box(size=(2 * half, 2 * half, 1)), at=(0, 0, 0.5))
+    scene.add("slab", Box(size=(length, 2 * half, 0.1)), at=(half + beyond, 0, 1.05))
+    if rng.random() < 0.4:
+        scene.add("top", Box(size=(length, half, 0.1)), at=(half + beyond, 0, 1.15))
+    return scene.world(folder, *culprits, still=True)
+
+
+def _beside_its_post(folder: Path, m: float, rng: RNG) -> World:
+    return _on_a_post(folder, m, rng, "slab", "top")
+
+
+def _over_its_post(folder: Path, m: float, rng: RNG) -> World:
+    return _on_a_post(folder, -m, rng)
 
 
 # ---------------------------------------------------------------- joints, ropes, fastened things
@@ -366,6 +387,7 @@ HELD_MECHANISMS = (
     Mechanism("static-in-the-air", "static, and nothing touches it", True, _static_in_the_air, OVER * SEAM, 1.0, "m", SEAM),
     Mechanism("loose-part", "a part that touches no other", True, _loose_part, OVER * SEAM, 0.5, "m", SEAM),
     Mechanism("static-on-free", "static, on bodies that may move", True, _static_on_free, 0.05, 1.0, "m"),
+    Mechanism("beside-its-post", "static, its centre beside its post", True, _beside_its_post, OVER * OUTSIDE, 1.0, "m", OUTSIDE),
     Mechanism("beads", "a row of static things with a little air at each", True, _beads, 0.5 * NARROW, UNDER * NARROW, "m"),
     Mechanism("joint-over-a-gap", "no surface at its joint", True, _joint_over_a_gap, OVER * REACH, 0.5, "m", REACH),
     Mechanism("held-by-a-point", "joined to the air", True, _held_by_a_point, OVER * REACH, 1.0, "m", REACH),
@@ -377,6 +399,7 @@ HELD_MECHANISMS = (
     Mechanism("carried-untold", "a force that no beat tells of carries it", True, _carried_untold, OVER * GAP, 1.0, "m", GAP),
     Mechanism("plates-apart", "parts of a free body with nothing between", True, _plates_apart, OVER * GAP, 0.5, "m", GAP),
     Mechanism("on-its-wall", "held from the side or above", False, _on_its_wall, 1e-6, UNDER * NARROW, "m"),
+    Mechanism("over-its-post", "static, its centre just over its post", False, _over_its_post, 1e-4, 0.04, "m"),
     Mechanism("short-row", "two static things, a little air at each", False, _short_row, 1e-6, UNDER * NARROW, "m"),
     Mechanism("said-to-float", "it says why it hovers", False, _said_to_float, 0.01, 5.0, "m"),
     Mechanism("point-on-a-beam", "joined to the world where a beam is", False, _point_on_a_beam, 1e-6, UNDER * GAP, "m"),

@@ -17,11 +17,12 @@ from ..rows.answers import guarded, row_of, rows_of
 from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
 from .anchored import anchored_rows
+from .balanced import balanced_rows
 from .carried import carried
 from .fallen_off import kept_rows
 from .free_bodies import derived
 from .graph import SupportGraph
-from .held import held_rows
+from .held import Held, held_rows
 from .joined import joined_rows
 from .landed import Ground, landed_rows
 from .moved import support_interval
@@ -46,11 +47,13 @@ def check(candidate: Candidate) -> list[Row]:
     """Rows per `supports` relation, per body that is to rest, per free body without a relation, and one for the scene."""
     surfaces = surfaces_of(candidate)
     ground, start = Ground(surfaces), SupportGraph(surfaces, until=1)
+    held = Held(surfaces, ground)
     rows = [
         *_relations(surfaces),
         *_at_rest(start),
         *_derived(start),
-        *held_rows(surfaces, ground),
+        *held_rows(held),
+        *balanced_rows(held),
         *joined_rows(surfaces),
         *anchored_rows(surfaces),
         *pinned_rows(surfaces),

@@ -98,7 +98,7 @@ class Held:
         return frozenset(found)
 
     @cached_property
-    def _touching(self) -> Mapping[int, dict[int, float]]:
+    def touching(self) -> Mapping[int, dict[int, float]]:
         """Parts that touch each part, and the gap to each [m]."""
         return seams_between(self.surfaces, self.names)
 
@@ -113,7 +113,7 @@ class Held:
             if part in total:
                 continue
             toward[part], total[part] = before, width
-            for other, gap in self._touching[part].items():
+            for other, gap in self.touching[part].items():
                 if other not in total:
                     heappush(waiting, (width + gap, links + 1, other, part))
         return toward, total
@@ -136,7 +136,7 @@ class Held:
             return ()
         piece, waiting = {open_parts[0]}, [open_parts[0]]
         while waiting:
-            for other in self._touching[waiting.pop()]:
+            for other in self.touching[waiting.pop()]:
                 if other in open_parts and other not in piece:
                     piece.add(other)
                     waiting.append(other)
@@ -159,23 +159,24 @@ class Held:
         return longest
 
 
-def held_rows(surfaces: Surfaces, ground: Ground) -> list[Row]:
+def held_rows(held: Held) -> list[Row]:
     """Rows `support:derived:<entity>` of everything that never moves and is not the ground; none without gravity."""
+    surfaces = held.surfaces
     if gravity_direction(surfaces) is None:
         return []
     candidate = surfaces.candidate
 
     def found() -> list[Row]:
-        return [row_of(candidate, DERIVED, (name,), one, entities=(name,)) for name, one in _findings(surfaces, ground)]
+        return [row_of(candidate, DERIVED, (name,), one, entities=(name,)) for name, one in _findings(held)]
 
     return rows_of(candidate, HELD, (), found)
 
 
-def _findings(surfaces: Surfaces, ground: Ground) -> Iterator[tuple[str, Finding]]:
+def _findings(held: Held) -> Iterator[tuple[str, Finding]]:
+    surfaces, failed = held.surfaces, 0
     for name, missing in surfaces.missing.items():
         if is_still(surfaces.candidate.spec, name):
             yield name, replace(lacking(missing), **_common(surfaces, name))
-    held, failed = Held(surfaces, ground), 0
     for name in held.names:
         if held.is_ground(name):
             continue

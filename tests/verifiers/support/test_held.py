@@ -57,7 +57,7 @@ def test_a_static_thing_in_mid_air_fails_and_the_patch_puts_it_down(tmp_path: Pa
     assert row.status == status
     if status == "fail":
         assert row.measured == pytest.approx(gap, abs=1e-4)
-        assert (round(row.bound, 5), row.unit, row.entities, row.first_failing_frame) == (0.002, "m", ("bust", "floor"), 0)
+        assert (round(row.bound or 0.0, 5), row.unit, row.entities, row.first_failing_frame) == (0.002, "m", ("bust", "floor"), 0)
         assert [c.group for c in row.corrections] == ["placement", "shape", "placement"]
         again = support.check(make_candidate(tmp_path / "again", mended(spec, row)))
         assert {r.status for r in again} == {"pass"}

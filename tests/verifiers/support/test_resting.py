@@ -173,7 +173,8 @@ def test_collision_skins_clamp_nothing_beside_drawn_air(tmp_path: Path, gap: flo
         "b0": box(0.05, 0.2, 0.3, motion="dynamic", at=(0.025, 0, 1)),
         "right": box(0.2, 2, 2, at=(0.15 + gap, 0, 1)),
     }
-    for stage in (None, {}):
+    tracks: list[Any] = [None, {}]
+    for stage in tracks:
         row = rows_of(tmp_path / str(stage), things, stage)["support:derived:b0"]
         assert row.status == status
         if status == "fail":

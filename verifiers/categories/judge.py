@@ -12,6 +12,7 @@ from ...worlds.built import TriangleMesh
 from ...worlds.categories.registry import CATEGORIES
 from ...worlds.errors import EvidenceError
 from ..ledgers import motion
+from ..ledgers.origins import Given, Origin, origins_of, with_works
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -132,6 +133,27 @@ class Judge:
     def momentum(self, candidate: Candidate, entity: str) -> F64:
         """Momentum [N s], shape (frames, 3)."""
         return self.mass(candidate, entity)[:, None] * self.velocities(candidate, entity)
+
+    def origins(self, candidate: Candidate, entity: str) -> dict[Origin, Given]:
+        """Momentum that the entity got over each interval between frames, and the work on its centre of mass, by origin.
+
+        The impulses add up to the change of its momentum: `unlisted` is what no record tells of.
+
+        Raises:
+            EvidenceError: no cache holds it, or a channel is missing or damaged.
+        """
+        found = origins_of(candidate, entity) if self.body else {}
+        if found:
+            return found
+        momentum, mass = self.momentum(candidate, entity), self.mass(candidate, entity)
+        step, pull = 1.0 / candidate.spec.simulation.fps, np.array(candidate.spec.simulation.gravity)
+        given = {Origin("gravity", ""): 0.5 * step * (mass[:-1] + mass[1:])[:, None] * pull, **self.givers(candidate, entity)}
+        given = {origin: impulse for origin, impulse in given.items() if impulse.any()}
+        return with_works(np.diff(momentum, axis=0), self.velocities(candidate, entity), given)
+
+    def givers(self, candidate: Candidate, entity: str) -> dict[Origin, F64]:
+        """Impulses on the entity that its records tell apart, beside gravity [N s], each shape (frames - 1, 3)."""
+        return {}
 
     def fastest(self, candidate: Candidate, entity: str) -> F64:
         """Speed of its fastest point, or the fastest of its instance [m/s], shape (frames,)."""

@@ -12,7 +12,9 @@ from ...worlds.arrays import F64
 from ...worlds.categories.loose import domain_box
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import ClothInstance, RigidInstance
+from ..ledgers.origins import Origin
 from .judge import Flags, Judge
+from .pushes import givers_of
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
@@ -112,6 +114,17 @@ class Loose(Judge):
         """Velocity of the centre of mass of what is there [m/s], shape (frames, 3); NaN where nothing is."""
         found = self.moments(candidate, entity)
         return found.momentum / np.where(found.mass > 0.0, found.mass, np.nan)[:, None]
+
+    def givers(self, candidate: Candidate, entity: str) -> dict[Origin, F64]:
+        """Impulses of bodies and fields, where the instance has no other member; what several share, no record tells apart."""
+        solver, cache, _ = self.held(candidate, entity)
+        if len(cache.index.bodies) > 1:
+            return {}
+        return givers_of(candidate, cache, "exchange/reaction", self.blown(candidate, solver))
+
+    def blown(self, candidate: Candidate, solver: str) -> F64 | None:
+        """Impulse of force fields on all members over each frame [N s], shape (frames, 3); None where none acts."""
+        raise NotImplementedError
 
     def moving(self, candidate: Candidate, entity: str) -> Flags:
         """Whether it is not still, shape (frames,)."""

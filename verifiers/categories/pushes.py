@@ -9,14 +9,16 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
+from ...worlds.fields import fields_of
 from ..ledgers.exchanged import CHANNEL
+from ..ledgers.origins import Origin
 from .judge import Push, Touch
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
 
-__all__ = ["MIN_IMPULSE", "pushes_of", "sizes_of", "touches_of"]
+__all__ = ["MIN_IMPULSE", "givers_of", "pushes_of", "sizes_of", "touches_of"]
 
 MIN_IMPULSE = 1e-6
 """[N s] Smallest impulse that carries a chain of pushes: 1 mm/s of a 1 g body."""
@@ -32,6 +34,31 @@ def sizes_of(candidate: Candidate, cache: Cache, bodies: tuple[str, ...]) -> F64
     if given.shape[1:] != (len(bodies), 6):
         raise EvidenceError(f"channel {CHANNEL!r} of {cache.index.solver!r} has shape {given.shape}; bake again")
     return np.asarray(np.linalg.norm(given[:, :, :3], axis=2))
+
+
+def givers_of(candidate: Candidate, cache: Cache, channel: str, fields: F64 | None) -> dict[Origin, F64]:
+    """Impulses of bodies and of fields on the members of an instance together, by origin [N s], each shape (frames - 1, 3).
+
+    Args:
+        candidate: what is judged.
+        cache: of the instance.
+        channel: what bodies gave over each frame: `exchange/reaction`, or `CHANNEL`, which holds the opposite.
+        fields: what fields and air gave over each frame [N s], shape (frames, 3); None where no record tells.
+
+    Raises:
+        EvidenceError: the channel is missing.
+    """
+    given: F64 = np.asarray(cache.series(channel), dtype=np.float64)[1 : candidate.frame_count, :, :3]
+    found: dict[Origin, F64] = {}
+    for row, body in enumerate(cache.index.colliders[: given.shape[1]]):
+        origin = Origin("contact", body.split("/", 1)[0])
+        found[origin] = found.get(origin, np.zeros_like(given[:, row])) + (
+            -given[:, row] if channel == CHANNEL else given[:, row]
+        )
+    if fields is not None:
+        names = {n for member in cache.index.bodies for n in fields_of(candidate.spec, member.split("/", 1)[0]).names}
+        found[Origin("fields", ", ".join(sorted(names)))] = fields[1:]
+    return found
 
 
 def pushes_of(

@@ -1,4 +1,5 @@
-"""Momentum and kinetic energy of the bodies of a rigid instance by origin: gravity, each driver, spring and body that touches it, partners.
+"""Momentum and kinetic energy by origin: of bodies gravity, each driver, spring and body that touches them, partners; of matter what its
+records tell apart.
 
 Work of an impulse J on a body is J times the mean of the velocities of its centre of mass at both ends of the interval. Summed over all
 origins this is the change of the kinetic energy of translation exactly, since dP . (v0 + v1) / 2 = d(m v^2 / 2); how an impulse that is
@@ -22,7 +23,7 @@ from .exchanged import partners
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = ["Given", "Origin", "OriginKind", "Origins", "origins_of"]
+__all__ = ["Given", "Origin", "OriginKind", "Origins", "origins_of", "with_works"]
 
 OriginKind = Literal["gravity", "driver", "spring", "drag", "fields", "matter", "contact", "unlisted"]
 
@@ -67,16 +68,10 @@ class Origins:
         if entity not in self._of:
             row = self.books.row[entity]
             found = {origin: impulse for origin, impulse in self._impulses(entity, row).items() if impulse.any()}
-            rest = np.diff(self.books.momentum[:, row], axis=0) - sum(found.values(), np.zeros((self.books.frames - 1, 3)))
-            found[Origin("unlisted", "")] = np.where((self.books.free_time[:, row] > 0)[:, None], rest, 0.0)
-            self._of[entity] = {origin: self._given(row, impulse) for origin, impulse in found.items()}
+            free = (self.books.free_time[:, row] > 0)[:, None]
+            change = np.where(free, np.diff(self.books.momentum[:, row], axis=0), 0.0)
+            self._of[entity] = with_works(change, self.books.velocities[:, row], found)
         return self._of[entity]
-
-    def _given(self, row: int, impulse: F64) -> Given:
-        velocity = self.books.velocities[:, row]
-        change = np.linalg.norm(np.diff(velocity, axis=0), axis=1)
-        work = np.sum(impulse * 0.5 * (velocity[:-1] + velocity[1:]), axis=1)
-        return Given(impulse, work, 0.5 * np.linalg.norm(impulse, axis=1) * change)
 
     def _impulses(self, entity: str, row: int) -> dict[Origin, F64]:
         books, spec = self.books, self.books.candidate.spec
@@ -113,6 +108,23 @@ class Origins:
         return found
 
 
+def with_works(change: F64, velocity: F64, impulses: dict[Origin, F64]) -> dict[Origin, Given]:
+    """Works of impulses, with the rest of the change of momentum as `unlisted`.
+
+    Args:
+        change: of the momentum over each interval [N s], shape (F - 1, 3).
+        velocity: of the centre of mass [m/s], shape (F, 3); NaN where nothing is there.
+        impulses: by origin [N s], each shape (F - 1, 3).
+    """
+    rest = change - sum(impulses.values(), np.zeros_like(change))
+    speed = np.nan_to_num(velocity)
+    mean, turn = 0.5 * (speed[:-1] + speed[1:]), 0.5 * np.linalg.norm(np.diff(speed, axis=0), axis=1)
+    return {
+        origin: Given(impulse, np.sum(impulse * mean, axis=1), np.linalg.norm(impulse, axis=1) * turn)
+        for origin, impulse in {**impulses, Origin("unlisted", ""): rest}.items()
+    }
+
+
 def origins_of(candidate: Candidate, entity: str) -> dict[Origin, Given]:
     """Every origin that gave momentum to an entity of a rigid instance, and what it gave; empty where no such instance moves it.
 
@@ -120,6 +132,8 @@ def origins_of(candidate: Candidate, entity: str) -> dict[Origin, Given]:
         EvidenceError: a channel is missing or damaged.
     """
     for cache in candidate.rigid_caches.values():
+        if not cache.index.bodies:
+            continue
         books = books_of(candidate, cache)
         if entity in books.row:
             return candidate.memo(("origins", cache), partial(Origins, books)).of(entity)

@@ -13,6 +13,7 @@ from worldagent.verifiers.catalogue import QUESTIONS
 from worldagent.verifiers.categories.check import check, check_numerical
 from worldagent.verifiers.categories.judge import Judge
 from worldagent.verifiers.categories.registry import JUDGES, judge_of
+from worldagent.verifiers.ledgers.origins import Origin
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.categories.registry import CATEGORIES
@@ -21,6 +22,8 @@ from worldagent.worlds.spec import MOVED
 
 PUSHING = {"rigid", "liquid", "cloth", "particles"}
 """Judges that tell of pushes: those of bodies that bend or break stand in the logs of the rigid instance."""
+TOLD_APART = {"rigid": 1e-9, "liquid": 1e-5, "cloth": 1e-6, "particles": 1e-5}
+"""Categories whose records tell who gave what, and the share of what was given that none tells of in their small worlds."""
 BOOKS = ("ledger", "momentum", "energy", "mass", "balance", "impulse")
 """Words in the ids of rows that balance what is conserved."""
 
@@ -88,6 +91,26 @@ def test_centre_mass_and_momentum_of_an_entity_are_finite_and_belong_together(ju
         "its centre is not faster than its fastest point"
     )
     assert owner.moving(candidate, entity).shape == (count,)
+
+
+def test_impulses_by_origin_add_up_to_the_change_of_momentum(judged: tuple[Judge, Candidate, str]) -> None:
+    judge, candidate, entity = judged
+    owner = judge_of(candidate.spec, entity)
+    given, momentum = owner.origins(candidate, entity), owner.momentum(candidate, entity)
+    heavy = any(candidate.spec.simulation.gravity)
+    assert {o.kind for o in given} >= ({"gravity", "unlisted"} if heavy else {"unlisted"})
+    total = sum(one.impulse for one in given.values())
+    moving = np.flatnonzero(np.abs(total).any(axis=1))
+    assert len(moving) > 0
+    assert total[moving] == pytest.approx(np.diff(momentum, axis=0)[moving], abs=1e-9 * max(1.0, np.abs(momentum).max()))
+    pull = given.get(Origin("gravity", ""), given[Origin("unlisted", "")]).impulse
+    if heavy:
+        weight = float(owner.mass(candidate, entity)[0] * 9.81 / candidate.spec.simulation.fps)
+        assert np.linalg.norm(pull, axis=1).max() == pytest.approx(weight, rel=0.05)
+    passed = sum(float(np.abs(one.impulse).sum()) for origin, one in given.items() if origin.kind != "unlisted")
+    if judge.name in TOLD_APART:
+        assert any(o.kind == "contact" for o in given)
+        assert np.abs(given[Origin("unlisted", "")].impulse).sum() < TOLD_APART[judge.name] * passed
 
 
 def test_pushes_lie_within_their_frame_between_two_entities_that_are_there(judged: tuple[Judge, Candidate, str]) -> None:

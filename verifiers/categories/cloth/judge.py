@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
-from ...ledgers.exchanged import partners
+from ...ledgers.exchanged import CHANNEL, partners
+from ...ledgers.origins import Origin
 from ..judge import Judge, Push, Touch
-from ..pushes import MIN_IMPULSE, pushes_of, touches_of
+from ..pushes import MIN_IMPULSE, givers_of, pushes_of, touches_of
 from .check import category_rows, numerical_rows
 from .diagnosis import wind_names
 from .links import shares, sheet_impulse
@@ -45,6 +46,15 @@ class ClothJudge(Judge):
         return pushes_of(
             candidate, self.caches(candidate).values(), lambda cache, frame, rows: shares(candidate, cache, frame, rows)
         )
+
+    def givers(self, candidate: Candidate, entity: str) -> dict[Origin, F64]:
+        """Impulses of solids, what holds its pins included, and of air, where its instance has no other sheet."""
+        for cache in self.caches(candidate).values():
+            if {n.split("/", 1)[0] for n in cache.index.bodies} == {entity}:
+                air = [np.asarray(cache.series(f"record/air_impulse_{axis}"), dtype=np.float64) for axis in "xyz"]
+                blown = np.diff(np.stack(air, axis=1)[: candidate.frame_count], axis=0, prepend=0.0)
+                return givers_of(candidate, cache, CHANNEL, blown)
+        return {}
 
     def unfelt(self, spec: WorldSpec) -> set[tuple[str, str]]:
         """Sheets and the bodies that they do not push, because no coupling brings their push there."""

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
 from ....worlds.categories.liquid.surface import LiquidSurface, mesh_of
-from ..judge import Push
+from ..judge import Push, record_of
 from ..loose import Loose, Sample
 from ..pushes import pushes_of
 from .across import thin_lines
@@ -67,6 +68,12 @@ class LiquidJudge(Loose):
         return pushes_of(
             candidate, self.caches(candidate).values(), lambda cache, frame, rows: shares(candidate, cache, frame, rows)
         )
+
+    def blown(self, candidate: Candidate, solver: str) -> F64 | None:
+        """Impulse of force fields over each frame [N s], shape (frames, 3); None where none acts."""
+        records = [record_of(candidate.caches[solver], f"field_impulse_{axis}", candidate.frame_count) for axis in "xyz"]
+        known = [r for r in records if r is not None]
+        return np.diff(np.stack(known, axis=1), axis=0, prepend=0.0) if len(known) == 3 else None
 
     def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
         """Surface mesh, or where none was made the cells that its particles fill; before any simulation, its declared volume."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
 from ....worlds.spec import DemInstance
 from ..judge import Push, Touch
@@ -83,6 +84,11 @@ class ParticleJudge(Loose):
         for solver, cache in self._granular(candidate).items():
             members = frozenset(candidate.spec.simulation.solvers[solver].members)
             yield from touches_of(candidate, cache, members, cache.index.colliders)
+
+    def blown(self, candidate: Candidate, solver: str) -> F64 | None:
+        """Impulse of force fields over each frame [N s], shape (frames, 3)."""
+        given: F64 = np.asarray(candidate.caches[solver].series("field/impulse"), dtype=np.float64)
+        return np.asarray(given[: candidate.frame_count].sum(axis=1))
 
     def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
         """An octahedron around each particle; before any simulation, the declared volume."""

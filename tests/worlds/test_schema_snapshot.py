@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "353f2fc775c31975ca0b539ce3e8334450b8582c90dac4b90cadc8fc1d956736"
+SCHEMA = "c8f9f93c6d1e4af3056220ecf179e000902c710d7fc053b3c2b489436b4b1fa1"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

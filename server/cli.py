@@ -31,6 +31,7 @@ BENCHMARKS: dict[str, str] = {
     "skills": "worldagent.bench.skills:run",
     "server-load": "worldagent.bench.server_load:run",
     "result-size": "worldagent.bench.result_size:run",
+    "prompts": "worldagent.bench.prompts:run",
     "hydrology": "worldagent.bench.hydrology:run",
     "liquid-dambreak": "worldagent.bench.liquid_dambreak:run",
     "grains": "worldagent.bench.grains:run",

@@ -1,0 +1,63 @@
+"""Prompts in twelve languages: 150 with their spans marked by people who had not seen the gate, and 500 strangers that no shipped world is about."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+__all__ = ["Marked", "Span", "Stranger", "honest", "strangers"]
+
+SpanType = Literal[
+    "thing", "count", "quantity", "property", "event", "order", "negation", "place", "time", "weather", "look", "route"
+]
+
+
+class Span(NamedTuple):
+    """A part of a prompt that says something about the world."""
+
+    quote: str
+    nth: int
+    """Which of the equal substrings, from 1."""
+    type: SpanType
+
+
+class Marked(NamedTuple):
+    """A prompt with its spans; what no span covers is filler."""
+
+    id: str
+    language: str
+    text: str
+    gloss: str
+    """Meaning in English."""
+    spans: tuple[Span, ...]
+
+
+class Stranger(NamedTuple):
+    """A prompt alone."""
+
+    id: str
+    language: str
+    text: str
+
+
+def _read(name: str) -> list[dict[str, object]]:
+    found: list[dict[str, object]] = json.loads((Path(__file__).parent / f"{name}.json").read_text(encoding="utf-8"))
+    return found
+
+
+@cache
+def honest() -> tuple[Marked, ...]:
+    """Everyday prompts with their spans, in the order in which they were written."""
+    made = []
+    for item in _read("honest"):
+        spans = tuple(Span(**span) for span in item.pop("spans"))  # type: ignore[attr-defined]
+        made.append(Marked(**item, spans=spans))  # type: ignore[arg-type]
+    return tuple(made)
+
+
+@cache
+def strangers() -> tuple[Stranger, ...]:
+    """Prompts about other worlds than the shipped ones."""
+    return tuple(Stranger(**item) for item in _read("strangers"))  # type: ignore[arg-type]

@@ -1,0 +1,78 @@
+"""The prompts of the benchmark: spans are where they say, and the count of strangers is one that a gate can change."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections import Counter
+from itertools import pairwise
+
+import pytest
+from worldagent.bench.prompts import dressed_for, passes, run
+from worldagent.testing.defects.accepted import specifications
+from worldagent.testing.prompts import Marked, Stranger, honest, strangers
+from worldagent.worlds.audits.audit import audit
+
+WORLDS = dict(specifications())
+LONGEST = {"thing": 4, "count": 4, "property": 4, "event": 8}
+"""Words of a span at most."""
+WITHOUT_SPACES = {"zh", "ja"}
+
+
+def places(prompt: Marked) -> list[tuple[int, int]]:
+    found = []
+    for span in prompt.spans:
+        at = -1
+        for _ in range(span.nth):
+            at = prompt.text.index(span.quote, at + 1)
+        found.append((at, at + len(span.quote)))
+    return sorted(found)
+
+
+@pytest.mark.parametrize("prompt", honest(), ids=lambda p: p.id)
+def test_spans_are_in_the_prompt_and_do_not_overlap(prompt: Marked) -> None:
+    spans = places(prompt)
+    assert spans
+    assert all(before[1] <= after[0] for before, after in pairwise(spans))
+    if prompt.language not in WITHOUT_SPACES:
+        assert all(len(s.quote.split()) <= LONGEST.get(s.type, 99) for s in prompt.spans)
+    said = {k for start, end in spans for k in range(start, end)}
+    letters = [k for k, c in enumerate(prompt.text) if unicodedata.category(c)[0] in "LN"]
+    assert sum(k in said for k in letters) > 0.3 * len(letters), "most of a prompt says something about the world"
+
+
+def test_prompts_are_many_different_and_in_twelve_languages() -> None:
+    marked, alone = honest(), strangers()
+    assert (len({p.text for p in marked}), len({p.text for p in alone})) == (150, 500)
+    assert not {p.text for p in marked} & {p.text for p in alone}
+    assert len(Counter(p.language for p in marked)) == len(Counter(p.language for p in alone)) == 12
+    assert {s.type for p in marked for s in p.spans} >= {
+        "thing",
+        "count",
+        "quantity",
+        "event",
+        "order",
+        "negation",
+        "route",
+        "look",
+    }
+
+
+def test_a_world_passes_with_its_own_prompt_and_mapping() -> None:
+    assert all(audit(spec).passed for spec in WORLDS.values())
+
+
+def test_a_prompt_whose_words_ask_for_an_event_of_another_kind_is_refused() -> None:
+    """What the gate of today does see: a clause that tells a way to walk needs a route."""
+    two = WORLDS["two_blocks"]
+    assert dressed_for(two, "A cat sleeps.").entities == two.entities
+    assert not passes(two, "A person walks from the gate along the path to the pond.")
+
+
+def test_the_count_is_of_the_prompts_that_the_audit_lets_through() -> None:
+    asked = [Stranger("x", "en", "A person walks from the gate along the path to the pond."), Stranger("y", "en", two_prompt())]
+    found = run(asked)
+    assert found["worlds"]["two_blocks"] == {"prompts": 2, "passed": 1, "passed_by_language": {"en": 1}}
+
+
+def two_prompt() -> str:
+    return WORLDS["two_blocks"].prompt

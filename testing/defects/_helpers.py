@@ -7,11 +7,11 @@ from typing import Any
 
 from ...worlds.candidate import Candidate
 from ...worlds.predicates import Displacement, Speed
-from ...worlds.spec import Beat, PathDriver, PathKey, Pose, ReleaseDriver, RigidSettings, SpringJoint
+from ...worlds.spec import Beat, PathDriver, PathKey, Pose, ReleaseDriver, RigidSettings, SlideJoint, SpringJoint
 from ..worlds.simulated_worlds import SLICK, beat, simulate
 from ..worlds.small_worlds import box, ground, world
 
-__all__ = ["pushed_row", "sprung_block"]
+__all__ = ["guided_block", "pushed_row", "sprung_block"]
 
 SIDE = 0.2
 FRAMES = 30
@@ -59,6 +59,26 @@ def sprung_block(folder: Path, *, load: float, told: str = "") -> Candidate:
     spring = spring.model_copy(update={"rest_length": (1 + (SIDE / 2) ** 2) ** 0.5 + load})
     entities = {"hitter": _block(-0.4, speed=2.5), "block": _block(0.0)}
     return _run(folder, entities, beats, joints={"k": spring}, drivers=drivers)
+
+
+def guided_block(folder: Path, *, speed: float, friction: float) -> Candidate:
+    """A block that a hitter sends along the floor, on a slide that bears it.
+
+    Args:
+        folder: for the run.
+        speed: of the hitter [m/s].
+        friction: of the slide, as share of what the surfaces would have.
+    """
+    beats = {
+        "comes": beat("hitter", _far("hitter", 0.05), frames=(0, 10)),
+        "hit": beat("block", Speed(entity="block", min=0.05), frames=(1, 20), causes=("comes",)),
+        "goes": beat("block", _far("block", 0.1), frames=(2, FRAMES - 1), causes=("hit",)),
+    }
+    weight = SLICK["wood"].density * SIDE**3 * 9.81
+    rail = SlideJoint(
+        parent="floor", child="block", anchor=(0, 0, 0), axis=(1, 0, 0), friction=friction * SLICK["wood"].friction * weight
+    )
+    return _run(folder, {"hitter": _block(-0.4, speed=speed), "block": _block(0.0)}, beats, joints={"rail": rail})
 
 
 def pushed_row(folder: Path, *, between: int, told: bool, aside: bool = False) -> Candidate:

@@ -17,7 +17,7 @@ from ...worlds.candidate import Stage
 from ...worlds.predicates import Contact, Displacement, Or, Predicate, Reaches
 from ...worlds.spec import Beat, BoxRegion, ForceDriver
 from ..worlds.small_worlds import IDENTITY, Event, Touch, ball, ground, make_candidate, world
-from ._helpers import pushed_row, sprung_block
+from ._helpers import guided_block, pushed_row, sprung_block
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -234,6 +234,14 @@ def _spring_told(folder: Path, m: float, rng: RNG) -> World:
     return World(sprung_block(folder, load=m, told="release"), ())
 
 
+def _rail(folder: Path, m: float, rng: RNG) -> World:
+    return World(guided_block(folder, speed=m, friction=0.0), ("block",))
+
+
+def _rough_rail(folder: Path, m: float, rng: RNG) -> World:
+    return World(guided_block(folder, speed=m, friction=1.0), ())
+
+
 def _hand(folder: Path, m: float, rng: RNG) -> World:
     return World(pushed_row(folder, between=round(m), told=False), ("last",))
 
@@ -262,6 +270,7 @@ SUITE = Suite(
         Mechanism("unsaid-driver", "a driver that no beat owns starts it", True, _unsaid, 0.2, 1.5, "s"),
         Mechanism("loaded-spring", "a spring of no beat drives it on", True, _spring, 0.3, 1.5, "m"),
         Mechanism("hand-behind", "a body on a path of no beat pushes it, through others", True, _hand, 0, 2, "bodies between"),
+        Mechanism("smooth-rail", "a slide bears it where it would rub", True, _rail, 1.5, 3.0, "m/s"),
         Mechanism("swing-grows", "a swing gains from nowhere, its beats long over", True, _grows, 0.2, 0.5, "1/s"),
         Mechanism("blows-up", "gains energy at the very end", True, _blows_up, 1.3, 15, "times the bound", 1.0),
         Mechanism("second-of-two", "a second bounce whose first has a beat", False, _second_of_two, 3, 40, "frames"),
@@ -272,6 +281,7 @@ SUITE = Suite(
         Mechanism("owned-driver", "its own driver starts it", False, _owned, 0.2, 1.5, "s"),
         Mechanism("spring-told", "a spring that a release of a beat lets act", False, _spring_told, 0.3, 1.5, "m"),
         Mechanism("hand-told", "a body on a path of a beat pushes it, through others", False, _hand_told, 0, 2, "bodies between"),
+        Mechanism("rough-rail", "a slide with the friction of its surfaces", False, _rough_rail, 1.5, 3.0, "m/s"),
         Mechanism("by-weight", "falls from frame 0 on", False, _by_weight, 0.5, 5.0, "m"),
         Mechanism("swing-decays", "still swings at the end, ever less", False, _decays, 0.01, 1.0, "1/s"),
         Mechanism("slides-on", "a puck on ice", False, _slides_on, 1e-4, 0.01, "1"),

@@ -1,6 +1,6 @@
-"""Worlds that a tester made with the tools alone, and that are judged wrongly; `docs/threat-model.md` lists them, work to be done.
+"""Worlds that a tester made with the tools alone and that were once judged wrongly: dishonest ones accepted, honest ones refused.
 
-A test ends with `Hole` while its hole is open. Close one: the test passes, and its world goes into the list `CLOSED`.
+A world that is still judged wrongly comes into the folder with a strict `xfail` of its own and a line in `docs/threat-model.md`.
 """
 
 from __future__ import annotations
@@ -15,16 +15,10 @@ from worldagent.tests.stories.inline_jobs import run_jobs_inline
 FOLDER = Path(__file__).parent / "holes"
 HONEST = ("still_world",)
 """Worlds that were refused once, and are accepted."""
-DISHONEST = ("undrawn_rail",)
-"""Worlds that no verdict should accept, and that one accepts."""
-CLOSED = tuple(sorted({path.stem for path in FOLDER.glob("*.json")} - {*HONEST, *DISHONEST}))
+CLOSED = tuple(sorted({path.stem for path in FOLDER.glob("*.json")} - {*HONEST}))
 """Worlds that were accepted once, and are refused."""
 STEPS = (("place_object", "static_passed"), ("probe_sim", "passed"), ("bake_sim", "passed"))
 """Tools between audit and acceptance, each with the field of its answer that says that it let the world through."""
-
-
-class Hole(Exception):
-    """A world is judged wrongly."""
 
 
 def verdict(name: str, agent_of: Any, folder: Path) -> str:
@@ -41,24 +35,15 @@ def verdict(name: str, agent_of: Any, folder: Path) -> str:
         return str(agent.call("run_checks", world="w", scope="acceptance")["verdict"])
 
 
-def test_the_lists_name_worlds_of_the_folder() -> None:
-    assert {path.stem for path in FOLDER.glob("*.json")} == {*DISHONEST, *CLOSED, *HONEST}
-    assert len(CLOSED) >= 11
+def test_the_folder_holds_the_worlds_of_the_list_and_those_that_were_found() -> None:
+    assert {path.stem for path in FOLDER.glob("*.json")} >= {*HONEST}
+    assert len(CLOSED) >= 17
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", HONEST)
 def test_an_honest_world_is_accepted(name: str, agent_of: Any, tmp_path: Path) -> None:
     assert verdict(name, agent_of, tmp_path) == "accepted"
-
-
-@pytest.mark.slow
-@pytest.mark.xfail(strict=True, raises=Hole, reason="a hole that is not closed yet: docs/threat-model.md")
-@pytest.mark.parametrize("name", DISHONEST)
-def test_a_world_is_judged_as_it_should_be(name: str, agent_of: Any, tmp_path: Path) -> None:
-    found = verdict(name, agent_of, tmp_path)
-    if found == "accepted":
-        raise Hole(f"{name}: {found}")
 
 
 @pytest.mark.slow

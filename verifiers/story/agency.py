@@ -1,4 +1,6 @@
-"""Helpers that the story is silent about: loaded springs, bodies on paths and drivers that no beat leading to an outcome owns (R97, R156).
+"""Helpers that the story is silent about: loaded springs, slides that bear, bodies on paths and drivers that no beat leading to an outcome owns.
+
+(R97, R156.)
 
 A helper counts where it worked on the subject of the beat before that came true, directly or through bodies that touched each other
 one after the other: from the frame on in which its work on a body exceeds a share of the greatest kinetic energy that the body had,
@@ -17,10 +19,11 @@ from ...worlds.arrays import F64
 from ...worlds.drivers import acts_from, behind
 from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
-from ...worlds.spec import ForceDriver, PathDriver, SpringJoint
+from ...worlds.spec import ForceDriver, PathDriver, SlideJoint, SpringJoint
 from ..ledgers.balance import books_of
 from ..ledgers.origins import Origin, origins_of
 from ..support.moved import beat_moves
+from .bearings import spared_by
 from .bounds import HELPED, LEAST_WORK
 
 if TYPE_CHECKING:
@@ -48,6 +51,8 @@ class Help(NamedTuple):
     """Of the greatest kinetic energy that this body had."""
     through: tuple[str, ...]
     """Bodies from the helper to the outcome's."""
+    friction: float | None = None
+    """[N] Of a slide: the friction that the surfaces would have had; its work is what it spares the body."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +109,8 @@ class _Helper:
     words: str
     work: dict[str, F64]
     """On every entity that it works on directly, summed since frame 0 [J], shape (F,)."""
+    friction: float | None = None
+    """As `Help.friction`."""
 
     def reaches(self, subject: str, until: int) -> Help | None:
         """Whether it reaches a body by a frame, with a share that counts then; others on the way with one that counted when they passed it on."""
@@ -128,7 +135,7 @@ class _Helper:
         while (source := first[way[0]][0]) is not None:
             way.insert(0, source)
         _, done, share = first[way[0]]
-        return Help(self.pointer, self.words, subject, since[way[0]], done, share, tuple(way))
+        return Help(self.pointer, self.words, subject, since[way[0]], done, share, tuple(way), self.friction)
 
     def _handed_on(self, name: str, start: int) -> dict[str, F64]:
         """Work of a body on others by contact from a frame on, summed [J], shape (F,)."""
@@ -153,6 +160,11 @@ def _helpers(candidate: Candidate, books: Books, tale: _Tale) -> list[_Helper]:
             work = _released(books, name)
             if work:
                 found.append(_Helper(candidate, books, f"/simulation/joints/{name}", f"spring {name!r}", work))
+        if isinstance(joint, SlideJoint) and name not in tale.joints:
+            spared = spared_by(candidate, books, joint)
+            if spared is not None and spared.work[-1] > LEAST_WORK:
+                place, given = f"/simulation/joints/{name}", {joint.child: spared.work}
+                found.append(_Helper(candidate, books, place, f"slide {name!r}", given, spared.friction))
     for name, driver in spec.simulation.drivers.items():
         place = f"/simulation/drivers/{name}"
         if name in tale.owners:

@@ -29,7 +29,7 @@ from ...worlds.spec import PathDriver
 from ..categories.registry import judge_of
 from ..predicates import beat_times
 from ..rows.answers import row_of
-from ..rows.corrections import correction
+from ..rows.corrections import correction, set_value
 from ..rows.findings import Finding
 from .agency import Help, helped
 from .chains import PAUSE
@@ -124,8 +124,11 @@ def _start(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
 def _help_text(found: Help, beat_id: str) -> str:
     first, *later = found.through
     way = f", which passes it on to {' and on to '.join(map(repr, later))}" if later else ""
+    deed = f"does {found.work:.3g} J of work on {first!r}"
+    if found.friction is not None:
+        deed = f"bears {first!r} where its surface would rub, and spares it {found.work:.3g} J"
     return (
-        f"{found.helper} does {found.work:.3g} J of work on {first!r} by the time {beat_id} comes true, {found.share:.2g} times the kinetic "
+        f"{found.helper} {deed} by the time {beat_id} comes true, {found.share:.2g} times the kinetic "
         f"energy that {first!r} ever had, from frame {found.frame} on{way}; no beat that leads to {beat_id} tells of it"
     )
 
@@ -274,6 +277,10 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
 def _without_help(found: Help, beat_id: str) -> Iterator[Correction]:
     cause = "something that the story is silent about helps the outcome along"
     kind, name = found.pointer.split("/")[-2:]
+    if found.friction is not None:
+        rub = f"give {name} the dry friction of the surfaces that it guides along each other, {found.friction:.3g} N"
+        place = f"{found.pointer}/friction"
+        yield correction(cause, "joints", rub, pointers=(place,), patch=set_value(place, round(found.friction, 3)))
     away = f"take {name} away (remove {found.pointer}); what the beat asks for must then come by what the story tells"
     yield correction(cause, "drivers", away, pointers=(found.pointer,))
     told = (

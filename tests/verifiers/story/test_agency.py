@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from worldagent.testing.defects._helpers import pushed_row, sprung_block
+from worldagent.testing.defects._helpers import guided_block, pushed_row, sprung_block
 from worldagent.verifiers.story.beats import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
@@ -51,4 +51,20 @@ def test_a_path_that_a_beat_owns_is_told(tmp_path: Path, between: int) -> None:
 
 def test_a_body_on_a_path_that_touches_others_alone_helps_nobody_else(tmp_path: Path) -> None:
     row = driven(pushed_row(tmp_path, between=0, told=False, aside=True), "moves")
+    assert row.status == "pass", row.evidence["explanation"]
+
+
+def test_a_slide_that_spares_a_body_the_friction_of_its_surface_is_found(tmp_path: Path) -> None:
+    row = driven(guided_block(tmp_path, speed=2.0, friction=0.0), "goes")
+    help_ = row.evidence["helper"]
+    assert (row.status, help_["pointer"]) == ("fail", "/simulation/joints/rail")
+    # Coulomb: mu m g over the way; 600 kg/m^3, 0.2 m cubed, friction 0.1.
+    assert help_["friction"] == pytest.approx(0.1 * 600 * 0.2**3 * 9.81, rel=0.05)
+    (patch,) = row.corrections[0].patch
+    assert (patch["path"], patch["value"]) == ("/simulation/joints/rail/friction", pytest.approx(help_["friction"], abs=1e-3))
+
+
+@pytest.mark.parametrize("friction", [1.0, 3.0])
+def test_a_slide_that_rubs_as_its_surfaces_do_is_not(tmp_path: Path, friction: float) -> None:
+    row = driven(guided_block(tmp_path, speed=3.0, friction=friction), "hit")
     assert row.status == "pass", row.evidence["explanation"]

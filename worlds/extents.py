@@ -35,7 +35,7 @@ def _corners(shape: Shape) -> F64 | None:
         profile = np.array(shape.profile)
         reach = profile[:, 0].max()
         low, high = np.array([-reach, -reach, profile[:, 1].min()]), np.array([reach, reach, profile[:, 1].max()])
-    elif shape.kind == "mesh" and shape.vertices is not None:
+    elif shape.kind == "mesh" and shape.vertices is not None and shape.faces is not None:
         points = np.array(shape.vertices) * shape.scale
         low, high = points.min(0), points.max(0)
     else:
@@ -85,7 +85,9 @@ def shape_volume(shape: Shape) -> float | None:
         r, z = np.array(shape.profile).T
         next_r, next_z = np.roll(r, -1), np.roll(z, -1)
         return abs(float(((r + next_r) * (r * next_z - next_r * z)).sum())) * math.pi / 3  # Pappus, by triangles from the origin
-    if shape.kind == "mesh" and shape.vertices is not None:
+    if shape.kind == "mesh" and shape.vertices is not None and shape.faces is not None:
+        if np.max(shape.faces) >= len(shape.vertices):
+            return None  # refused where it is built
         corner = (np.array(shape.vertices) * shape.scale)[np.array(shape.faces)]
         return abs(float(np.einsum("ij,ij->i", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])).sum())) / 6
     return None

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.categories.loose import domain_box
+from ...worlds.channels import CHANNELS
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import ClothInstance, RigidInstance
 from ..ledgers.origins import Origin
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from ...worlds.spec import SolverInstance
 
 __all__ = ["Loose", "Moments", "Sample"]
+
+REACTION = "exchange/reaction"
 
 
 class Sample(NamedTuple):
@@ -118,13 +121,13 @@ class Loose(Judge):
     def givers(self, candidate: Candidate, entity: str) -> dict[Origin, F64]:
         """Impulses of bodies and fields, where the instance has no other member; what several share, no record tells apart."""
         solver, cache, _ = self.held(candidate, entity)
-        if len(cache.index.bodies) > 1:
+        if len(cache.index.bodies) > 1 or self.name not in CHANNELS[REACTION].of:
             return {}
-        return givers_of(candidate, cache, "exchange/reaction", self.blown(candidate, solver))
+        return givers_of(candidate, cache, REACTION, self.blown(candidate, solver))
 
     def blown(self, candidate: Candidate, solver: str) -> F64 | None:
-        """Impulse of force fields on all members over each frame [N s], shape (frames, 3); None where none acts."""
-        raise NotImplementedError
+        """Impulse of force fields on all members over each frame [N s], shape (frames, 3); None where none acts or no record tells."""
+        return None
 
     def moving(self, candidate: Candidate, entity: str) -> Flags:
         """Whether it is not still, shape (frames,)."""

@@ -15,6 +15,7 @@ from ..categories.registry import judged
 from ..predicates import Outcome, evaluate
 from ..rows.corrections import correction, set_value
 from .bounds import MORE, SETTLING_FRAMES, STARTED
+from .offers import offered
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction
@@ -76,7 +77,8 @@ def _timing(
         when = "after the interval ends" if late > frames[1] else "before it begins"
         moved = [*_moved(frames, late)]
         found.append(
-            correction(
+            offered(
+                candidate.spec,
                 f"it does happen, at frame {late}, {gap} frames {when}",
                 "story",
                 f"plan the beat for frames {moved}, or bring it about {gap} frames {'earlier' if late > frames[1] else 'later'}",
@@ -89,7 +91,8 @@ def _timing(
         more = max(1, candidate.spec.simulation.fps)
         total = candidate.spec.simulation.frames + more
         found.append(
-            correction(
+            offered(
+                candidate.spec,
                 f"it was nearest at frame {nearest}, and the run ends at frame {candidate.last_frame}: perhaps it is still under way",
                 "interval",
                 f"simulate {more} more frames, to frame {total - 1}, and see whether it comes true",
@@ -120,7 +123,8 @@ def _longer(candidate: Candidate, outcome: Outcome, pointer: str) -> list[Correc
         ]
     frames = [first, end]
     return [
-        correction(
+        offered(
+            candidate.spec,
             cause,
             "story",
             f"plan it for frames {frames}",

@@ -15,16 +15,19 @@ import numpy as np
 
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact
+from ..predicates import beat_times
 from ..rows.findings import Finding
+from .beat_corrections import corrections_of
 from .causal_corrections import link_hints, order_hints, wrong_cause
 from .chains import MOMENTUM_SHARE
 from .edges import edges_of
+from .interventions import first_absent
 from .onsets import contact_time, onset_of
 from .questions import CAUSAL
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
+    from ...worlds.requirements import Correction, Row
     from ..predicates import Outcome
     from .chains import Hop, Reach
     from .edges import Edge
@@ -226,4 +229,15 @@ def _absent(edge: Edge, beat_id: str, outcome: Outcome, reach: Reach | None = No
         evidence |= {"reached": reach.reached(), "tip": tip}
         hints = link_hints(edge, entity, tip, away)
     frame = outcome.first_failing_frame
+    root = first_absent(candidate, beat_id)
+    text += f"; this row follows from beat:{root}{'' if root == beat_id else ', the first that leads to it and did not come true'}: mend that one first"
+    evidence["follows"] = f"beat:{root}"
+    hints = (*_of_first(edge, root), *hints)
     return Finding("fail", text, entity=entity, frame=frame, hints=hints, evidence=evidence, frames=outcome.frames)
+
+
+def _of_first(edge: Edge, beat_id: str) -> tuple[Correction, ...]:
+    """Corrections of the first beat that did not come true: its row is the one to answer."""
+    candidate, beat = edge.candidate, edge.candidate.spec.story.beats[beat_id]
+    outcome, place = beat_times(candidate).outcome(beat_id), f"/story/beats/{beat_id}"
+    return tuple(corrections_of(candidate, beat.predicate, outcome, place, beat.frames))

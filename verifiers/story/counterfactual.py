@@ -123,7 +123,7 @@ class _Variants:
         _, effect = edge.outcomes
         if effect.status != "pass" or effect.first_true_frame is None:
             text = f"{edge.effect_id} did not come true, so nothing can vanish: {effect.explanation}"
-            raise FollowsError(edge.effect_id, text)
+            raise FollowsError(self.candidate, edge.effect_id, text)
         failed: list[str] = []
         for way in ways:
             variant = self._run(way)

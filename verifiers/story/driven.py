@@ -33,6 +33,7 @@ from ..rows.corrections import correction, set_value
 from ..rows.findings import Finding
 from .agency import Help, helped
 from .chains import PAUSE
+from .offers import offered
 from .questions import DRIVEN
 
 if TYPE_CHECKING:
@@ -241,12 +242,14 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
         return [correction("a keyframed path moves the outcome itself", "drivers", action, pointers=pointers)]
     if found.kind == "unsaid" and found.driver is not None:
         pointers = (f"/simulation/drivers/{found.driver}", f"{place}/causes")
-        action = to_declare(spec, found.driver, beat_id)
-        return [
-            correction("a driver moves the outcome itself, and the story does not say so", "drivers", action, pointers=pointers)
-        ]
+        cause = "a driver moves the outcome itself, and the story does not say so"
+        silent = all(b.owner != found.driver for b in spec.story.beats.values())
+        patch = ({"op": "remove", "path": pointers[0]},) if silent else ()
+        told = correction(cause, "drivers", to_declare(spec, found.driver, beat_id), pointers=pointers)
+        away = f"take {found.driver} away (remove {pointers[0]}); {beat_id} must then come by what the story tells"
+        return [told, offered(spec, cause, "drivers", away, pointers=pointers[:1], patch=patch)]
     if found.help is not None:
-        return list(_without_help(found.help, beat_id))
+        return list(_without_help(spec, found.help, beat_id))
     if found.kind == "late":
         pointers = (f"/simulation/drivers/{found.driver}", f"{place}/owner")
         action = f"let {found.driver} act before {beat_id} comes true, or let what does start it own the beat"
@@ -274,7 +277,7 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
     return hints[1:] + hints[:1] if found.driver else hints
 
 
-def _without_help(found: Help, beat_id: str) -> Iterator[Correction]:
+def _without_help(spec: WorldSpec, found: Help, beat_id: str) -> Iterator[Correction]:
     cause = "something that the story is silent about helps the outcome along"
     kind, name = found.pointer.split("/")[-2:]
     if found.friction is not None:
@@ -282,7 +285,9 @@ def _without_help(found: Help, beat_id: str) -> Iterator[Correction]:
         place = f"{found.pointer}/friction"
         yield correction(cause, "joints", rub, pointers=(place,), patch=set_value(place, round(found.friction, 3)))
     away = f"take {name} away (remove {found.pointer}); what the beat asks for must then come by what the story tells"
-    yield correction(cause, "drivers", away, pointers=(found.pointer,))
+    silent = kind != "drivers" or all(b.owner != name for b in spec.story.beats.values())
+    patch = ({"op": "remove", "path": found.pointer},) if silent else ()
+    yield offered(spec, cause, "drivers", away, pointers=(found.pointer,), patch=patch)
     told = (
         f"let {name} own a beat that leads to {beat_id}: a first beat about {found.through[0]}, named in the causes of what follows"
         if kind == "drivers"

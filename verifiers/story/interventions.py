@@ -23,21 +23,36 @@ from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, entities_of
 from ..ledgers import motion
+from ..predicates import beat_times
 from .onsets import onset_of
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from .edges import Edge
 
-__all__ = ["FollowsError", "Prevention", "preventions"]
+__all__ = ["FollowsError", "Prevention", "first_absent", "preventions"]
 
 
 class FollowsError(EvidenceError):
     """A beat did not come true, so that a row about it has nothing to judge."""
 
-    def __init__(self, beat: str, text: str) -> None:
-        self.row = f"beat:{beat}"
-        super().__init__(f"{text}; this row follows from {self.row}: mend that one first")
+    def __init__(self, candidate: Candidate, beat: str, text: str) -> None:
+        first = first_absent(candidate, beat)
+        self.row = f"beat:{first}"
+        why = "" if first == beat else f"; {first} is the first beat that leads to it and did not come true"
+        super().__init__(f"{text}{why}; this row follows from {self.row}: mend that one first")
+
+
+def first_absent(candidate: Candidate, beat: str) -> str:
+    """The first beat that did not come true among those that lead to a beat, all of whose own causes did; that beat itself where all did."""
+    beats, times, seen = candidate.spec.story.beats, beat_times(candidate), {beat}
+    while True:
+        lacking = (c for c in beats[beat].causes if c in beats and c not in seen and times.outcome(c).status != "pass")
+        cause = next(lacking, None)
+        if cause is None:
+            return beat
+        seen.add(cause)
+        beat = cause
 
 
 class Prevention(NamedTuple):
@@ -59,7 +74,9 @@ def preventions(edge: Edge) -> list[Prevention]:
     candidate, beat, fps = edge.candidate, edge.cause, edge.candidate.spec.simulation.fps
     outcome, _ = edge.outcomes
     if outcome.status != "pass" or outcome.first_true_frame is None:
-        raise FollowsError(edge.cause_id, f"{edge.cause_id} did not come true, so it cannot be taken away: {outcome.explanation}")
+        raise FollowsError(
+            candidate, edge.cause_id, f"{edge.cause_id} did not come true, so it cannot be taken away: {outcome.explanation}"
+        )
     found = []
     if edge.driven:
         moment, _ = acts_from(candidate.spec, beat.owner)

@@ -34,11 +34,12 @@ from ..rows.corrections import correction
 from ..rows.findings import Finding, lacking
 from ..scene.surfaces import surfaces_of
 from .bounds import FLICKER
+from .offers import offered
 from .questions import VACUOUS
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row
-    from ...worlds.spec import Beat, SpecModel
+    from ...worlds.spec import Beat, SpecModel, WorldSpec
 
 __all__ = ["EVENTS", "SUMS", "Past", "check_vacuity"]
 
@@ -282,7 +283,7 @@ def check_vacuity(candidate: Candidate, beat_id: str) -> list[Row]:
             past = looks.from_start()
         else:
             past = looks.of(beat.predicate, beat.frames, (0, beat.frames[0] - 1))
-        found = _judged(beat_id, beat, past)
+        found = _judged(beat_id, beat, past, candidate.spec)
     except EvidenceError as error:
         found = lacking(error)
     then = evaluate(candidate, beat.predicate, (past.first, past.first) if past is not None else (0, 0))
@@ -300,7 +301,7 @@ def check_vacuity(candidate: Candidate, beat_id: str) -> list[Row]:
     return [row_of(candidate, question, (beat_id,), found, entities=entities, extra=beat.model_dump(mode="json"))]
 
 
-def _judged(beat_id: str, beat: Beat, past: Past | None) -> Finding:
+def _judged(beat_id: str, beat: Beat, past: Past | None, spec: WorldSpec) -> Finding:
     """The finding of a beat that was true before its interval in the way given, or was not."""
     begin, end = beat.frames
     if past is None:
@@ -317,17 +318,18 @@ def _judged(beat_id: str, beat: Beat, past: Past | None) -> Finding:
             f"or ask for what comes only later"
         )
     evidence = {"true_from": past.first, "true_to": past.last}
-    hints = tuple(_hints(beat_id, beat, past))
+    hints = tuple(_hints(beat_id, beat, past, spec))
     return Finding("fail", text, entity=beat.subject, frame=past.first, hints=hints, evidence=evidence)
 
 
-def _hints(beat_id: str, beat: Beat, past: Past) -> list[Correction]:
+def _hints(beat_id: str, beat: Beat, past: Past, spec: WorldSpec) -> list[Correction]:
     place = f"/story/beats/{beat_id}"
     found = []
     if past.first > 0:
         moved = [past.first, beat.frames[1]]
         found.append(
-            correction(
+            offered(
+                spec,
                 f"it comes true at frame {past.first}, and the interval begins at frame {beat.frames[0]}",
                 "story",
                 f"begin the interval there: frames {moved}",
@@ -360,7 +362,8 @@ def _hints(beat_id: str, beat: Beat, past: Past) -> list[Correction]:
     ]
     if getattr(beat.predicate, "when", "always") != "always" and past.first == 0 and not past.event and not beat.causes:
         found.append(
-            correction(
+            offered(
+                spec,
                 "it is meant to be so all the time: nothing is to happen",
                 "story",
                 "ask it of every frame, `when` always: what lasts needs no cause (where the prompt tells an event, that needs a beat of its own)",

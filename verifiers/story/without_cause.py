@@ -16,6 +16,7 @@ from .causal_corrections import ask_for_displacement, comes_anyway
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Correction
     from ...worlds.spec import CausalMargin
     from ..rows.questions import Comparison
     from .edges import Edge
@@ -41,7 +42,8 @@ def compare(edge: Edge, prevention: Prevention, variant: Candidate) -> Finding:
     if without.status == "unverified":
         raise EvidenceError(f"without {edge.cause_id}, {edge.effect_id} cannot be judged: {without.explanation}")
     came = without.status == "pass"
-    found, hints = _vanished(without, came=came), comes_anyway(edge)
+    found = _vanished(without, came=came)
+    hints: tuple[Correction, ...] = ()
     if came:
         at, told = without.first_true_frame, found.text
         if (margin := edge.effect.margins.get(edge.cause_id)) is not None:
@@ -50,6 +52,8 @@ def compare(edge: Edge, prevention: Prevention, variant: Candidate) -> Finding:
         when = "" if at is None else f" at frame {at}"
         told = f"still comes{when} (with it at frame {original.first_true_frame}): {without.explanation}; {told}"
         found = replace(found, text=told, entity=edge.subject if found.status == "fail" else None, frame=at)
+        first = original.first_true_frame
+        hints = comes_anyway(edge, None if at is None or first is None else at - first)
         hints = (*ask_for_displacement(edge, variant), *hints)
     evidence = {
         "frame_with_cause": original.first_true_frame,

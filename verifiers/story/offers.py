@@ -1,0 +1,93 @@
+"""Corrections of the story's rows with a patch that applies, and edits of drivers that several of them offer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from ...worlds.drivers import acts_from, behind
+from ...worlds.errors import EvidenceError, SpecError
+from ...worlds.patch import apply_patch, weakenings
+from ...worlds.spec import PathDriver
+from ..rows.corrections import correction, pointer
+
+if TYPE_CHECKING:
+    from ...worlds.requirements import Correction
+    from ...worlds.spec import WorldSpec
+
+__all__ = ["WEAKER", "acting", "driver_offers", "earlier", "offered"]
+
+WEAKER = " (a weakening edit: give weakening_reason)"
+"""End of an action that makes the specification easier to satisfy."""
+
+
+def offered(
+    spec: WorldSpec, cause: str, group: str, action: str, *, pointers: Iterable[str], patch: Iterable[dict[str, Any]]
+) -> Correction:
+    """A correction whose patch applies to the specification; without the patch where it does not.
+
+    The action says so where the patch makes the specification easier to satisfy.
+
+    Args:
+        spec: what was judged.
+        cause: the supposed cause of the failure.
+        group: parameter group of the edit.
+        action: the edit in words.
+        pointers: fields to look at first.
+        patch: RFC 6902 operations.
+    """
+    edits = tuple(patch)
+    try:
+        after = apply_patch(spec, edits)
+    except SpecError:
+        edits = ()
+    else:
+        if edits and "weakening" not in action and weakenings(spec, after):
+            action += WEAKER
+    return correction(cause, group, action, pointers=pointers, patch=edits)
+
+
+def acting(spec: WorldSpec, entity: str) -> list[str]:
+    """Drivers that act on an entity, but for media at rest, which bring nothing about."""
+    found = []
+    for name, driver in spec.simulation.drivers.items():
+        try:
+            acted = acts_from(spec, name)[1]
+        except EvidenceError:
+            continue  # its joint is not in the plan: the audit tells
+        if entity in acted and not (driver.kind == "field" and driver.field.kind == "drag"):
+            found.append(name)
+    return found
+
+
+def earlier(spec: WorldSpec, driver: str, by: float) -> tuple[dict[str, Any], ...]:
+    """Patch that lets a driver act `by` [s] earlier; empty where that would be before frame 0, and for a path, whose keys are the author's."""
+    given = spec.simulation.drivers[driver]
+    fields = [n for n in ("time", "start", "end") if getattr(given, n, None) is not None]
+    if isinstance(given, PathDriver) or not fields or given.begins < by:
+        return ()
+    places = [(pointer("simulation", "drivers", driver, n), getattr(given, n)) for n in fields]
+    return tuple({"op": "replace", "path": place, "value": round(float(value) - by, 6)} for place, value in places)
+
+
+def driver_offers(spec: WorldSpec, driver: str, cause: str, effect: str) -> tuple[Correction, ...]:
+    """Corrections of an effect that a driver brings about in place of its cause.
+
+    A driver that owns no beat is taken away. One that does is named by that beat, where the story then has no ring of causes.
+    """
+    place, causes = pointer("simulation", "drivers", driver), pointer("story", "beats", effect, "causes")
+    owned = [n for n, b in spec.story.beats.items() if b.owner == driver]
+    told = f"driver {driver} acts on {spec.story.beats[effect].subject}, or releases it, by its own clock"
+    if not owned:
+        away = f"take driver {driver} away (remove {place}) and let {cause} do it"
+        return (offered(spec, told, "drivers", away, pointers=(place,), patch=({"op": "remove", "path": place},)),)
+    index = spec.story.beats[effect].causes.index(cause)
+    fresh = [n for n in owned if effect not in behind(spec, n) and n not in spec.story.beats[effect].causes]
+    if not fresh:
+        why = f"let driver {driver}, which owns {owned[0]}, act on {spec.story.beats[effect].subject} only after {cause}"
+        return (correction(told, "drivers", why, pointers=(place,)),)
+    named = f"name {fresh[0]}, which driver {driver} owns, among the causes of {effect} in place of {cause}"
+    patch = [{"op": "replace", "path": f"{causes}/{index}", "value": fresh[0]}]
+    if cause in spec.story.beats[effect].margins:
+        patch.append({"op": "remove", "path": pointer("story", "beats", effect, "margins", cause)})
+    return (offered(spec, told, "story", named, pointers=(causes, place), patch=patch),)

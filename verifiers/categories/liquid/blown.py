@@ -1,4 +1,4 @@
-"""What force fields gave to a liquid, and whether it is what the declared fields say (R18, R63).
+"""Impulses of force fields on a liquid, compared with those of the declared fields (R18, R63).
 
 - `fields`: the fields are asked again at the particles of every two frames, with the surface that a medium blows against found
   from the particles and the visible solids. Between the frames the mean of both ends holds; how far they differ is left open.

@@ -1,4 +1,4 @@
-"""What passed between a liquid and its boundaries, and how the boundaries' bodies moved meanwhile."""
+"""Boundaries of a liquid: motion of their bodies, and the impulses and work that passed between them and the liquid."""
 
 from __future__ import annotations
 
@@ -45,6 +45,13 @@ class Bodies:
     def free(self) -> list[bool]:
         """Which of them are moved by forces."""
         return [self.candidate.spec.entities[n].motion == "dynamic" for n in self.entities]
+
+    def coupled(self, row: int) -> str:
+        """`two_way`, `one_way`, or `` where nothing is declared between the liquid and the instance that moves the body."""
+        plan, entity, solver = self.candidate.spec.simulation, self.entities[row], self.liquid.solver
+        owners = {n for n, s in plan.solvers.items() if entity in s.members}
+        found = [c.direction for c in plan.couplings.values() if {c.source, c.target} & owners and solver in (c.source, c.target)]
+        return "two_way" if "two_way" in found else "one_way" if found else ""
 
     @cached_property
     def motion(self) -> tuple[F64, F64]:

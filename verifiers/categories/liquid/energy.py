@@ -55,7 +55,11 @@ def blown(step: Step) -> F64:
 
 
 def _since(step: Step, names: tuple[str, ...]) -> F64:
-    """What sums gained in a frame, shape (4,)."""
+    """Increase of the named sums since the frame before, shape (4,); zeros at the first.
+
+    Raises:
+        EvidenceError: a frame lacks one of them.
+    """
     if step.before is None:
         return np.zeros(4)
     missing = [n for n in names if f"record/{n}" not in step.now.others or f"record/{n}" not in step.before.others]

@@ -216,7 +216,7 @@ class Leaks:
         return Finding("unverified", told, slot.width / s, LEAST_SPACINGS, "spacings", entity, None, hints, evidence, ">=")
 
     def _through(self, count: float, bound: float) -> Finding:
-        """What went through a sheet."""
+        """Failing finding on particles that passed through a sheet, at the part that most of them passed."""
         _, entity, part, points, _ = max(self.crossed, key=lambda c: len(c[4]))
         where = place(np.median(points, axis=0))
         text = (

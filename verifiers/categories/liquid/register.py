@@ -1,4 +1,4 @@
-"""What liquids simplify, for the approximation register."""
+"""Lines of the approximation register about liquids (R68)."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def liquid_lines(candidate: Candidate) -> list[dict[str, str]]:
 
 
 def _particles(candidate: Candidate, name: str, spacing: float) -> list[dict[str, str]]:
-    """What the particle engine adds and leaves out by its method."""
+    """Lines about what the particle engine adds and leaves out by its method."""
     return [
         {
             "what": f"numerical dissipation of motion of {name!r} smaller than a particle's surroundings, about {2 * spacing:g} m",
@@ -107,7 +107,7 @@ def _particles(candidate: Candidate, name: str, spacing: float) -> list[dict[str
 
 
 def _grid(candidate: Candidate, name: str, spacing: float) -> list[dict[str, str]]:
-    """What the grid engine does to its particles beside the laws of motion."""
+    """Lines about moves of particles by the grid engine that no law of motion explains."""
     settings = candidate.spec.simulation.liquid[name].settings
     affine = getattr(settings, "transfer", "flip") == "apic"
     ratio = 0.0 if affine else float(getattr(settings, "flip_ratio", 1.0))
@@ -139,7 +139,7 @@ def _grid(candidate: Candidate, name: str, spacing: float) -> list[dict[str, str
 
 
 def _compressed(candidate: Candidate, name: str) -> str:
-    """What compression is left, as recorded, in words."""
+    """Sentence about the recorded compression that is left; says so where it is not known."""
     cache = candidate.liquid_caches.get(name)
     if cache is None:
         return "how much compression is left is known after a probe"
@@ -152,7 +152,7 @@ def _compressed(candidate: Candidate, name: str) -> str:
 
 
 def _tension(spec: WorldSpec, name: str, spacing: float) -> dict[str, str]:
-    """What becomes of the surface tension of a liquid."""
+    """Line about how the surface tension of a liquid is simulated, or that it is not."""
     instance = spec.simulation.liquid[name]
     if instance.engine == "flip":
         return {

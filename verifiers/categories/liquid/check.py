@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...rows.watches import Watching
+from ...rows.watches import Watch, Watching
 from ...scene import initial_state
 from ..container import rows_about
 from .across import Across
@@ -24,7 +24,6 @@ from .ledger import Books, Identity
 from .motion import Motion, Trapped
 from .numerical import Numbers
 from .resolved import Resolved
-from .rows import Watch
 from .sticking import Sticking
 from .surface import Shown
 from .walls import Walls

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,33 +13,9 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 
 if TYPE_CHECKING:
-    from ...rows.questions import Question
-    from .frames import Liquid, Step
+    from .frames import Liquid
 
-__all__ = ["Watch", "coarse", "first_over", "longer_step", "place", "worst"]
-
-
-class Watch(Protocol):
-    """One family of questions about a liquid: it sees all frames in order, then says what it found."""
-
-    questions: ClassVar[Mapping[str, Question]]
-    """Questions by name; a name is the second last part of a row's id."""
-
-    def __init__(self, liquid: Liquid) -> None: ...
-
-    def see(self, step: Step) -> None:
-        """Take in the next frame.
-
-        Raises:
-            EvidenceError: a channel that the questions need is missing.
-        """
-
-    def findings(self) -> dict[str, Finding]:
-        """Finding on every question by name, after the last frame.
-
-        Raises:
-            EvidenceError: there is nothing to judge them by.
-        """
+__all__ = ["coarse", "first_over", "longer_step", "place", "worst"]
 
 
 def worst(values: F64, bound: float) -> tuple[float, int | None, int]:

@@ -243,11 +243,11 @@ def _rough_rail(folder: Path, m: float, rng: RNG) -> World:
 
 
 def _hand(folder: Path, m: float, rng: RNG) -> World:
-    return World(pushed_row(folder, between=round(m), told=False), ("last",))
+    return World(pushed_row(folder, between=round(m) - 1, told=False), ("last",))
 
 
 def _hand_told(folder: Path, m: float, rng: RNG) -> World:
-    return World(pushed_row(folder, between=round(m), told=True), ())
+    return World(pushed_row(folder, between=round(m) - 1, told=True), ())
 
 
 SUITE = Suite(
@@ -269,7 +269,7 @@ SUITE = Suite(
         Mechanism("from-nothing", "moves by itself, later than frame 0", True, _from_nothing, 0.2, 1.5, "s"),
         Mechanism("unsaid-driver", "a driver that no beat owns starts it", True, _unsaid, 0.2, 1.5, "s"),
         Mechanism("loaded-spring", "a spring of no beat drives it on", True, _spring, 0.3, 1.5, "m"),
-        Mechanism("hand-behind", "a body on a path of no beat pushes it, through others", True, _hand, 0, 2, "bodies between"),
+        Mechanism("hand-behind", "a body on a path of no beat pushes it, through others", True, _hand, 1, 3, "bodies"),
         Mechanism("smooth-rail", "a slide bears it where it would rub", True, _rail, 1.5, 3.0, "m/s"),
         Mechanism("swing-grows", "a swing gains from nowhere, its beats long over", True, _grows, 0.2, 0.5, "1/s"),
         Mechanism("blows-up", "gains energy at the very end", True, _blows_up, 1.3, 15, "times the bound", 1.0),
@@ -280,7 +280,7 @@ SUITE = Suite(
         Mechanism("sent-off", "starts with a declared velocity", False, _sent_off, 0.2, 1.5, "s"),
         Mechanism("owned-driver", "its own driver starts it", False, _owned, 0.2, 1.5, "s"),
         Mechanism("spring-told", "a spring that a release of a beat lets act", False, _spring_told, 0.3, 1.5, "m"),
-        Mechanism("hand-told", "a body on a path of a beat pushes it, through others", False, _hand_told, 0, 2, "bodies between"),
+        Mechanism("hand-told", "a body on a path of a beat pushes it, through others", False, _hand_told, 1, 3, "bodies"),
         Mechanism("rough-rail", "a slide with the friction of its surfaces", False, _rough_rail, 1.5, 3.0, "m/s"),
         Mechanism("by-weight", "falls from frame 0 on", False, _by_weight, 0.5, 5.0, "m"),
         Mechanism("swing-decays", "still swings at the end, ever less", False, _decays, 0.01, 1.0, "1/s"),

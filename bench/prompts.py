@@ -2,7 +2,7 @@
 
 Every accepted world is left as it is, but for its prompt: each of 500 prompts in twelve languages that it is not about takes its place,
 with every clause mapped to all beats, requirements and entities, as somebody does who wants a pass and not a world. Whatever the audit lets
-through would be accepted, since physics and pictures are those of the accepted world. Target: none (issue of claims over spans).
+through would be accepted, since physics and pictures are those of the accepted world. Target: none.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def dressed_for(spec: WorldSpec, prompt: str) -> WorldSpec:
 
 
 def passes(spec: WorldSpec, prompt: str) -> bool:
-    """Whether the audit lets the world through as one of this prompt."""
+    """True where the audit lets the world through as one of this prompt."""
     return audit(dressed_for(spec, prompt)).passed
 
 

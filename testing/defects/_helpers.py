@@ -7,7 +7,7 @@ from typing import Any
 
 from ...worlds.candidate import Candidate
 from ...worlds.predicates import Displacement, Speed
-from ...worlds.spec import Beat, PathDriver, PathKey, Pose, ReleaseDriver, RigidSettings, SlideJoint, SpringJoint
+from ...worlds.spec import Beat, ForceDriver, PathDriver, PathKey, Pose, ReleaseDriver, RigidSettings, SlideJoint, SpringJoint
 from ..worlds.simulated_worlds import SLICK, beat, simulate
 from ..worlds.small_worlds import box, ground, world
 
@@ -81,7 +81,7 @@ def guided_block(folder: Path, *, speed: float, friction: float) -> Candidate:
     return _run(folder, {"hitter": _block(-0.4, speed=speed), "block": _block(0.0)}, beats, joints={"rail": rail})
 
 
-def pushed_row(folder: Path, *, between: int, told: bool, aside: bool = False) -> Candidate:
+def pushed_row(folder: Path, *, between: int, told: bool, aside: bool = False, force: float = 0.0) -> Candidate:
     """A hand on a path pushes a block, through others that stand before it; another block has sent the first off.
 
     Args:
@@ -89,6 +89,7 @@ def pushed_row(folder: Path, *, between: int, told: bool, aside: bool = False) -
         between: blocks between the hand and the last.
         told: whether the path owns a beat that leads to the last block's.
         aside: the hand pushes a block that nobody speaks of instead.
+        force: a force on the first block in place of the hand [N].
     """
     row = [f"b{k}" for k in range(between)] + ["last"]
     entities = {name: _block(0.25 * k) for k, name in enumerate(row)}
@@ -105,4 +106,8 @@ def pushed_row(folder: Path, *, between: int, told: bool, aside: bool = False) -
         "starts": beat("last", Speed(entity="last", min=0.05), frames=(0, FRAMES - 1), **({"owner": "p"} if told else {})),
         "moves": beat("last", _far("last", 0.2), frames=(1, FRAMES - 1), causes=("starts",)),
     }
+    if force:
+        del entities["hand"]
+        push = ForceDriver(entity=row[0], force=(force, 0.0, 0.0), start=0.0, end=1.0)
+        return _run(folder, entities, beats, drivers={"f": push})
     return _run(folder, entities, beats, drivers={"p": PathDriver(entity="hand", keys=keys)})

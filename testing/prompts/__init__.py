@@ -1,11 +1,11 @@
-"""Prompts in twelve languages: 150 with their spans marked by people who had not seen the gate, and 500 strangers that no shipped world is about."""
+"""Prompts in twelve languages: 150 with their spans marked, written without sight of the gate, and 500 strangers that no shipped world is about."""
 
 from __future__ import annotations
 
 import json
 from functools import cache
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 __all__ = ["Marked", "Span", "Stranger", "honest", "strangers"]
 
@@ -42,8 +42,8 @@ class Stranger(NamedTuple):
     text: str
 
 
-def _read(name: str) -> list[dict[str, object]]:
-    found: list[dict[str, object]] = json.loads((Path(__file__).parent / f"{name}.json").read_text(encoding="utf-8"))
+def _read(name: str) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads((Path(__file__).parent / f"{name}.json").read_text(encoding="utf-8"))
     return found
 
 
@@ -52,12 +52,12 @@ def honest() -> tuple[Marked, ...]:
     """Everyday prompts with their spans, in the order in which they were written."""
     made = []
     for item in _read("honest"):
-        spans = tuple(Span(**span) for span in item.pop("spans"))  # type: ignore[attr-defined]
-        made.append(Marked(**item, spans=spans))  # type: ignore[arg-type]
+        spans = tuple(Span(**span) for span in item.pop("spans"))
+        made.append(Marked(**item, spans=spans))
     return tuple(made)
 
 
 @cache
 def strangers() -> tuple[Stranger, ...]:
     """Prompts about other worlds than the shipped ones."""
-    return tuple(Stranger(**item) for item in _read("strangers"))  # type: ignore[arg-type]
+    return tuple(Stranger(**item) for item in _read("strangers"))

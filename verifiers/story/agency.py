@@ -38,17 +38,17 @@ class Help(NamedTuple):
     """Work of a helper that no beat leading to an outcome tells of."""
 
     pointer: str
-    """Of the helper in the specification."""
+    """JSON pointer of the helper in the specification."""
     helper: str
     """In words: `spring 'k'`, `'stick', which follows driver 'p'`, `driver 'f'`."""
     body: str
     """The body of the outcome that it reached."""
     frame: int
-    """At which its work first counted."""
+    """Frame at which its work first counted."""
     work: float
-    """Up to the outcome [J], on the first body that it reached."""
+    """Work up to the outcome on the first body that it reached [J]."""
     share: float
-    """Of the greatest kinetic energy that this body had."""
+    """That work as share of the greatest kinetic energy that this body had."""
     through: tuple[str, ...]
     """Bodies from the helper to the outcome's."""
     friction: float | None = None
@@ -108,12 +108,15 @@ class _Helper:
     pointer: str
     words: str
     work: dict[str, F64]
-    """On every entity that it works on directly, summed since frame 0 [J], shape (F,)."""
+    """Work on every entity that it works on directly, summed since frame 0 [J], shape (F,)."""
     friction: float | None = None
     """As `Help.friction`."""
 
     def reaches(self, subject: str, until: int) -> Help | None:
-        """Whether it reaches a body by a frame, with a share that counts then; others on the way with one that counted when they passed it on."""
+        """The help that reaches a body by a frame; None where its share does not count then.
+
+        Bodies on the way pass on what they do to others from the frame at which their share counts.
+        """
         since: dict[str, int] = {}
         first: dict[str, tuple[str | None, float, float]] = {}
         waiting: list[tuple[str | None, str, F64]] = [(None, name, work) for name, work in self.work.items()]

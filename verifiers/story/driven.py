@@ -283,11 +283,13 @@ def _without_help(spec: WorldSpec, found: Help, beat_id: str) -> Iterator[Correc
     if found.friction is not None:
         rub = f"give {name} the dry friction of the surfaces that it guides along each other, {found.friction:.3g} N"
         place = f"{found.pointer}/friction"
-        yield correction(cause, "joints", rub, pointers=(place,), patch=set_value(place, round(found.friction, 3)))
+        yield correction(cause, "joints", rub, pointers=(place,), patch=set_value(place, float(f"{found.friction:.4g}")))
     away = f"take {name} away (remove {found.pointer}); what the beat asks for must then come by what the story tells"
     silent = kind != "drivers" or all(b.owner != name for b in spec.story.beats.values())
     patch = ({"op": "remove", "path": found.pointer},) if silent else ()
-    yield offered(spec, cause, "drivers", away, pointers=(found.pointer,), patch=patch)
+    yield offered(spec, cause, kind, away, pointers=(found.pointer,), patch=patch)
+    if found.friction is not None:
+        return
     told = (
         f"let {name} own a beat that leads to {beat_id}: a first beat about {found.through[0]}, named in the causes of what follows"
         if kind == "drivers"

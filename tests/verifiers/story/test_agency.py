@@ -54,6 +54,12 @@ def test_a_body_on_a_path_that_touches_others_alone_helps_nobody_else(tmp_path: 
     assert row.status == "pass", row.evidence["explanation"]
 
 
+def test_a_force_on_a_body_that_pushes_the_outcome_is_found(tmp_path: Path) -> None:
+    row = driven(pushed_row(tmp_path, between=1, told=False, force=60.0), "moves")
+    assert (row.status, row.evidence["helper"]["pointer"]) == ("fail", "/simulation/drivers/f")
+    assert row.evidence["helper"]["through"] == ["b0", "last"]
+
+
 def test_a_slide_that_spares_a_body_the_friction_of_its_surface_is_found(tmp_path: Path) -> None:
     row = driven(guided_block(tmp_path, speed=2.0, friction=0.0), "goes")
     help_ = row.evidence["helper"]
@@ -61,7 +67,8 @@ def test_a_slide_that_spares_a_body_the_friction_of_its_surface_is_found(tmp_pat
     # Coulomb: mu m g over the way; 600 kg/m^3, 0.2 m cubed, friction 0.1.
     assert help_["friction"] == pytest.approx(0.1 * 600 * 0.2**3 * 9.81, rel=0.05)
     (patch,) = row.corrections[0].patch
-    assert (patch["path"], patch["value"]) == ("/simulation/joints/rail/friction", pytest.approx(help_["friction"], abs=1e-3))
+    assert (patch["path"], patch["value"]) == ("/simulation/joints/rail/friction", pytest.approx(help_["friction"], rel=1e-3))
+    assert {c.group for c in row.corrections} == {"joints"}, "no beat can own a slide: it rubs, or it goes"
 
 
 @pytest.mark.parametrize("friction", [1.0, 3.0])

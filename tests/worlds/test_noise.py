@@ -51,7 +51,7 @@ def test_an_impulse_within_noise_is_refused_with_the_floor_and_how_it_is_compute
         assert bound_problems(again) == []
 
 
-MEASURED = {
+MEASURED: dict[str, tuple[dict[str, Any], float | None, str | None]] = {
     "displacement": ({"kind": "displacement", "entity": "b3", "axis": [0, 0, 1], "max": -0.15}, round(TRAVEL, 6), "m"),
     "tilts": ({"kind": "tilts", "entity": "b3", "min": 0.5}, 0.02, "rad"),
     "topples": ({"kind": "topples", "entity": "b3", "min_angle": 0.5}, 0.02, "rad"),

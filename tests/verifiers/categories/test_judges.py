@@ -99,7 +99,7 @@ def test_impulses_by_origin_add_up_to_the_change_of_momentum(judged: tuple[Judge
     given, momentum = owner.origins(candidate, entity), owner.momentum(candidate, entity)
     heavy = any(candidate.spec.simulation.gravity)
     assert {o.kind for o in given} >= ({"gravity", "unlisted"} if heavy else {"unlisted"})
-    total = sum(one.impulse for one in given.values())
+    total = np.sum([one.impulse for one in given.values()], axis=0)
     moving = np.flatnonzero(np.abs(total).any(axis=1))
     assert len(moving) > 0
     assert total[moving] == pytest.approx(np.diff(momentum, axis=0)[moving], abs=1e-9 * max(1.0, np.abs(momentum).max()))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from worldagent.worlds.spec import ForceDriver, Material, RigidSettings, SpringJ
 EVEN = {"wood": Material(density=600.0, friction=0.3, restitution=0.0, substance="wood")}
 
 
-def ran(folder: Path, entities: dict, **more: object) -> Candidate:
+def ran(folder: Path, entities: dict, **more: Any) -> Candidate:
     spec = world(entities, materials=EVEN, settings=RigidSettings(step=5e-4), **more)
     return film_of(spec).candidate(folder)
 

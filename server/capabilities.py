@@ -15,7 +15,7 @@ __all__ = ["PACKAGES", "all_caps", "capabilities", "categories", "package_versio
 
 PACKAGES = (
     "mcp", "pydantic", "numpy", "scipy", "mujoco", "warp-lang", "trimesh", "python-fcl", "coacd", "mitsuba", "drjit", "pyoidn",
-    "opencv-python-headless", "jsonpatch", "rfc8785", "uvicorn",
+    "opencv-python-headless", "jsonpatch", "regex", "rfc8785", "uvicorn",
 )  # fmt: skip
 """Distributions that the server is built on."""
 

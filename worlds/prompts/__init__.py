@@ -1,0 +1,1 @@
+"""The text of prompts: units, marks, odd characters, numbers, languages. It knows nothing of specifications."""

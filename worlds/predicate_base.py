@@ -92,6 +92,16 @@ class PredicateInfo:
     """Least `min` with which it tells that something is in pieces, and not only cracked; None: never. Own choice."""
     tells: tuple[Tells, ...] = ()
     """Verbs of a prompt that it can tell."""
+    event: bool = False
+    """It says that something happens, by a physical definition: place, level or speed alone do not meet it."""
+    adds_up: bool = False
+    """Its measure adds up over the interval, as bonds that break or what flows through do."""
+    directed: bool = False
+    """The event is done by `entity` to `other`, and is another one with the two exchanged."""
+    gloss: str = ""
+    """Of an event, its definition with its thresholds, in one plain sentence."""
+    source: str = ""
+    """Of that definition: paper, standard, handbook, or own choice with its reason."""
 
 
 def _children(predicate: SpecModel) -> list[SpecModel]:

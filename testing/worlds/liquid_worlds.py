@@ -98,6 +98,8 @@ class Flow:
     tracks: dict[str, Any] = field(default_factory=dict)
     rigid: dict[str, Any] = field(default_factory=dict)
     """Further channels of the rigid cache."""
+    touches: Sequence[sw.Touch] = ()
+    """Contacts among solids."""
     change: dict[tuple[int, str], Any] = field(default_factory=dict)
     """(frame, channel) -> value written instead."""
     surface: Any = None
@@ -149,7 +151,9 @@ class Flow:
 
     def candidate(self, folder: Path) -> Candidate:
         """Write both caches and open them."""
-        base = sw.make_candidate(folder, self.spec, tracks=self.tracks, channels=self.rigid, records=self._rigid_records())
+        base = sw.make_candidate(
+            folder, self.spec, tracks=self.tracks, channels=self.rigid, records=self._rigid_records(), touches=self.touches
+        )
         name = next(iter(self.spec.simulation.liquid))
         plan, instance = self.spec.simulation, self.spec.simulation.liquid[name]
         cache = Cache(folder / "cache" / name)

@@ -133,7 +133,8 @@ def test_atoms_of_the_reference_exist_with_their_fields() -> None:
 def _predicate_models() -> dict[str, Any]:
     from worldagent.worlds.predicates import Predicate
 
-    return {model.model_fields["kind"].default: model for model in get_args(get_args(Predicate)[0])}
+    models = get_args(get_args(Predicate)[0])
+    return {kind: model for model in models for kind in get_args(model.model_fields["kind"].annotation)}
 
 
 # ---------------------------------------------------------------- diagnosis

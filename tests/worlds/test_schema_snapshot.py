@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "c8f9f93c6d1e4af3056220ecf179e000902c710d7fc053b3c2b489436b4b1fa1"
+SCHEMA = "5f57e5e2083a4d153ea87a692fd96abde77f5333bcd7f66d6630b37f5c43bc3e"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

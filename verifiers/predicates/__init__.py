@@ -12,6 +12,7 @@ from ..categories.cloth import flutter
 from ..categories.cloth import predicates as cloth
 from ..categories.elastic import predicates as elastic
 from ..categories.fracture import predicates as fracture
+from ..categories.liquid import floating
 from ..categories.liquid import predicates as liquid
 from ..categories.particles import predicates as particle
 from . import combine, kinematic, landscape, touching
@@ -51,6 +52,8 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "splash_height": liquid.splash_height,
     "liquid_speed": liquid.liquid_speed,
     "liquid_temperature": liquid.liquid_temperature,
+    "floats": floating.floats,
+    "sinks": floating.sinks,
     "particle_count_in": particle.particle_count_in,
     "particle_volume_in": particle.particle_volume_in,
     "pile_height": particle.pile_height,

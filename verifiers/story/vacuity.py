@@ -25,7 +25,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.drivers import behind
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, Count, Separation, atoms_of, describe_predicate, entities_of
-from ...worlds.predicates.registry import is_invariant
+from ...worlds.predicates.registry import PREDICATES, is_invariant
 from ...worlds.references import references
 from ..predicates import Outcome, Truth, beat_times, evaluate
 from ..predicates.combine import substitute
@@ -46,9 +46,12 @@ __all__ = ["EVENTS", "SUMS", "Past", "check_vacuity"]
 EVENTS = frozenset(
     {"contact", "reaches", "crosses", "topples", "liquid_arrives", "breach", "debris", "broken", "torn", "flutters"}
     | {"liquid_flux_through"}
+    | {kind for kind, info in PREDICATES.items() if info.event}
 )
 """Kinds that happen; all other atoms are states."""
-SUMS = frozenset({"broken", "torn", "flutters", "liquid_flux_through"})
+SUMS = frozenset(
+    {"broken", "torn", "flutters", "liquid_flux_through"} | {kind for kind, info in PREDICATES.items() if info.adds_up}
+)
 """Kinds that an interval as a whole makes true, by what adds up in it."""
 LATCHED = frozenset({"crosses", "liquid_arrives"})
 """Kinds whose truth within a span stays once it came."""

@@ -14,6 +14,7 @@ from pydantic import Field
 from ..categories.cloth.predicates import Drape, Flutters, Pinned, Torn
 from ..categories.elastic.predicates import Deflection, Strain
 from ..categories.fracture.predicates import Breach, Broken, Debris
+from ..categories.liquid.events import BuoyancyEvent
 from ..categories.liquid.predicates import (
     LiquidArrives,
     LiquidFluxThrough,
@@ -306,6 +307,7 @@ Atom = (
     | SplashHeight
     | LiquidSpeed
     | LiquidTemperature
+    | BuoyancyEvent
     | ParticleCountIn
     | ParticleVolumeIn
     | ParticlesSettled

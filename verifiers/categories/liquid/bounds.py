@@ -174,3 +174,26 @@ OFF = 1e-5
 """[m] Own choice: places may lie off the surface by this, besides single precision."""
 UNCOVERED = 0.02
 """[1] Own choice: share of the wet surface without a place nearby."""
+
+FLOAT_SECONDS = 0.5
+"""[s] Own choice: what bobs on waves comes up and down within it, and what falls in slowly does not stay half under for as long."""
+FLOAT_CARRIED = 0.8
+"""[1] Own choice: share of its weight that the liquid carries of what floats; drag and waves take and give a tenth of it (`BUOYANCY`)."""
+FLOAT_OTHERS = 0.2
+"""[1] Own choice: the rest, which contacts, ropes and drivers may carry: a line that holds a boat in its place."""
+FLOAT_FREE = 0.99
+"""[1] Share of the span in which gravity acts on the body: none of what a path or a release holds."""
+FLOAT_GOES_DOWN = 0.1
+"""[1] Own choice: of its height. What is wholly under and goes down farther sinks at the speed at which drag and buoyancy carry it."""
+UNDER = 0.98
+"""[1] Share of a body under the surface from which on it is wholly under: what 600 points inside it tell."""
+SINK_WAY = 1.0
+"""[1] Own choice: of its height, so that the liquid could stand over it as deep as it is high."""
+SINK_TO_BOTTOM = 0.5
+"""[1] Own choice: the same where it comes to the bottom before."""
+SINK_HEAVIER = 1.01
+"""[1] Own choice: its density over the liquid's, a hundredth above what is in balance."""
+SINK_OTHERS = 0.2
+"""[1] Own choice: share of its weight by which contacts, ropes and drivers may help or hinder, as `FLOAT_OTHERS`."""
+SINK_LANDED = 0.5
+"""[1] Own choice: a solid bears this share of its weight in the liquid where it has come to the bottom."""

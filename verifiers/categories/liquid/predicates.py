@@ -24,10 +24,11 @@ from ....worlds.predicates import (
 from ...ledgers import motion
 from ...predicates.kinematic import region_offset
 from ...predicates.outcome import Comparison, Outcome, Series, band, judge
-from .about import COLUMN, Hull, Surroundings, hull_of, others_than
-from .frames import Frame, Liquid, liquid_of
-from .samples import samples, shares_under
+from .frames import Frame, Liquid
+from .samples import samples
 from .solids import Piece, pieces_of
+from .submerged import Submerged
+from .told import liquid_or_none, painted
 from .wet import touched
 
 if TYPE_CHECKING:
@@ -50,8 +51,6 @@ __all__ = [
 P = TypeVar("P")
 CREST = 8
 """Particles that a splash needs: fewer are drops that nothing resolves."""
-NEAREST = 8
-"""Columns of liquid about a body whose tops tell the level at a point of it."""
 TOUCH = 1.0
 """[spacings] Liquid this near to a surface wets it."""
 
@@ -59,33 +58,6 @@ TOUCH = 1.0
 def _typed(predicate: SpecModel, kind: type[P]) -> P:
     assert isinstance(predicate, kind)
     return predicate
-
-
-def _liquid(candidate: Candidate, entity: str) -> tuple[Liquid, int] | str:
-    """The instance that moves a liquid and its index among the members, or why there is none."""
-    known = candidate.spec.entities.get(entity)
-    if known is None:
-        raise EvidenceError(f"entity {entity!r} is not in the specification")
-    solver = next((n for n, s in candidate.spec.simulation.liquid.items() if entity in s.members), None)
-    if known.physics.category != "liquid" or solver is None:
-        kind = "a solid" if known.physics.category == "rigid" else known.physics.category
-        said = "no engine moves it" if known.physics.category == "liquid" else f"it is {kind}"
-        return f"{entity!r} is no evidence of a liquid: {said}; make it liquid and a member of a dfsph or flip instance"
-    liquid = liquid_of(candidate, solver)
-    return liquid, liquid.members.index(entity)
-
-
-def _painted(scope: Scope, unit: str, entity: str, text: str) -> Outcome:
-    return Outcome(
-        "fail",
-        scope.frames,
-        unit,
-        text,
-        first_failing_entity=entity,
-        first_failing_frame=scope.frames[0],
-        failing=(entity,),
-        details={"painted": True},
-    )
 
 
 def _frames(scope: Scope, liquid: Liquid, member: int) -> Iterator[tuple[int, Frame, NDArray[np.bool_]]]:
@@ -126,9 +98,9 @@ def _banded(
 def liquid_volume_in(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: sum of the volumes of the particles whose middles are in the region."""
     p = _typed(predicate, LiquidVolumeIn)
-    found = _liquid(scope.candidate, p.entity)
+    found = liquid_or_none(scope.candidate, p.entity)
     if isinstance(found, str):
-        return _painted(scope, "m^3", p.entity, found)
+        return painted(scope, "m^3", p.entity, found)
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, *found):
         value[i] = float(frame.volume[own & _inside(scope.candidate, p.region, frame)].sum())
@@ -138,9 +110,9 @@ def liquid_volume_in(scope: Scope, predicate: SpecModel) -> Outcome:
 def liquid_level_at(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: highest particle of the column plus half a particle."""
     p = _typed(predicate, LiquidLevelAt)
-    found = _liquid(scope.candidate, p.entity)
+    found = liquid_or_none(scope.candidate, p.entity)
     if isinstance(found, str):
-        return _painted(scope, "m", p.entity, found)
+        return painted(scope, "m", p.entity, found)
     liquid, member = found
     radius = p.radius if p.radius is not None else 2.0 * liquid.spacing
     value = np.full(scope.length, float(liquid.lower[2]))
@@ -166,9 +138,9 @@ def liquid_flux_through(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: volumes of particles whose straight way between two frames passes the disc or rectangle."""
     p = _typed(predicate, LiquidFluxThrough)
     unit = "m^3" if p.measure == "total" else "m^3/s"
-    found = _liquid(scope.candidate, p.entity)
+    found = liquid_or_none(scope.candidate, p.entity)
     if isinstance(found, str):
-        return _painted(scope, unit, p.entity, found)
+        return painted(scope, unit, p.entity, found)
     liquid, member = found
     normal, across = _across(p)
     half = 0.5 * np.array(p.size) if p.size is not None else None
@@ -194,9 +166,9 @@ def liquid_flux_through(scope: Scope, predicate: SpecModel) -> Outcome:
 def liquid_arrives(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: most volume that was there at any frame so far. First true: when it reaches `min_volume`."""
     p = _typed(predicate, LiquidArrives)
-    found = _liquid(scope.candidate, p.entity)
+    found = liquid_or_none(scope.candidate, p.entity)
     if isinstance(found, str):
-        return _painted(scope, "m^3", p.entity, found)
+        return painted(scope, "m^3", p.entity, found)
     liquid, member = found
     target = [q for q in pieces_of(scope.candidate) if q.entity == p.target] if p.target is not None else []
     if p.target is not None and not target:
@@ -243,52 +215,12 @@ def submerged_fraction(scope: Scope, predicate: SpecModel) -> Outcome:
     `categories/liquid/about.py` says what stands about it.
     """
     p = _typed(predicate, SubmergedFraction)
-    found = _liquid(scope.candidate, p.liquid)
+    found = liquid_or_none(scope.candidate, p.liquid)
     if isinstance(found, str):
-        return _painted(scope, "1", p.entity, found)
-    liquid, member = found
-    bodies = scope.candidate.entity(p.entity).bodies
-    hulls = {b.name: hull_of(liquid, f"{p.entity}/{b.name}") for b in bodies}
-    walls = others_than(liquid, p.entity)
-    step = float(np.cbrt(sum(b.volume for b in bodies) / sum(len(h.inside) for h in hulls.values())))
-    value = np.zeros(scope.length)
-    for i, frame, own in _frames(scope, liquid, member):
-        poses = {b: scope.candidate.pose(p.entity, frame.index, b) for b in hulls}
-        hull = Hull(
-            np.concatenate([poses[b].apply(h.inside) for b, h in hulls.items()]),
-            np.concatenate([poses[b].apply(h.skin) for b, h in hulls.items()]),
-        )
-        position = frame.position[own]
-        value[i] = _under(liquid, position, Surroundings(liquid, walls, frame.index, hull, position), step)
+        return painted(scope, "1", p.entity, found)
+    under = Submerged(scope.candidate, p.entity, *found)
+    value = np.array([under.share(f) for f in range(scope.frames[0], scope.frames[1] + 1)])
     return _banded(scope, p, value, "1", f"submerged share of {p.entity}")
-
-
-def _under(liquid: Liquid, position: F64, about: Surroundings, step: float) -> float:
-    """Share of points inside a body that are wet: under the tops of the nearest columns of liquid that stand beside it."""
-    from scipy.spatial import cKDTree
-
-    s, points, skin = liquid.spacing, about.hull.inside, about.hull.skin
-    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
-    gap = np.maximum(low - position[:, :2], position[:, :2] - high).max(axis=1, initial=-np.inf)
-    reach = max(4.0 * s, 0.25 * float((high - low).max()))
-    rows = about.tops(position, position[:, :2], position[:, 2], np.flatnonzero(gap < reach), COLUMN * s)
-    if not len(rows):
-        return 0.0
-    top = position[rows, 2]
-    # Columns under the body end at its bottom; those beside it tell the level.
-    middle = (np.floor(position[rows, :2] / (COLUMN * s)) + 0.5) * COLUMN * s
-    beside = np.maximum(low - middle, middle - high).max(axis=1) > 0.25 * s
-    if not beside.any():
-        share, skinned = np.full(len(points), float((top > points[:, 2].max()).all())), np.ones(len(skin), dtype=bool)
-    else:
-        count, tree = min(NEAREST, int(beside.sum())), cKDTree(middle[beside])
-
-        def level(places: F64) -> F64:
-            at = np.asarray(tree.query(places[:, :2], k=count)[1]).reshape(len(places), count)
-            return np.asarray(top[beside][at].mean(axis=1) + 0.5 * liquid.pitch)
-
-        share, skinned = shares_under(points[:, 2], level(points), step), skin[:, 2] < level(skin)
-    return float((share * about.wet(share > 0.0, skinned)).mean())
 
 
 def wet_area(scope: Scope, predicate: SpecModel) -> Outcome:
@@ -297,9 +229,9 @@ def wet_area(scope: Scope, predicate: SpecModel) -> Outcome:
     That is what wet maps call wet (`categories/liquid/wet.py` judges those).
     """
     p = _typed(predicate, WetArea)
-    found = _liquid(scope.candidate, p.liquid)
+    found = liquid_or_none(scope.candidate, p.liquid)
     if isinstance(found, str):
-        return _painted(scope, "m^2", p.entity, found)
+        return painted(scope, "m^2", p.entity, found)
     liquid, member = found
     pieces = [q for q in pieces_of(scope.candidate) if q.entity == p.entity]
     if not pieces:
@@ -333,9 +265,9 @@ def _spread(piece: Piece, spacing: float) -> tuple[F64, F64, F64]:
 def splash_height(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: height of the eighth highest particle."""
     p = _typed(predicate, SplashHeight)
-    found = _liquid(scope.candidate, p.entity)
+    found = liquid_or_none(scope.candidate, p.entity)
     if isinstance(found, str):
-        return _painted(scope, "m", p.entity, found)
+        return painted(scope, "m", p.entity, found)
     liquid, member = found
     base = p.over
     if base is None:
@@ -363,9 +295,9 @@ def _measured(values: F64, mass: F64, measure: str) -> float:
 def liquid_speed(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: mean or largest speed of the particles."""
     p = _typed(predicate, LiquidSpeed)
-    found = _liquid(scope.candidate, p.entity)
+    found = liquid_or_none(scope.candidate, p.entity)
     if isinstance(found, str):
-        return _painted(scope, "m/s", p.entity, found)
+        return painted(scope, "m/s", p.entity, found)
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, *found):
         own = own & _inside(scope.candidate, p.region, frame)
@@ -377,9 +309,9 @@ def liquid_speed(scope: Scope, predicate: SpecModel) -> Outcome:
 def liquid_temperature(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: mean, lowest or highest temperature of the particles; where there are none the frame is not true."""
     p = _typed(predicate, LiquidTemperature)
-    found = _liquid(scope.candidate, p.entity)
+    found = liquid_or_none(scope.candidate, p.entity)
     if isinstance(found, str):
-        return _painted(scope, "K", p.entity, found)
+        return painted(scope, "K", p.entity, found)
     value = np.full(scope.length, np.nan)
     for i, frame, own in _frames(scope, *found):
         if "particle/temperature" not in frame.others:

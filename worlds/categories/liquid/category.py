@@ -9,6 +9,7 @@ from ..loose import counts
 from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, STEPS, TEMPERATURE
 from .audit import liquid_problems
 from .channels import CHANNELS, DIMENSIONS, writers
+from .events import EVENTS
 from .facts import liquid_estimate, liquid_seconds
 from .models import DfsphInstance, FlipInstance, InflowDriver, LiquidPhysics, OutflowDriver, WavesDriver
 from .predicates import PREDICATES
@@ -25,7 +26,7 @@ LIQUID = CategorySpec(
     physics=LiquidPhysics,
     instances=(DfsphInstance, FlipInstance),
     drivers=(InflowDriver, OutflowDriver, WavesDriver),
-    predicates=PREDICATES,
+    predicates=(*PREDICATES, *EVENTS),
     asked="liquid_arrives, liquid_volume_in, liquid_level_at or liquid_speed of it, submerged_fraction or reaches of what it meets",
     groups=(GroupInfo("liquid", "solver", "viscosity, surface tension, heat of liquids, friction and roughness of walls"),),
     parameters=(

@@ -1,0 +1,112 @@
+"""Events as conditions that have to hold at one frame: the measure of the event first, then what sets it apart from what is like it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...worlds.arrays import F64
+from .outcome import Comparison, Outcome, Truth, finite
+
+if TYPE_CHECKING:
+    from .scope import Scope
+
+__all__ = ["Condition", "happens"]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A measured value that has to be at least, or at most, a bound. NaN: it cannot be measured there, and does not hold."""
+
+    told: str
+    """The value in words."""
+    value: F64
+    """Per frame of the interval."""
+    bound: F64 | float
+    unit: str = "1"
+    comparison: Comparison = ">="
+
+    @property
+    def over(self) -> F64:
+        """By how much it holds, negative by how much it is missed; NaN as the value."""
+        sign = 1.0 if self.comparison == ">=" else -1.0
+        return np.asarray(sign * (self.value - self.bound))
+
+    @property
+    def holds(self) -> Truth:
+        """Where it does."""
+        return np.asarray(self.over >= 0.0)
+
+    def bound_at(self, i: int) -> float:
+        """The bound at a frame of the interval."""
+        return float(np.broadcast_to(self.bound, self.value.shape)[i])
+
+    def text(self, i: int) -> str:
+        """Value and bound in words."""
+        if not np.isfinite(self.value[i]):
+            return f"{self.told} cannot be measured"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        most = "at least" if self.comparison == ">=" else "at most"
+        return f"{self.told} is {self.value[i]:.3g}{unit}, {most} {self.bound_at(i):.3g}{unit} is asked"
+
+
+def happens(
+    scope: Scope,
+    entity: str,
+    conditions: Sequence[Condition],
+    detail: Callable[[int], Mapping[str, Any]] = lambda i: {},
+) -> Outcome:
+    """Whether all conditions hold together at some frame of the interval.
+
+    Where they do, the first one's value stands there, at the frame at which it is largest; else that of the first one that is missed,
+    at the frame at which most hold.
+
+    Args:
+        scope: the interval.
+        entity: to whom it happens.
+        conditions: the event's own measure first.
+        detail: further measurements at a frame of the interval.
+    """
+    held = np.stack([c.holds for c in conditions])
+    truth: Truth = np.asarray(held.all(axis=0))
+    measure = np.nan_to_num(conditions[0].over, nan=-np.inf)
+    found = bool(truth.any())
+    best = np.where(truth, measure, -np.inf) if found else held.sum(axis=0) + 1e-6 * _ranked(measure)
+    i = int(np.argmax(best))
+    shown = conditions[0] if found else next(c for c, ok in zip(conditions, held[:, i], strict=True) if not ok)
+    first, last = scope.frames
+    at = np.flatnonzero(truth)
+    name = (entity,)
+    return Outcome(
+        "pass" if found else "fail",
+        scope.frames,
+        shown.unit,
+        f"{entity} at frame {first + i}: " + "; ".join(c.text(i) for c in (conditions if found else [shown])),
+        value=finite(float(shown.value[i])),
+        bound=shown.bound_at(i),
+        comparison=shown.comparison,
+        truth=truth,
+        margin=finite(float(shown.over[i])),
+        first_true_frame=first + int(at[0]) if found else None,
+        first_failing_entity=None if found else entity,
+        first_failing_frame=None if found else last,
+        failing=() if found else name,
+        details={"frame": first + i, **_numbers(conditions, i), **detail(i)},
+    )
+
+
+def _ranked(values: F64) -> F64:
+    """Values by their order, the largest last."""
+    return np.asarray(np.argsort(np.argsort(values, kind="stable"), kind="stable"), dtype=np.float64)
+
+
+def _numbers(conditions: Sequence[Condition], i: int) -> dict[str, Any]:
+    """Every condition at a frame, in its own words, with its unit."""
+    return {
+        "conditions": {
+            c.told: {"measured": finite(float(c.value[i])), c.comparison: c.bound_at(i), "unit": c.unit} for c in conditions
+        }
+    }

@@ -33,6 +33,7 @@ Part = Literal[
     "events",
     "records",
     "wet",
+    "account",
     "acceptance",
     "terrain",
     "worlds",
@@ -50,6 +51,7 @@ def inspect_world(
             "row: one row in full with its history; revisions, iterations: edits, and what repairs did; "
             "state: poses and speeds at a frame or over frames; events: contact begins; records: energy, momentum, ... over time; "
             "wet: what liquids wetted up to a frame, when and how deep; "
+            "account: what happens, as somebody is told who did not make the world; "
             "acceptance: the last verdict, its approximation register, its report and bundle; terrain: a built landscape in numbers, "
             "values at points, places to build on; worlds: all ids"
         ),

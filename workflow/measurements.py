@@ -125,7 +125,7 @@ def measured(
     """
     candidate = latest_candidate(session)
     world = session.folder.id
-    if candidate.stage == "static" and part != "state":
+    if candidate.stage == "static" and part not in ("state", "account"):
         raise RefusedError(f"{part} need a probe or bake of the present settings; call probe_sim first")
     owners = [e.partition("/")[0] if part == "state" else e for e in entities or []]
     unknown = [e for e, owner in zip(entities or [], owners, strict=True) if owner not in session.spec.entities]
@@ -154,6 +154,12 @@ def measured(
         then = call("inspect_world", world=world, part="events", **same, offset=place.get("next_offset"))
         text = f"{len(page)} of {len(events)} contact begins in frames {first} to {last}, earliest first"
         return answer({**head, "events": page, **place}, text, then if "next_offset" in place else "")
+    if part == "account":
+        from ..verifiers.account.text import account_of
+
+        told = account_of(candidate)
+        text = f"{len(told.text)} characters on the {candidate.stage} run, without ids and texts of the specification"
+        return answer({**head, "account": told.text, "left_out": told.left_out}, text, "")
     if part == "wet":
         from .wetness import wetness
 

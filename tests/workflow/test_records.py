@@ -92,3 +92,19 @@ def test_one_record_that_an_older_run_lacks_does_not_take_the_others(tmp_path: P
     assert "joint_error" not in told["records"]
     assert "kinetic_energy" in told["records"]
     assert "joint_error" in told["summary"]
+
+
+@pytest.mark.parametrize("kind", WORLDS)
+def test_the_account_tells_of_every_category_and_holds_no_id(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = WORLDS[kind]()
+    built = {n: build_entity(spec, n, tmp_path) for n in spec.entities}
+    caches = run_frames(spec, built, tmp_path / "run", frames=FRAMES)
+    candidate = Candidate(tmp_path, spec, built, "probe", caches, "run", cache_digest(caches))
+    monkeypatch.setattr(measurements, "latest_candidate", lambda session: candidate)
+    session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec, shown=lambda *_: "")
+    told = measurements.measured(session, "account", entities=None, frames=None, limit=50, offset=0)
+    assert told["account"].startswith(f"{len(spec.entities)} things, {FRAMES} frames")
+    assert told["account"].count("\n- ") >= len({e.physics.category for e in spec.entities.values()})
+    forms = {"ball", "box", "wall", "sheet", "liquid", "grains"}  # ids that are words of the account too
+    assert [n for n in spec.entities if n not in forms and n in told["account"]] == []
+    assert told["left_out"] == {}

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import SolverInstance, WorldSpec
     from ..predicates.outcome import Outcome
 
-__all__ = ["STILL_SPEED", "STILL_SPIN", "Flags", "Judge", "Push", "Touch", "joined", "record_of", "stored"]
+__all__ = ["STILL_SPEED", "STILL_SPIN", "Flags", "Judge", "Push", "Rupture", "Touch", "joined", "record_of", "stored"]
 
 Flags = NDArray[np.bool_]
 
@@ -65,6 +65,19 @@ def record_of(cache: Cache, name: str, frames: int) -> F64 | None:
         return None
 
 
+class Rupture(NamedTuple):
+    """An entity broke or tore."""
+
+    entity: str
+    first: float
+    last: float
+    """[s] First and last bond or thread that gave way."""
+    cause: str | None
+    """Entity that loaded it most often; None where only gravity, air or its own motion did."""
+    text: str
+    """`breaks into 7 pieces (34 of 120 bonds)`."""
+
+
 class Judge:
     """One category of matter. Questions that it does not answer itself are answered here as for a body of a rigid instance."""
 
@@ -80,6 +93,8 @@ class Judge:
     """Whether its surface is a sheet that encloses no volume."""
     grainy: ClassVar[bool] = False
     """Whether it is seen as many small things, the errors of whose pixels level out."""
+    noun: ClassVar[str] = ""
+    """Word for matter of it; empty where its form gives the word."""
     goes_on: ClassVar[str] = "moves on"
     """How it goes on where a run ends before it rests."""
     in_fields: ClassVar[tuple[str, str] | None] = None
@@ -189,7 +204,23 @@ class Judge:
         """Whom it pressed when, apart from what logs of contacts tell."""
         yield from ()
 
+    def ruptures(self, candidate: Candidate) -> Iterator[Rupture]:
+        """Entities that broke or tore.
+
+        Raises:
+            EvidenceError: a channel is missing or damaged.
+        """
+        yield from ()
+
     # ---------------------------------------------------------------- how it looks
+
+    def amount(self, candidate: Candidate, entity: str) -> str:
+        """How much of it there is, in words; empty for a body, whose form and mass tell.
+
+        Raises:
+            EvidenceError: no cache holds it.
+        """
+        return ""
 
     def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
         """Surface in the world as cameras see it at a frame.

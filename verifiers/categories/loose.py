@@ -68,6 +68,7 @@ def moments(frames: int, samples: Iterable[Sample]) -> Moments:
 class Loose(Judge):
     """Base of the judges of matter that is many particles."""
 
+    noun: ClassVar[str] = "loose matter"
     still: ClassVar[float]
     """[m/s] Root mean square speed up to which it counts as still."""
 
@@ -112,6 +113,13 @@ class Loose(Judge):
     def momentum(self, candidate: Candidate, entity: str) -> F64:
         """Momentum [N s], shape (frames, 3)."""
         return self.moments(candidate, entity).momentum
+
+    def amount(self, candidate: Candidate, entity: str) -> str:
+        """Volume at rest density at the first and, where it differs by a hundredth, at the last frame."""
+        density = candidate.spec.materials[candidate.spec.entities[entity].material].density
+        mass = self.mass(candidate, entity) if candidate.stage != "static" else super().mass(candidate, entity)
+        first, last = (1000.0 * float(m) / density for m in mass[[0, -1]])
+        return f"{first:.3g} litres" + (f", {last:.3g} at the end" if abs(last - first) > 0.01 * max(first, last) else "")
 
     def velocities(self, candidate: Candidate, entity: str) -> F64:
         """Velocity of the centre of mass of what is there [m/s], shape (frames, 3); NaN where nothing is."""

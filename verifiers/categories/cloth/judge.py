@@ -10,12 +10,14 @@ import numpy as np
 from ....worlds.arrays import F64
 from ...ledgers.exchanged import CHANNEL, partners
 from ...ledgers.origins import Origin
-from ..judge import Judge, Push, Touch
+from ..judge import Judge, Push, Rupture, Touch
 from ..pushes import MIN_IMPULSE, givers_of, pushes_of, touches_of
 from .check import category_rows, numerical_rows
 from .diagnosis import wind_names
+from .frames import cloth_run
 from .links import shares, sheet_impulse
 from .register import cloth_lines
+from .tears import tearing_pieces
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -31,6 +33,7 @@ class ClothJudge(Judge):
     name: ClassVar[str] = "cloth"
     meets: ClassVar[bool] = True
     flat: ClassVar[bool] = True
+    noun: ClassVar[str] = "sheet"
     goes_on: ClassVar[str] = "waves on"
 
     def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
@@ -70,6 +73,23 @@ class ClothJudge(Judge):
     def pressed(self, candidate: Candidate, entity: str, other: str) -> F64:
         """Size of the impulse between a sheet and a solid over each frame [N s], shape (frames,)."""
         return sheet_impulse(candidate, entity, other)
+
+    def ruptures(self, candidate: Candidate) -> Iterator[Rupture]:
+        """Sheets that tore, with what pulled at most of the tears."""
+        for solver in self.caches(candidate):
+            run = cloth_run(candidate, solver)
+            for piece in tearing_pieces(run):
+                found = [tear for _, _, tears in piece.frames for tear in tears]
+                if not found:
+                    continue
+                causes = [t.cause for t in found if t.cause >= 0]
+                most = max(sorted(set(causes)), key=causes.count) if causes else None
+                cause = None if most is None else run.cache.index.colliders[most].split("/", 1)[0]
+                times = [t.time for t in found]
+                length = piece.open_length(candidate.last_frame)
+                yield Rupture(
+                    piece.entity, min(times), max(times), cause, f"tears at {len(found)} points, open over {length:.3g} m"
+                )
 
     def touches(self, candidate: Candidate) -> Iterator[Touch]:
         """Sheets and all solids around them; and bodies that felt a push that no other matter gave."""

@@ -19,6 +19,7 @@ class ElasticJudge(Judge):
     """Elastic bodies."""
 
     name: ClassVar[str] = "elastic"
+    noun: ClassVar[str] = "soft body"
     goes_on: ClassVar[str] = "wobbles on"
     in_fields: ClassVar[tuple[str, str] | None] = (
         "field {0!r} presses on the faces of elastic bodies that face it",

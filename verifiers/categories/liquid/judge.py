@@ -35,6 +35,7 @@ class LiquidJudge(Loose):
 
     name: ClassVar[str] = "liquid"
     bears: ClassVar[bool] = True
+    noun: ClassVar[str] = "liquid"
     goes_on: ClassVar[str] = "flows or splashes on"
     in_fields: ClassVar[tuple[str, str] | None] = (
         "field {0!r} blows on the surface of liquids: pressure on what faces it, the stress of open water along it",

@@ -41,6 +41,7 @@ class ParticleJudge(Loose):
     name: ClassVar[str] = "particles"
     meets: ClassVar[bool] = True
     grainy: ClassVar[bool] = True
+    noun: ClassVar[str] = "grains"
     goes_on: ClassVar[str] = "run or fly on"
     in_fields: ClassVar[tuple[str, str] | None] = (
         "drag of field {0!r} on particles is that of single spheres",
@@ -89,6 +90,20 @@ class ParticleJudge(Loose):
         """Impulse of force fields over each frame [N s], shape (frames, 3)."""
         given: F64 = np.asarray(candidate.caches[solver].series("field/impulse"), dtype=np.float64)
         return np.asarray(given[: candidate.frame_count].sum(axis=1))
+
+    def amount(self, candidate: Candidate, entity: str) -> str:
+        """Number at the first and the last frame, and their diameter."""
+        if candidate.stage == "static":
+            return super().amount(candidate, entity)
+        _, cache, row = self.held(candidate, entity)
+        counts, radii = [], [np.zeros(0)]
+        for frame in (0, candidate.last_frame):
+            found = cache.read(frame, ("particle/member", "particle/radius"))
+            radii.append(found["particle/radius"][found["particle/member"] == row].astype(np.float64))
+            counts.append(len(radii[-1]))
+        told = f"{counts[0]} of them" + (f", {counts[1]} at the end" if counts[1] != counts[0] else "")
+        known = np.concatenate(radii)
+        return told + (f", each {2.0 * float(np.median(known)):.3g} m" if len(known) else "")
 
     def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
         """An octahedron around each particle; before any simulation, the declared volume."""

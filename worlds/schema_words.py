@@ -33,7 +33,7 @@ UNIONS = {
 ROOT = "World"
 NESTED = 6
 """A part brings the parts that only it needs along, at most so many."""
-LONGEST = 6900
+LONGEST = 7900
 """Characters of a union: its longest members are then named only, and told when they are asked for."""
 SHORT_DEFAULT = 40
 LEAST_STEM = 4
@@ -175,7 +175,7 @@ def _near(name: str) -> list[str]:
 
 def _kinds(node: Mapping[str, Any]) -> set[str]:
     fields = (node.get("properties", {}).get(k, {}) for k in ("kind", "category", "engine"))
-    return {str(f["const"]) for f in fields if "const" in f}
+    return {str(value) for f in fields for value in f.get("enum", [f["const"]] if "const" in f else [])}
 
 
 def _home(name: str) -> str:
@@ -264,9 +264,12 @@ def _array(node: Mapping[str, Any]) -> str:
 
 
 def _kind(name: str) -> str:
-    """Name of a union's member in a specification."""
+    """Name of a union's member in a specification; of one that has several, all of them."""
     fields = _schema()["$defs"][name]["properties"]
-    return str(next((fields[k]["const"] for k in ("kind", "category", "engine") if "const" in fields.get(k, {})), name))
+    said: dict[str, Any] = next(
+        (f for k in ("kind", "category", "engine") if {"const", "enum"} & set(f := fields.get(k, {}))), {}
+    )
+    return ", ".join(map(str, said.get("enum", [said.get("const", name)])))
 
 
 def _mentioned(node: Mapping[str, Any]) -> list[str]:
@@ -311,4 +314,4 @@ def _member(union: str, rest: list[str], document: Any) -> str:
         return union
     said = [document.get(k) for k in ("kind", "category", "engine")] if isinstance(document, Mapping) else []
     fits = [m for m in members if rest[0] in _schema()["$defs"][m]["properties"]]
-    return next((m for m in fits if _kind(m) in said), fits[0] if fits and not any(said) else union)
+    return next((m for m in fits if _kinds(_schema()["$defs"][m]) & set(said)), fits[0] if fits and not any(said) else union)

@@ -49,6 +49,11 @@ def test_a_generated_page_is_fresh(name: str) -> None:
     assert (DOCS / f"{name}.md").read_text() == _generator(name).page(), f"run: python docs/generate_{name}.py"
 
 
+def test_the_page_of_events_of_the_skill_is_fresh() -> None:
+    page = ROOT / "skills" / "world-building" / "reference" / "events.md"
+    assert page.read_text() == _generator("events").page(), "run: python docs/generate_events.py"
+
+
 def test_a_bound_without_unit_or_reason_is_refused(tmp_path: Path) -> None:
     read = _generator("choices").bounds_of
     module = tmp_path / "bounds.py"
@@ -114,7 +119,9 @@ def test_no_module_cites_a_document_that_is_not_here() -> None:
 
 
 def test_the_grammar_of_choices_has_as_many_atoms_and_combinators_as_the_models() -> None:
-    kinds = [len(get_args(get_args(union)[0]) or get_args(union)) for union in (Atom, Combinator)]
+    kinds = [
+        sum(len(get_args(model.model_fields["kind"].annotation)) for model in get_args(union)) for union in (Atom, Combinator)
+    ]
     (stated,) = re.findall(r"(\d+) atoms and (\d+) combinators", (DOCS / "choices.md").read_text())
     assert [int(n) for n in stated] == kinds
 

@@ -21,6 +21,7 @@ from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.categories.liquid.facts import LEAST_SPACINGS
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.predicates.event_kinds import BODY_EVENTS
 from worldagent.worlds.predicates.registry import PREDICATES
 from worldagent.worlds.requirements import Check
 from worldagent.worlds.shapes import Shape
@@ -57,7 +58,7 @@ def _named(text: str, heading: str) -> set[str]:
         ("Joints", _kinds(Joint)),
         ("Drivers", _kinds(Driver)),
         ("Relations", _kinds(Relation)),
-        ("Predicates", set(PREDICATES)),
+        ("Predicates", set(PREDICATES) - {info.kind for info in BODY_EVENTS}),
         ("Motions", set(get_args(Entity.model_fields["motion"].annotation))),
     ],
 )

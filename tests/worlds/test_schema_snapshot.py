@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "5f57e5e2083a4d153ea87a692fd96abde77f5333bcd7f66d6630b37f5c43bc3e"
+SCHEMA = "357e821cf797843523b67a7acb95a7375dea2ef4993b8dec032991a183330116"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -16,6 +16,7 @@ from ..categories.liquid import floating
 from ..categories.liquid import predicates as liquid
 from ..categories.particles import predicates as particle
 from . import combine, kinematic, landscape, touching
+from .events import EVENTS
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
 from .times import BeatTimes, last_needed
@@ -39,6 +40,7 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "displacement": kinematic.displacement,
     "separation": touching.separation,
     "joint_angle": kinematic.joint_angle,
+    **EVENTS,
     "deflection": elastic.deflection,
     "strain": elastic.strain,
     "landscape_water": landscape.landscape_water,

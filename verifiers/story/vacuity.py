@@ -25,6 +25,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.drivers import behind
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, Count, Separation, atoms_of, describe_predicate, entities_of
+from ...worlds.predicates.events import EVENT_KINDS
 from ...worlds.predicates.registry import PREDICATES, is_invariant
 from ...worlds.references import references
 from ..predicates import Outcome, Truth, beat_times, evaluate
@@ -43,12 +44,8 @@ if TYPE_CHECKING:
 
 __all__ = ["EVENTS", "SUMS", "Past", "check_vacuity"]
 
-EVENTS = frozenset(
-    {"contact", "reaches", "crosses", "topples", "liquid_arrives", "breach", "debris", "broken", "torn", "flutters"}
-    | {"liquid_flux_through"}
-    | {kind for kind, info in PREDICATES.items() if info.event}
-)
-"""Kinds that happen; all other atoms are states."""
+EVENTS = frozenset({*EVENT_KINDS, "reaches", "debris"} - {"splash_height"})
+"""Kinds that happen; all other atoms are states. Arrival at a place is news here, and the height of a splash one that lasts."""
 SUMS = frozenset(
     {"broken", "torn", "flutters", "liquid_flux_through"} | {kind for kind, info in PREDICATES.items() if info.adds_up}
 )

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ...worlds.predicates import entities_of
+from ...worlds.predicates.event_kinds import BODY_EVENTS
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.spec import Rope, Supports
 
@@ -15,8 +16,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Moves", "atoms", "beat_moves", "moves_of", "spoken_of", "support_interval"]
 
-MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosses"})
+MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosses", *(info.kind for info in BODY_EVENTS)})
 """Predicates that say that an entity leaves its place."""
+MOVED_BY = frozenset({"pushes"})
+"""Events of which `other` leaves its place."""
 
 
 def atoms(data: Any, each: tuple[str, ...] = ()) -> Iterator[dict[str, Any]]:
@@ -43,7 +46,8 @@ def beat_moves(beat: Beat) -> frozenset[str]:
     found = list(atoms(beat.predicate.model_dump()))
     if is_invariant(beat.predicate):
         return frozenset(a["entity"] for a in found if a["kind"] == "speed" and (a.get("min") or 0.0) > 0.0)
-    return frozenset({beat.subject, *(a["entity"] for a in found if a["kind"] in MOVING_KINDS)})
+    moved = {a["entity"] for a in found if a["kind"] in MOVING_KINDS} | {a["other"] for a in found if a["kind"] in MOVED_BY}
+    return frozenset({beat.subject, *moved})
 
 
 class Moves:

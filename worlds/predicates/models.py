@@ -39,6 +39,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
+from .event_models import BodyEvent, PairEvent, TouchEvent
 from .landscape import LandscapeField, LandscapeWater
 
 __all__ = [
@@ -47,6 +48,7 @@ __all__ = [
     "Always",
     "And",
     "Before",
+    "BodyEvent",
     "Breach",
     "Broken",
     "Contact",
@@ -65,6 +67,7 @@ __all__ = [
     "NoContact",
     "Not",
     "Or",
+    "PairEvent",
     "ParticleCountIn",
     "ParticleVolumeIn",
     "ParticlesSettled",
@@ -81,6 +84,7 @@ __all__ = [
     "Supported",
     "Tilts",
     "Topples",
+    "TouchEvent",
     "Until",
     "WetArea",
     "Within",
@@ -294,6 +298,9 @@ Atom = (
     | Displacement
     | Separation
     | JointAngle
+    | BodyEvent
+    | TouchEvent
+    | PairEvent
     | Deflection
     | Strain
     | LandscapeWater

@@ -8,13 +8,25 @@ from typing import Any
 from ..categories.registry import CATEGORIES
 from ..predicate_base import BAND, POSE, Interval, PredicateInfo
 from ..vocabulary import SpecModel
+from .event_kinds import BODY_EVENTS
 
-__all__ = ["PREDICATES", "interval_tightens", "is_invariant"]
+__all__ = ["PREDICATES", "interval_tightens", "is_event", "is_invariant"]
 
 _GENERAL = (
     PredicateInfo("reaches", "m", POSE, bodily=True, tells=("falls", "flies", "blows")),
     PredicateInfo("stays_in", "m", POSE, bodily=True, lasting=True),
-    PredicateInfo("crosses", "m", POSE, frames="narrower", bodily=True, placed=True, tells=("falls", "flies", "blows")),
+    PredicateInfo(
+        "crosses",
+        "m",
+        POSE,
+        frames="narrower",
+        bodily=True,
+        placed=True,
+        tells=("falls", "flies", "blows"),
+        event=True,
+        gloss="Its centre passes a plane from the back to the front.",
+        source="geometry",
+    ),
     PredicateInfo(
         "contact",
         "N s",
@@ -23,6 +35,9 @@ _GENERAL = (
         frames="narrower",
         bodily=True,
         tells=("blows",),
+        event=True,
+        gloss="The two touch, with at least `min_impulse` in all.",
+        source="log of contacts; surfaces where both sleep",
     ),
     PredicateInfo("no_contact", "N s", ("contact/pair", "contact/impulse"), frames="wider", bodily=True, lasting=True),
     PredicateInfo(
@@ -44,6 +59,9 @@ _GENERAL = (
         bodily=True,
         least={"min_angle": 0.2},
         tells=("falls", "flies", "blows"),
+        event=True,
+        gloss="Its z axis ends at least `min_angle` from where it was at frame 0, and did not start there.",
+        source="own choice: 0.6 rad is past the balance of what is twice as high as thick",
     ),
     PredicateInfo("speed", "m/s", ("velocity",), BAND, bodily=True, least={"min": 0.02}, tells=("flies", "blows")),
     PredicateInfo("displacement", "m", POSE, BAND, bodily=True, tells=("falls", "flies", "blows")),
@@ -70,7 +88,7 @@ _GENERAL = (
     PredicateInfo("not", "1", (), frames="inner", lasting=True),
 )
 PREDICATES: Mapping[str, PredicateInfo] = {
-    info.kind: info for info in (*_GENERAL, *(p for category in CATEGORIES.values() for p in category.predicates))
+    info.kind: info for info in (*_GENERAL, *BODY_EVENTS, *(p for category in CATEGORIES.values() for p in category.predicates))
 }
 """All kinds: general ones, and those that the categories answer."""
 
@@ -83,6 +101,14 @@ def is_invariant(predicate: SpecModel) -> bool:
     if kind in ("and", "or"):
         return all(is_invariant(p) for p in predicate.of)  # type: ignore[attr-defined]
     return (kind in PREDICATES and PREDICATES[kind].lasting) or getattr(predicate, "when", "") == "always"
+
+
+def is_event(predicate: SpecModel) -> bool:
+    """Whether the predicate is one atom that says that something happens; a band without `min` says only that no more does."""
+    info = PREDICATES.get(str(getattr(predicate, "kind", "")))
+    if info is None or not info.event or getattr(predicate, "when", "eventually") != "eventually":
+        return False
+    return info.tightens != BAND or (getattr(predicate, "min", None) or 0.0) > 0.0
 
 
 def _turned(interval: Interval) -> Interval:

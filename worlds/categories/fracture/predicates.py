@@ -67,7 +67,17 @@ class Debris(Band):
 
 _BONDS = ("bond/broken", "break/time", "break/bond", "break/cause")
 PREDICATES = (
-    PredicateInfo("broken", "1", _BONDS, BAND, pieces=0.1, tells=("blows", "cracks", "tears")),
+    PredicateInfo(
+        "broken",
+        "1",
+        _BONDS,
+        BAND,
+        pieces=0.1,
+        tells=("blows", "cracks", "tears"),
+        event=True,
+        gloss="At least `min` of its bonds break in the interval.",
+        source="log of breaks",
+    ),
     PredicateInfo(
         "breach",
         "m",
@@ -76,6 +86,9 @@ PREDICATES = (
         placed=True,
         pieces=0.0,
         tells=("falls", "blows", "cracks", "tears"),
+        event=True,
+        gloss="A rectangle of `min_width` by `min_height` opens in which no piece stands any more.",
+        source="geometry",
     ),
     PredicateInfo("debris", "1", (*POSE, *_BONDS), {**BAND, "min_distance": "up"}, pieces=2.0, tells=("falls", "cracks")),
 )

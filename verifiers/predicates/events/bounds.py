@@ -1,0 +1,48 @@
+"""Bounds of kinds of event that happen to bodies; `worlds/predicates/event_kinds.py` states them in the definitions."""
+
+CARRIED = 0.5
+"""[1] Own choice: carried by less than this share of its weight, a body is rather falling than lowered: at 0 it falls freely, at 1 it is held."""
+BECOMES_MOTION = 0.5
+"""[1] Own choice: share of the potential energy lost over an edge that becomes motion of the body or of what it pushes; a hand that
+lowers it takes all but little, friction at the edge little."""
+HALF_SIZE = 1.0
+"""[1] of half the smallest extent. Own choice: a body that comes less far has stirred."""
+TURN_TO_ROLL = 3.14
+"""[rad] Own choice: half a turn, two faces of a die, so that what falls onto its side does not roll."""
+ROLL_SLIP = 0.3
+"""[1] Own choice: slip of the contact by way of the centre up to which turning is rolling; 0 is pure rolling, 1 is sliding."""
+ROLL_ROUND = 0.3
+"""[1] Own choice: way of the contact around the body by what it turns through: 1 for a wheel, 0.45 for a die, 0 for what turns over one edge."""
+SLIDE_SLIP = 0.5
+"""[1] Own choice: slip of the contact by way of the centre from which on motion is sliding."""
+TIP_TURN = 0.2
+"""[rad] A slab five times as high as thick stands in balance on its edge at atan(1/5) = 0.197; less is a wobble. Own choice."""
+PAST_BALANCE = 0.01
+"""[1] of the half-size. Own choice: so far the centre has come down from its highest place over the edge, above rounding."""
+SPIN_TURN = 6.28
+"""[rad] Own choice: one whole turn; less is turning."""
+SPIN_OWN = 0.5
+"""[1] of the radius of gyration per radian. Own choice: what turns about its own centre takes the centre no farther along; a wheel that
+rolls takes it by its radius, more than its radius of gyration."""
+LEVEL = 0.7
+"""[1] Own choice: cosine of 45 degrees: an axis, a way or a push is rather along a direction than across it."""
+STOP_TIME = 0.25
+"""[s] Own choice: shorter stillness is a turning point."""
+LAND_SPEED = 0.1
+"""[1] of the half-size, as a height of free fall. Own choice: slower, it was set down."""
+LAND_TIME = 0.2
+"""[s] Own choice: it is carried for so long when it has landed; bounces of a hand's breadth last longer."""
+BLOW_HEIGHT = 0.01
+"""[1] of the smaller half-size, as a height of free fall. Own choice: slower contacts begin without a blow, as in a stack that settles."""
+BLOW_LEAST = 0.02
+"""[m/s] Own choice: the least closing speed of a blow where gravity gives none; as the floor of `speed` above noise."""
+BLOW_OWN = 0.5
+"""[1] Own choice: share of the closing speed that is the hitter's; both hit where they meet equally fast."""
+BLOW_IMPULSE = 0.1
+"""[1] of reduced mass times closing speed. A central blow without bounce gives 1, one at the end of a rod a quarter; own choice below that."""
+PUSH_TIME = 0.1
+"""[s] Own choice: longer than blows of rigid bodies last, as short as a shove."""
+PUSH_WAY = 0.5
+"""[1] of the other's half-size. Own choice: less is leaning against it."""
+PUSH_ALONG = 0.5
+"""[1] Own choice: cosine of 60 degrees between the impulse and the way: what lies on a moving cart is carried, not pushed."""

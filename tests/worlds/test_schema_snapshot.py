@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "357e821cf797843523b67a7acb95a7375dea2ef4993b8dec032991a183330116"
+SCHEMA = "80a5b1137bef4b33849d993d61dc8dc2a2b1681bb62f0c325464ec7ffe018c4a"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

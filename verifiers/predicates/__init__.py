@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import PREDICATES
+from ..categories.cloth import events as cloth_events
 from ..categories.cloth import flutter
 from ..categories.cloth import predicates as cloth
 from ..categories.elastic import predicates as elastic
+from ..categories.fracture import events as fracture_events
 from ..categories.fracture import predicates as fracture
 from ..categories.liquid import floating
 from ..categories.liquid import predicates as liquid
@@ -64,10 +66,13 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "broken": fracture.broken,
     "breach": fracture.breach,
     "debris": fracture.debris,
+    "cracks": fracture_events.cracks,
+    "breaks": fracture_events.breaks,
     "drape": cloth.drape,
     "flutters": flutter.flutters,
     "torn": cloth.torn,
     "pinned": cloth.pinned,
+    "tears": cloth_events.tears,
     "count": combine.count,
     "always": combine.always,
     "eventually": combine.eventually,

@@ -11,8 +11,10 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
+from ..categories.cloth.events import TearEvent
 from ..categories.cloth.predicates import Drape, Flutters, Pinned, Torn
 from ..categories.elastic.predicates import Deflection, Strain
+from ..categories.fracture.events import FractureEvent
 from ..categories.fracture.predicates import Breach, Broken, Debris
 from ..categories.liquid.events import BuoyancyEvent
 from ..categories.liquid.predicates import (
@@ -323,10 +325,12 @@ Atom = (
     | Broken
     | Breach
     | Debris
+    | FractureEvent
     | Drape
     | Flutters
     | Torn
     | Pinned
+    | TearEvent
 )
 Combinator = Count | Always | Eventually | Until | Before | After | Within | And | Or | Not
 Predicate = Annotated[Atom | Combinator, Field(discriminator="kind")]

@@ -45,3 +45,8 @@ FLUTTER_ROUNDING = 1e-9
 """[1] Sums of areas are right to such a share."""
 CELLS = 300
 """[1] Own choice: cells across the longer side of a shadow; its area is then right to about a thousandth."""
+
+TEAR_SHARE = 0.05
+"""[1] Own choice: length of what tore over the side of a square as large as the cloth: a snag is shorter."""
+TEAR_PARTS = 0.005
+"""[1] Own choice: how far the lips of a tear part, in the same measure: what is open and lies together looks whole."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...predicates.scope import Scope
     from .frames import ClothRun
 
-__all__ = ["drape", "instance_run", "pinned", "torn"]
+__all__ = ["drape", "instance_run", "opened_since", "pinned", "tearing_pieces_of", "torn"]
 
 P = TypeVar("P")
 
@@ -110,7 +110,7 @@ def drape(scope: Scope, predicate: SpecModel) -> Outcome:
 # ---------------------------------------------------------------------- tears and pins
 
 
-def _opened(piece: TearingPiece, frame: int, since: int, by: str | None, colliders: tuple[str, ...]) -> float:
+def opened_since(piece: TearingPiece, frame: int, since: int, by: str | None, colliders: tuple[str, ...]) -> float:
     """Length of its edges that opened in the frames (since, frame] [m], by a cause that is asked for."""
     if by is None:
         return piece.open_length(frame) - piece.open_length(since)
@@ -123,16 +123,26 @@ def _opened(piece: TearingPiece, frame: int, since: int, by: str | None, collide
     return sum(piece.length_of(s) for s in sides)
 
 
+def tearing_pieces_of(run: ClothRun, entity: str) -> list[TearingPiece]:
+    """The parts of a cloth, which can tear.
+
+    Raises:
+        EvidenceError: it cannot.
+    """
+    pieces = [q for q in tearing_pieces(run) if q.entity == entity]
+    if not pieces:
+        raise EvidenceError(f"{entity!r} cannot tear; give its physics tear with a strength")
+    return pieces
+
+
 def torn(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: length at rest of the edges that opened since the interval began."""
     p = _typed(predicate, Torn)
     run = instance_run(scope.candidate, p.entity)
-    pieces = [q for q in tearing_pieces(run) if q.entity == p.entity]
-    if not pieces:
-        raise EvidenceError(f"{p.entity!r} cannot tear; give its physics tear with a strength")
+    pieces = tearing_pieces_of(run, p.entity)
     first, last = scope.frames
     since, names = max(0, first - 1), run.cache.index.colliders
-    value = np.array([sum(_opened(q, f, since, p.by, names) for q in pieces) for f in range(first, last + 1)])
+    value = np.array([sum(opened_since(q, f, since, p.by, names) for q in pieces) for f in range(first, last + 1)])
     margin, side = band(value, p.min, p.max)
 
     def tell(i: int) -> str:

@@ -33,3 +33,10 @@ TUMBLE = 1.2
 """[1] Own choice: how much faster a tumbling body may turn between two frames than at them."""
 NEARLY = 0.9
 """[1] Own choice: the distance that is proposed, over what was reached."""
+
+CRACK_SHARE = 0.01
+"""[1] Own choice: share of its bonds from which on a body has a crack that one can see; one bond at least."""
+BREAK_SHARE = 0.02
+"""[1] Own choice: share of its mass in lumps that came off from which on a body is broken: a chip off an edge is less."""
+BREAK_APART = 0.02
+"""[1] Own choice: of the body's diagonal, how far off a lump is that has come off: as far as a displacement that is seen (`worlds/noise.py`)."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ....worlds.spec import SpecModel
     from ...predicates.scope import Scope
 
-__all__ = ["breach", "broken", "debris"]
+__all__ = ["breach", "broken", "by_cause", "debris", "frames_of"]
 
 P = TypeVar("P")
 CELLS = 12
@@ -37,7 +37,12 @@ def _typed(predicate: SpecModel, kind: type[P]) -> P:
     return predicate
 
 
-def _frames(candidate: Candidate, entity: str) -> Frames:
+def frames_of(candidate: Candidate, entity: str) -> Frames:
+    """Bonds and pieces of a breakable entity over the frames.
+
+    Raises:
+        EvidenceError: it is none, or no rigid instance moves it.
+    """
     contract = candidate.spec.entities.get(entity)
     if contract is None:
         raise EvidenceError(f"entity {entity!r} is not in the specification")
@@ -52,20 +57,13 @@ def _frames(candidate: Candidate, entity: str) -> Frames:
 def broken(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: share of the bonds that broke since the interval began, by the cause that is asked for."""
     p = _typed(predicate, Broken)
-    frames = _frames(scope.candidate, p.entity)
+    frames = frames_of(scope.candidate, p.entity)
     total = max(1, len(frames.bonds))
     first, last = scope.frames
     before = frames.broken(max(0, first - 1))
     value = np.array([float((frames.broken(f) & ~before).sum()) / total for f in range(first, last + 1)])
     if p.by is not None:
-        counted, shares = 0, []
-        for f in range(first, last + 1):
-            for event in frames.breaks(f) if f else []:
-                name = frames.collider(event.cause)
-                # What the named body set in motion breaks bonds as its own pieces.
-                counted += name == p.by or (name == p.entity and counted > 0)
-            shares.append(counted / total)
-        value = np.array(shares)
+        value = by_cause(frames, p.entity, p.by, scope.frames)
     margin, side = band(value, p.min, p.max)
 
     def tell(i: int) -> str:
@@ -75,11 +73,22 @@ def broken(scope: Scope, predicate: SpecModel) -> Outcome:
     return judge(Series(scope.frames, value, margin, "1", p.entity, side, tell), p.when)
 
 
+def by_cause(frames: Frames, entity: str, cause: str, span: tuple[int, int]) -> F64:
+    """Share of an entity's bonds that broke since a span of frames began by one cause, or by pieces that it set in motion, per frame."""
+    counted, shares = 0, []
+    for f in range(span[0], span[1] + 1):
+        for event in frames.breaks(f) if f else []:
+            name = frames.collider(event.cause)
+            counted += name == cause or (name == entity and counted > 0)
+        shares.append(counted / max(1, len(frames.bonds)))
+    return np.array(shares)
+
+
 def debris(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: lumps of pieces still bonded, or single ones, that the world does not hold, were built in the region, and whose centre
     of mass lies farther than asked from where they were built, or along an axis of it."""
     p = _typed(predicate, Debris)
-    frames = _frames(scope.candidate, p.entity)
+    frames = frames_of(scope.candidate, p.entity)
     rest = frames.rest_points(np.array([b.pose.position for b in frames.built.bodies]))
     mass = np.array([b.mass for b in frames.built.bodies])
     first, last = scope.frames
@@ -136,7 +145,7 @@ def _built_in(candidate: Candidate, name: str | None, centers: F64) -> NDArray[n
 def breach(scope: Scope, predicate: SpecModel) -> Outcome:
     """Measured: width [m] of the widest open rectangle of the asked height that holds the point, seen along the direction."""
     p = _typed(predicate, Breach)
-    view = _View(_frames(scope.candidate, p.entity), p)
+    view = _View(frames_of(scope.candidate, p.entity), p)
     first, last = scope.frames
     value = np.array([view.width(f) for f in range(first, last + 1)])
 

@@ -12,6 +12,7 @@ from .audit import cloth_problems, has_sheets, mass_problems
 from .channels import CHANNELS, DIMENSIONS, writers
 from .contacts import unrecorded
 from .couplings import coupling_problems
+from .events import EVENTS
 from .facts import cloth_counts
 from .models import ClothInstance, ClothPhysics
 from .predicates import PREDICATES
@@ -26,7 +27,7 @@ CLOTH = CategorySpec(
     covers="sheets and open meshes with real stiffness, pins, self-collision, wind; with a coupling they push bodies and are pushed",
     physics=ClothPhysics,
     instances=(ClothInstance,),
-    predicates=PREDICATES,
+    predicates=(*PREDICATES, *EVENTS),
     groups=(GroupInfo("cloth", "solver", "stiffness, strength, thickness, drag of cloth, what it passes through"),),
     parameters=(
         *parameters(PHYSICS, "tear", "cloth", "bound", "weaker cloth tears more easily, stronger holds"),

@@ -7,6 +7,7 @@ from ..caps import PIECES
 from ..category import Audit, CategorySpec
 from .audit import eased, fracture_problems
 from .channels import CHANNELS, DIMENSIONS, writers
+from .events import EVENTS
 from .predicates import PREDICATES
 
 __all__ = ["FRACTURE"]
@@ -16,7 +17,7 @@ FRACTURE = CategorySpec(
     shape="solid",
     noun="a breakable body",
     contract="breakable",
-    predicates=PREDICATES,
+    predicates=(*PREDICATES, *EVENTS),
     groups=(
         GroupInfo("bonds", "solver", "strength, stiffness and toughness of what holds the pieces of breakable bodies together"),
     ),

@@ -7,20 +7,16 @@ from typing import Literal
 from pydantic import Field
 
 from ...predicate_base import PredicateInfo, Subject
-from ...vocabulary import Positive, SpecModel
+from ..event import MatterEvent
 
 __all__ = ["EVENTS", "BuoyancyEvent"]
 
-LEAST = "least measured value, in the kind's unit; the kind's own threshold holds besides"
 
-
-class BuoyancyEvent(SpecModel):
+class BuoyancyEvent(MatterEvent):
     """A body floats or sinks in a liquid, by what the liquid's push does to its weight."""
 
     kind: Literal["floats", "sinks"]
-    entity: Subject
     other: Subject = Field(description="the liquid")
-    min: Positive | None = Field(default=None, description=LEAST)
 
 
 _PUSHES = ("origin", "particle/position", "particle/fluid", "particle/volume", "exchange/impulse")

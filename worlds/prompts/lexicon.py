@@ -1,0 +1,197 @@
+"""The English cross-check of a prompt: which words tell of events, things and properties, and what the marks of a reader leave out.
+
+It warns and refuses nothing.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from itertools import groupby, pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+from . import english
+from .parts import Word, words_of
+from .wordnet import lemmas, type_shares, verb_kinds, votes
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator, Sequence
+
+__all__ = ["Labelled", "Reading", "Warned", "labelled", "lemmas", "type_shares", "verb_kinds", "warnings_for"]
+
+CLOSED, NUMBER, EVENT, NOUN, GUESS, UNKNOWN = 0.99, 0.95, 0.9, 0.8, 0.6, 0.5
+"""Confidence by the rule that decided. Own choice; the order is that of the errors measured per rule."""
+
+
+class Labelled(NamedTuple):
+    """A word of a prompt, or some that belong together, and the type of claim that it is likely to make."""
+
+    start: int
+    end: int
+    type: str
+    """A type of claim, or `unknown`: a word that the lexicon does not have."""
+    confidence: float
+    why: str
+
+
+@lru_cache(maxsize=16)
+def labelled(text: str) -> tuple[Labelled, ...]:
+    """Words of an English prompt that say something about the world, with their likely types; words of asking and of grammar are left out."""
+    words = words_of(text)
+    _join(words)
+    made = []
+    for _, group in groupby(words, key=lambda word: word.run):
+        found = _labelled(list(group))
+        if found.type != "filler":
+            made.append(found)
+    return tuple(made)
+
+
+def _join(words: list[Word]) -> None:
+    """Words of a compound noun, or bound by a hyphen, are of one run; materials and adjectives before a noun stay by themselves."""
+    for before, word in pairwise(words):
+        if word.fresh:
+            continue
+        compound = (
+            before.part == "m"
+            and word.part in ("n", "m")
+            and _type(before)[0] in ("thing", "event")
+            and _type(word)[0] == "thing"
+        )
+        if word.joined or compound:
+            word.run = before.run
+
+
+def _labelled(run: list[Word]) -> Labelled:
+    kind, confidence, why = _type(run[-1] if run[-1].part != "p" else run[0])
+    if run[-1].joined and run[-1].part in ("m", "a"):
+        kind = "property"
+    return Labelled(run[0].start, run[-1].end, kind, confidence, why)
+
+
+def _type(word: Word) -> tuple[str, float, str]:
+    """Type, confidence and reason of one word."""
+    if word.part == "c":
+        return word.label, NUMBER if word.label in ("count", "quantity") else CLOSED, "closed class"
+    if word.part == "v":
+        found = votes(word.text, "v")
+        if not found:
+            return "event", UNKNOWN, "form of a verb that the lexicon does not have"
+        moves = found.get("event", 0) + found.get("weather", 0) >= found.get("state", 0)
+        return "event", EVENT if moves else GUESS, "verb of change or motion" if moves else "verb of state"
+    if word.part == "u":
+        return "unknown", UNKNOWN, "not in the lexicon"
+    if word.part == "r":
+        return "filler", GUESS, "adverb"
+    if word.part == "a" or not word.of("n"):
+        return "property", NOUN, "adjective"
+    if word.part == "m" and (word.of("a") >= word.of("n") or word.ends_as_verb in ("ed", "ing")):
+        return "property", NOUN, "modifier"
+    return _noun(word)
+
+
+def _noun(word: Word) -> tuple[str, float, str]:
+    found = votes(word.text, "n")
+    solid = found.get("thing", 0) + found.get("material", 0)
+    if word.part == "m" and word.text in english.MATERIALS:
+        return "property", NOUN, "material"
+    order = {
+        "thing": solid,
+        "event": found.get("event", 0),
+        "place": found.get("place", 0),
+        "time": found.get("time", 0),
+        "property": found.get("property", 0),
+        "filler": found.get("notion", 0) + found.get("quantity", 0),
+    }
+    best = max(order, key=lambda kind: order[kind])
+    return best, NOUN if order[best] * 2 > sum(order.values()) else GUESS, "noun"
+
+
+class Reading(NamedTuple):
+    """A claim as far as words tell of it: its span, its type, and the kinds of event that judge it."""
+
+    start: int
+    end: int
+    type: str
+    kinds: Collection[str] = ()
+    """Of an event; empty where it is judged by none, or where that is not to be looked at."""
+
+
+class Warned(NamedTuple):
+    """An objection of the lexicon to a reading. It stands in the acceptance and refuses nothing."""
+
+    start: int
+    end: int
+    word: str
+    marked: str
+    """Type of the claim that holds the word, `filler` where none does, or the kinds of event that judge it."""
+    says: str
+
+
+def warnings_for(readings: Sequence[Reading], text: str, language: str | None) -> tuple[Warned, ...]:
+    """Events and things that no claim speaks of, and kinds of event that do not fit their verb, in the order of the text.
+
+    Args:
+        readings: the claims, in any order.
+        text: the prompt.
+        language: code of its language; none where it is unknown. Only English is looked at, and the one warning of others says so.
+    """
+    if language != "en":
+        known = "its language is unknown" if language is None else f"there is no lexicon of the language {language!r}"
+        return (
+            Warned(
+                0,
+                len(text),
+                "",
+                "",
+                f"{known}: whether its words tell of events and things that no claim speaks of was not looked at",
+            ),
+        )
+    found = [*_left_out(readings, text), *_misfits(readings, text)]
+    return tuple(sorted(found))
+
+
+def _left_out(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
+    """Verbs of change or motion, and things, that are filler; such verbs that are only marked as things."""
+    for word in labelled(text):
+        over = {reading.type for reading in readings if reading.start < word.end and word.start < reading.end}
+        quote = text[word.start : word.end]
+        if word.type == "event" and word.confidence >= EVENT and over <= {"thing"}:
+            yield Warned(
+                word.start,
+                word.end,
+                quote,
+                "thing" if over else "filler",
+                "a verb of change or motion: an event that no claim speaks of",
+            )
+        elif word.type == "thing" and word.confidence >= NOUN and not over:
+            yield Warned(word.start, word.end, quote, "filler", "a noun for a thing that no claim speaks of")
+
+
+def _misfits(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
+    """Events whose verb is of other kinds than those that judge them, or of none that is known."""
+    for reading in readings:
+        if reading.type != "event" or not reading.kinds:
+            continue
+        quote = text[reading.start : reading.end]
+        verb = _verb_of(reading, text)
+        kinds = verb_kinds(verb) if verb else None
+        judged = "event judged as " + ", ".join(sorted(reading.kinds))
+        if kinds is None:
+            yield Warned(
+                reading.start,
+                reading.end,
+                verb or quote,
+                judged,
+                "no kind of event is known for this verb: look whether that is what it means",
+            )
+        elif not kinds & set(reading.kinds):
+            yield Warned(reading.start, reading.end, verb, judged, "a verb of other kinds: " + ", ".join(sorted(kinds)))
+
+
+def _verb_of(reading: Reading, text: str) -> str:
+    """The verb of an event with its particle; its first word that is one where the labels find none, or nothing."""
+    for word in labelled(text):
+        if word.type == "event" and word.start < reading.end and reading.start < word.end:
+            return text[word.start : word.end]
+    words = [word for word in words_of(text) if reading.start <= word.start < reading.end]
+    return next((word.text for word in words if word.of("v") and word.part != "c"), "")

@@ -84,6 +84,8 @@ def _absent(page: Path) -> list[str]:
     places = [ROOT, *(p for p in page.parents if ROOT in (p, *p.parents))]
     for cited, name in CITED.findall(text):
         last = cited.rpartition("/")[2]
+        if " " in cited:  # a mark of a prompt, as `[ball](thing ball)`
+            continue
         if not (last.endswith((".py", ".md")) or name or (cited.startswith(OURS) and ("." in last or not last))):
             continue
         found = next((place / cited for place in places if (place / cited).exists()), None)

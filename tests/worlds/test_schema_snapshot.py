@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "80a5b1137bef4b33849d993d61dc8dc2a2b1681bb62f0c325464ec7ffe018c4a"
+SCHEMA = "5f57e5e2083a4d153ea87a692fd96abde77f5333bcd7f66d6630b37f5c43bc3e"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

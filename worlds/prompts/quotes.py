@@ -37,8 +37,9 @@ class Alignment:
                 *((m.end(), unicodedata.normalize("NFC", m.group())) for m in _CLUSTER.finditer(text)), strict=True
             )
             normal_ends = tuple(accumulate(map(len, pieces)))
-            if "".join(pieces) != self.normal:  # two clusters became one: only the whole can be carried over
-                ends, normal_ends = (len(text),), (len(self.normal),)
+            if "".join(pieces) != self.normal:  # two clusters became one: the text is compared as it is
+                self.normal = text
+                return
             self._to_normal = {0: 0, **dict(zip(ends, normal_ends, strict=True))}
             self._to_text = {normal: offset for offset, normal in self._to_normal.items()}
 
@@ -56,21 +57,28 @@ def _aligned(text: str) -> Alignment:
     return Alignment(text)
 
 
-def _spans(prompt: str, quote: str) -> list[tuple[int, int]]:
-    """Offsets in the prompt of all occurrences of the quote; they may overlap."""
+@lru_cache(maxsize=256)
+def _spans(prompt: str, quote: str) -> dict[int, int]:
+    """Start and end in the prompt of all occurrences of the quote, in order; they may overlap."""
     aligned, wanted = _aligned(prompt), unicodedata.normalize("NFC", quote)
-    found, at = [], aligned.normal.find(wanted)
+    found: dict[int, int] = {}
+    at = aligned.normal.find(wanted)
     while wanted and at >= 0:
         start, end = aligned.to_text(at), aligned.to_text(at + len(wanted))
         if start is not None and end is not None:
-            found.append((start, end))
+            found[start] = end
         at = aligned.normal.find(wanted, at + 1)
     return found
 
 
+@lru_cache(maxsize=256)
+def _places(prompt: str, quote: str) -> dict[int, int]:
+    return {start: nth for nth, start in enumerate(_spans(prompt, quote), 1)}
+
+
 def nth_of(prompt: str, start: int, end: int) -> int:
     """Which occurrence of its own text a span of the prompt is, from 1."""
-    return 1 + [span[0] for span in _spans(prompt, prompt[start:end])].index(start)
+    return _places(prompt, prompt[start:end])[start]
 
 
 def occurrence(prompt: str, quote: str, nth: int = 1) -> tuple[int, int]:
@@ -79,7 +87,7 @@ def occurrence(prompt: str, quote: str, nth: int = 1) -> tuple[int, int]:
     Raises:
         InputError: the quote does not occur, or not as often, or this occurrence cuts a word in two.
     """
-    spans = _spans(prompt, quote)
+    spans = list(_spans(prompt, quote).items())
     if not spans:
         near = nearest(prompt, quote)
         raise InputError(

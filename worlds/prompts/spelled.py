@@ -14,7 +14,7 @@ from .digits import Found
 from .tables import table
 from .units import folded
 
-__all__ = ["spelled_numbers"]
+__all__ = ["single_words", "spelled_numbers"]
 
 Kind = Literal["number", "ordinal", "times", "part"]
 
@@ -130,6 +130,13 @@ def _lexicon(language: str) -> dict[tuple[str, ...], _Entry]:
 
 def _words(form: str) -> tuple[str, ...]:
     return tuple(_WORD.findall(folded(form)))
+
+
+def single_words(language: str) -> frozenset[str]:
+    """Single words that are a cardinal number or multiply one, folded."""
+    return frozenset(
+        words[0] for words, entry in _lexicon(language).items() if len(words) == 1 and entry.kind in ("number", "times")
+    )
 
 
 class _Token(NamedTuple):

@@ -1,0 +1,159 @@
+"""Words that cannot be filler: negations and words of order, per language. Written and reviewed by hand.
+
+A word that is one of these only now and then is held only where `UNLESS_BEFORE`, `UNLESS_BEHIND` or `ONLY_WITH` leave one reading; where
+doubt stays it is left out, so that no honest prompt is refused for a word. Phrases of several words go before their parts: in
+`finché non` and `пока не` nothing is denied.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+__all__ = ["ALONE", "HAN_HELD", "NADA_OF", "NEGATIONS", "ONLY_WITH", "ORDERS", "UNLESS_BEFORE", "UNLESS_BEHIND"]
+
+
+def _listed(words: str) -> tuple[str, ...]:
+    """Entries apart by commas or lines."""
+    return tuple(entry.strip() for line in words.splitlines() for entry in line.split(",") if entry.strip())
+
+
+NEGATIONS: dict[str, tuple[str, ...]] = {
+    "en": _listed("""n't, not, no, never, none, nobody, nothing, nowhere, cannot, without, neither, nor, no one
+        dont, doesnt, didnt, isnt, arent, wasnt, werent, shouldnt, mustnt, couldnt, wouldnt, hasnt, havent"""),
+    "de": _listed("""nicht, kein, keine, keinen, keinem, keiner, keines, keins, nie, niemals, niemand, niemanden, niemandem, nichts
+        nirgends, nirgendwo, nirgendwohin, ohne, weder, keinesfalls, keineswegs, ohne dass, nein"""),
+    "fr": _listed(
+        """ne, n', pas, jamais, aucun, aucune, rien, sans, ni, nul, nulle, nullement, guère, non, personne, nulle part"""
+    ),
+    "es": _listed("""no, nunca, jamás, nada, nadie, ningún, ninguno, ninguna, ni, sin, tampoco"""),
+    "it": _listed("""non, nessun, nessuno, nessuna, nessun', niente, nulla, mai, né, senza, neanche, nemmeno, neppure, no"""),
+    "pt": _listed("""não, nunca, jamais, nada, ninguém, nenhum, nenhuma, nem, sem, tampouco"""),
+    "nl": _listed("""niet, geen, nooit, niemand, niets, niks, nergens, zonder, noch, nimmer, geenszins, nee"""),
+    "ru": _listed("""не, ни, нет, нельзя, никогда, никто, никого, никому, никем, ничто, ничего, ничему, ничем, нигде, никуда, никак
+        никакой, никакая, никакое, никакие, никаких, никакого, ничуть, без, безо, отнюдь"""),
+}
+"""Words that deny."""
+
+ORDERS: dict[str, tuple[str, ...]] = {
+    "en": _listed("""then, after, before, afterwards, afterward, finally, eventually, until, till, while, whilst, meanwhile, later
+        subsequently, simultaneously, as soon as, at the same time, at first, at last, first, next, last, one after another
+        one after the other, one by one, one at a time, in turn, beforehand, at once, in the end"""),
+    "de": _listed("""dann, danach, davor, zuvor, zuerst, zunächst, erst, schließlich, nachdem, bevor, ehe, während, sobald, anschließend
+        daraufhin, endlich, nacheinander, gleichzeitig, zugleich, zuletzt, später, vorher, nachher, bis, nach und nach, am ende, am schluss
+        der reihe nach, einer nach dem anderen, eine nach der anderen, eins nach dem anderen, hintereinander, solange"""),
+    "fr": _listed("""puis, ensuite, après, avant, enfin, finalement, d'abord, pendant que, tandis que, jusqu'à ce que, dès que, aussitôt que
+        en même temps, l'un après l'autre, l'une après l'autre, un à un, une à une, simultanément, plus tard, à la fin, successivement
+        après que, avant que, tour à tour, une fois que"""),
+    "es": _listed("""luego, después, antes, entonces, finalmente, por último, al final, al principio, primero, mientras, hasta que
+        en cuanto, tan pronto como, a la vez, al mismo tiempo, uno tras otro, una tras otra, uno a uno, una a una, uno por uno, una por una
+        más tarde, a continuación, enseguida, sucesivamente, previamente"""),
+    "it": _listed("""poi, dopo, prima, infine, successivamente, mentre, finché, finché non, fino a quando, non appena, alla fine, all'inizio
+        contemporaneamente, allo stesso tempo, nello stesso momento, uno dopo l'altro, una dopo l'altra, uno alla volta, una alla volta
+        per primo, per prima, per ultimo, per ultima, più tardi, in seguito, dapprima"""),
+    "pt": _listed("""depois, antes, então, em seguida, finalmente, por fim, por último, enquanto, até que, assim que, logo que
+        ao mesmo tempo, um a um, uma a uma, um após o outro, uma após a outra, um por um, no início, no final, mais tarde, primeiro"""),
+    "nl": _listed("""dan, daarna, vervolgens, erna, ervoor, daarvoor, voordat, nadat, eerst, tenslotte, ten slotte, uiteindelijk, terwijl
+        totdat, zodra, tegelijk, tegelijkertijd, later, eindelijk, tot slot, achtereenvolgens, één voor één, een voor een
+        de ene na de andere, de een na de ander, om de beurt, ondertussen, intussen, als eerste, als laatste, na elkaar"""),
+    "ru": _listed("""потом, затем, после, прежде, прежде чем, перед тем как, до того как, после того как, пока, пока не, сначала, сперва
+        наконец, в конце концов, вслед за, как только, одновременно, в то же время, по очереди, подряд, друг за другом, один за другим
+        одна за другой, одно за другим, по одному, по одной, позже, далее, впоследствии, тем временем, в конце, в начале, поочерёдно"""),
+}
+"""Words that say what comes before what."""
+
+_DETERMINERS = _listed(
+    """the, a, an, this, that, these, those, its, his, her, their, my, your, our, each, every, 's, very, for"""
+)
+UNLESS_BEHIND: dict[str, dict[str, tuple[str, ...]]] = {
+    "en": {
+        "first": _DETERMINERS,
+        "next": _DETERMINERS,
+        "last": (*_DETERMINERS, "to", "will", "must", "can"),
+        "while": ("a",),
+        "after": _listed("look, looks, looked, looking, named, takes, take, took, the, day"),
+        "no": ("number", "yes"),
+        "not": ("why",),
+    },
+    "fr": {
+        "pas": _listed(
+            "un, le, les, des, de, deux, trois, quelques, ce, ces, son, ses, au, à, petits, grands, quatre, cinq, dix, mille"
+        ),
+        "avant": ("l'",),
+        "personne": _listed("une, la, les, cette, chaque, d', l', par, grande, jeune, vieille"),
+    },
+    "es": {"primero": _listed("el, del, al, lo"), "luego": ("desde",)},
+    "it": {"prima": _listed("la, alla, della, nella, una, sua, mia"), "no": ("se",)},
+    "pt": {"primeiro": _listed("o, do, no, ao")},
+    "nl": {"dan": _listed("meer, minder, anders, liever, eerder, evenveel"), "later": ("of",)},
+    "ru": {"пока": ("ну",)},
+}
+"""A word is not held behind these."""
+UNLESS_BEFORE: dict[str, dict[str, tuple[str, ...]]] = {
+    "en": {
+        "no": _listed("doubt, matter, sooner, problem, worries, longer than"),
+        "first": _listed("light, floor, person, aid, and"),
+        "next": ("to",),
+        "at first": _listed("light, glance, sight"),
+        "not": ("only",),
+        "nothing": ("but",),
+    },
+    "de": {"nicht": ("nur",)},
+    "fr": {
+        "après": ("midi",),
+        "avant": _listed("bras, train, centre, toit, poste, dernier, dernière"),
+        "sans": ("doute",),
+        "non": ("plus",),
+    },
+    "es": {"sin": ("embargo",), "nada": ("más",)},
+    "pt": {"nada": ("mais",)},
+    "ru": {"не": ("только",)},
+}
+"""A word is not held right before these."""
+ONLY_WITH: dict[str, dict[str, tuple[Literal["before", "earlier", "anywhere"], tuple[str, ...]]]] = {
+    "en": {
+        "till": (
+            "before",
+            _listed("the, a, an, it, he, she, they, all, both, its, his, her, their, there, we, you, i, this, that, every"),
+        )
+    },
+    "de": {"bis": ("before", _listed("der, die, das, den, es, er, sie, man, alle, alles, ein, eine, sich"))},
+    "fr": {"personne": ("anywhere", ("ne", "n'"))},
+    "es": {"nada": ("earlier", ("no", "sin"))},
+    "pt": {"nada": ("earlier", ("não", "sem"))},
+}
+"""A word is held only where one of these comes right after it, or stands in its sentence, or earlier in it."""
+ALONE = {"en": frozenset(("last",))}
+"""Held only at the end of a clause: `the honey one comes last`, not `last grains`."""
+NADA_OF = frozenset(("de", "que"))
+"""Behind `nada` these make it nothing rather than `swims`."""
+
+HAN_HELD: dict[str, dict[str, tuple[str, str]]] = {
+    "zh": {
+        "negation": (
+            "没有|没|不|别|未|无|勿|并非|毫无",
+            "不断|不同|不锈|不久|不停|不过|不仅|不但|不管|不少|不一|不均|不倒翁|差不多|忍不住|不禁|不得不|了不起|不错|不论|不规则|不知|不时|不只|"
+            "数不清|不由|不远|不透明|不对称|来不及|特别|别的|别处|别墅|区别|级别|告别|分别|个别|性别|辨别|未来|未免|无数|无人机|无论|无比|无限|无线|无花果|"
+            "淹没|沉没|没入|没过|出没|没收|吞没|埋没|覆没|没顶|是不是|能不能|会不会|要不要|好不好|行不行|对不对|有没有|要不|不妨|不如",
+        ),
+        "order": (
+            "然后|之后|以后|后来|随后|接着|紧接着|最后|最终|终于|首先|其次|之前|以前|同时|与此同时|直到|等到|依次|逐个|先|再|(?<=[秒钟时天])后|"
+            "(?:一[个只块颗片条辆根])接(?:着)?一[个只块颗片条辆根]",
+            "先生|先进|先锋|先天|优先|原先|祖先|领先|预先|再见|一再|不再|再也|再次|再现",
+        ),
+    },
+    "ja": {
+        "negation": (
+            "なかった|なければ|なくて|ないで|ない|ません|ずに|無しで|なしで|なしに|無い|(?<=[らかさたなまばわがせべめけてれ])ず(?=[、。,])|決して|"
+            "(?<=[らかさたまばわがせべめけてれ])なく(?=[、。])",
+            "少な(?:い|く|かった|くて)|すくな(?:い|く)|危な(?:い|く|かった)|あぶな(?:い|く)|なければなら|なくてはなら|なければいけ|かもしれない|つまらない|"
+            "もったいない|切ない|はかない|ぎこちない|くだらない|とんでもない|さりげない|何気ない|まちがいない|間違いない|必ず|まず|おさない|きたない|"
+            "間もなく|まもなく|にちがいない|に違いない|違いない|ないでしょう|ませんか|ませんでしょう|すみません|しれません|なりません",
+        ),
+        "order": (
+            "そのあと|その後|それから|次に|最後に|まず|最初に|先に|あとで|後で|やがて|ついに|同時に|ひとつずつ|一つずつ|一枚ずつ|順番に|順々に|次々に|次々と|"
+            "(?<=[てで])から|(?<=[ただ])(?:後|あと)|(?<=[るうくすつぬぶむぐ])前に|ひとりずつ|一人ずつ|一個ずつ|続いて",
+            "まずい|先にある|ですから|ところから|どこから|ここから|そこから",
+        ),
+    },
+}  # fmt: skip
+"""By language and kind: what is held, and the words in which these characters mean something else. No affix of Sino-Japanese words is."""

@@ -13,7 +13,7 @@ from ..worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_matr
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import InputError, LimitError
-from ..worlds.slices import geometry_slice
+from ..worlds.slices import MOTION_VERSION, geometry_slice
 from ..worlds.spec import ElasticPhysics, Entity, Part, RigidPhysics, Rope, WorldSpec
 from .fracture.build import Whole, build_pieces
 from .imports import mesh_digest
@@ -45,7 +45,7 @@ def entity_recipe(spec: WorldSpec, name: str, assets: Path) -> str:
     for part in entity.parts.values():
         if part.shape.kind == "mesh" and part.shape.file is not None:
             files[part.shape.file] = mesh_digest(assets, part.shape.file)
-    return digest_of(spec.spec_version, geometry_slice(spec, name), files, source_digest(Path(__file__).parent))
+    return digest_of(MOTION_VERSION, geometry_slice(spec, name), files, source_digest(Path(__file__).parent))
 
 
 def _placed(mesh: TriangleMesh, pose: RigidPose) -> TriangleMesh:

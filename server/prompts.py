@@ -23,8 +23,9 @@ Make a physical world from the prompt between the lines and bring it to acceptan
 
 1. Read skill://world-building/SKILL.md, or for land outdoors skill://outdoor-terrain/SKILL.md and its example.json
    (inspect_world(part='guide') has both); then inspect_world(part='schema') part by part as you need it.
-2. edit_spec: create the world with this very prompt; split it into clauses and cover each one; give every entity real
-   dimensions, a material and a solver; write beats with measurable predicates; plan shots.
+2. edit_spec: create the world with this very prompt; give every entity real
+   dimensions, a material and a solver; write beats with measurable predicates; plan shots; mark the prompt in `claims`, so that
+   every word that says something names what it is judged by.
 3. build_terrain where there is ground, place_object; then run_checks(scope='static') until nothing fails.
 4. probe_sim, read the rows, repair; then bake_sim (long work answers with a job_id: use job).
 5. run_checks(scope='acceptance'). After acceptance: render_shot(kind='final').
@@ -53,7 +54,7 @@ def review_world(world: World) -> str:
     return f"""\
 Review the world {world!r} without changing anything: use inspect_world, run_checks and render_shot previews only.
 
-1. Compare the prompt with the specification clause by clause: worldagent://worlds/{world}/spec. What is missing, what is
+1. Compare the prompt with its claims, word by word: inspect_world(part='claims') and worldagent://worlds/{world}/spec. What is missing, what is
    interpreted too kindly?
 2. Read worldagent://worlds/{world}/matrix: which rows fail or are unverified, which bounds are so wide that they prove
    nothing, which beats do not test what the prompt says?

@@ -33,6 +33,13 @@ def edit_spec(
             description="To edit: RFC 6902 operations on world.json, e.g. [{'op':'replace','path':'/entities/ball/pose/position/2','value':0.8}]"
         ),
     ] = None,
+    claims: Annotated[
+        str | None,
+        Field(
+            description="The whole prompt with what each span means marked: 'A [ball](thing ball) [rolls off](event roll) the [table](thing table).' "
+            "Targets are ids or pointers; more in inspect_world(part='claims')"
+        ),
+    ] = None,
     hypothesis: Annotated[
         str,
         Field(
@@ -51,11 +58,11 @@ def edit_spec(
 ) -> ToolReply:
     """Create a world from a prompt, or apply a JSON Patch to its specification as a new revision.
 
-    Create with `world`, `prompt` and `spec` (or a part of it, the rest by patches); edit with `world` and `patch`. Learn the
+    Create with `world`, `prompt` and `spec` (or a part of it, the rest by patches); edit with `world` and `patch`; say with `claims`,
+    then or later, which words of the prompt mean which thing or beat. Learn the
     fields part by part from inspect_world(part='schema', pointer=...), the procedure from inspect_world(part='guide').
     Units are SI (m, kg, s, rad), Z is up, frame k is the state at k / fps seconds.
-    Returns: revision, the prompt's clauses (map each in /clauses: met_by pointers, or an unmet reason), the audit's open rows,
-    what became stale. Refused: another prompt; a patch that does not validate; after failed rows an edit without hypothesis
+    Returns: revision, the prompt with spans proposed for its claims, the audit's open rows, what became stale. Refused: another prompt; a patch that does not validate; after failed rows an edit without hypothesis
     or of several parameter groups at once. Nothing changes when it is refused.
     Not for: putting an entity onto another one by contact (place_object finds the height), ground (build_terrain).
     Next: the reply's `next`; usually place_object, after story or shot edits run_checks.
@@ -65,7 +72,7 @@ def edit_spec(
             raise InputError("prompt creates a world, patch edits one; give one of them")
         from ..workflow.creation import create
 
-        return _answer(*create(context.workspace, world, prompt, spec or {}))
+        return _answer(*create(context.workspace, world, prompt, spec or {}, claims))
     if spec is not None:
         raise InputError("spec is only for creating a world, together with prompt; use patch to edit")
     from ..workflow.job_kinds import ENTRIES
@@ -81,14 +88,20 @@ def edit_spec(
         raise RefusedError(
             f"world {world!r} is at revision {session.revision}, not {expected_revision}; read it again before editing"
         )
-    if not patch:
-        raise InputError("give patch (RFC 6902 operations), or prompt to create a world")
+    if not patch and claims is None:
+        raise InputError("give patch (RFC 6902 operations), claims (the prompt, marked), or prompt to create a world")
     from ..worlds.limits import check_limits
     from ..worlds.patch import apply_patch
 
-    after = apply_patch(session.spec, patch)
+    operations = list(patch or ())
+    after = apply_patch(session.spec, operations)
+    if claims is not None:
+        from ..worlds.claim_marks import claim_operations
+
+        more = claim_operations(claims, after)
+        after, operations = apply_patch(after, more), operations + more
     check_limits(after)
-    outcome = session.commit(after, patch=patch, hypothesis=hypothesis, weakening_reason=weakening_reason)
+    outcome = session.commit(after, patch=operations, hypothesis=hypothesis, weakening_reason=weakening_reason)
     return _answer(session, outcome)
 
 
@@ -108,9 +121,7 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     uncovered = [k for k, v in report.coverage.items() if not v]
     if uncovered:
         data["beats_no_shot_covers"] = uncovered[:20]
-    unmapped = [k for k in report.clauses if k not in session.spec.clauses]
-    if unmapped:
-        data["clauses_to_map"] = {k: report.clauses[k] for k in unmapped[:40]}
+    data |= _prompt_told(session, report)
     found = audit["counts"]
     verdict = "the audit passes" if report.passed else f"the audit leaves {found['mandatory_open']} rows open"
     done = (
@@ -132,6 +143,20 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
         done += f", which takes back {', '.join(f'revision {n}' for n in outcome['undoes_revisions'])}"
     text = f"{world} {done}; {verdict}" + (f"; {stale} rows are stale now" if stale else "")
     return ToolReply(answer(data, text, then, warnings), links=links)
+
+
+def _prompt_told(session: Any, report: Any) -> dict[str, Any]:
+    """Words of the prompt that nothing is mapped to yet: clauses of version 1, or the spans that the server proposes."""
+    spec = session.spec
+    if spec.spec_version == "1":
+        unmapped = [k for k in report.clauses if k not in spec.clauses]
+        return {"clauses_to_map": {k: report.clauses[k] for k in unmapped[:40]}} if unmapped else {}
+    if spec.claims:
+        from ..worlds.claims import prompt_record
+
+        told = prompt_record(spec)
+        return {"prompt_judged": {k: told[k] for k in ("claimed", "filler", "waived")}}
+    return {"claims_to_make": spec.prompt}
 
 
 def _next(session: Any, passed: bool, groups: set[str]) -> str:

@@ -34,6 +34,7 @@ Part = Literal[
     "records",
     "wet",
     "account",
+    "claims",
     "acceptance",
     "terrain",
     "worlds",
@@ -52,6 +53,7 @@ def inspect_world(
             "state: poses and speeds at a frame or over frames; events: contact begins; records: energy, momentum, ... over time; "
             "wet: what liquids wetted up to a frame, when and how deep; "
             "account: what happens, as somebody is told who did not make the world; "
+            "claims: the prompt with what each span means and its row; "
             "acceptance: the last verdict, its approximation register, its report and bundle; terrain: a built landscape in numbers, "
             "values at points, places to build on; worlds: all ids"
         ),
@@ -129,6 +131,7 @@ def inspect_world(
         "row": partial(parts.one_row, session, row),
         "revisions": partial(parts.revisions, session, detail),
         "iterations": partial(parts.iterations, session, detail),
+        "claims": partial(parts.claims, session),
         "acceptance": partial(parts.acceptance, session),
         "terrain": partial(survey, session, terrain, points=points, profile=profile, find=find, size=size),
     }

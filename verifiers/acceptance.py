@@ -21,6 +21,7 @@ from ..worlds.bake_plan import checkpoint_frames, groups_of
 from ..worlds.baked import BakeRecord, bake_record
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.canonical import digest_of, source_digest, spec_digest
+from ..worlds.claims import prompt_record
 from ..worlds.environment import environment
 from ..worlds.errors import EngineError, EvidenceError, RefusedError, SpecError
 from ..worlds.folder import WorldFolder
@@ -139,7 +140,7 @@ def _record(spec: WorldSpec, candidate: Candidate, freeze: str, rows: list[Row])
     """Record of a judgement: its subject, its rows, and all that travels with them."""
     from ..simulation.freeze import engine_versions
 
-    mapped = spec.clauses
+    mapped, told = spec.clauses, prompt_record(spec) if spec.spec_version == "2" else None
     return {
         "verdict": verdict_of(rows),
         "freeze": freeze,
@@ -154,8 +155,9 @@ def _record(spec: WorldSpec, candidate: Candidate, freeze: str, rows: list[Row])
                 "unmet": mapped[k].unmet if k in mapped else None,
                 "static_because": mapped[k].static_because if k in mapped else None,
             }
-            for k, t in clauses_of(spec.prompt).items()
+            for k, t in (clauses_of(spec.prompt) if told is None else {}).items()
         },
+        **({} if told is None else {"prompt": {**told, "read_by": "nobody"}}),
         "approximations": approximations(candidate),
         "versions": engine_versions(),
         "environment": environment(),

@@ -12,6 +12,7 @@ from .categories.fracture import questions as fracture
 from .categories.liquid import questions as liquid
 from .categories.particles import questions as particles
 from .categories.rigid import questions as rigid
+from .claims import questions as claims
 from .contact import questions as contact
 from .delivery import questions as delivery
 from .land import questions as land
@@ -31,6 +32,7 @@ TABLES: tuple[ModuleType, ...] = (
     land,
     contact,
     story,
+    claims,
     shots,
     delivery,
     categories,

@@ -11,6 +11,7 @@ from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Row, fail_closed
 from ..worlds.spec import WorldSpec
 from .categories import check as category
+from .claims import check as claims
 from .contact import check as contact
 from .delivery import check as delivery
 from .diagnosis.cite import diagnose
@@ -58,6 +59,7 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("beat", beats.check, ("probe", "full")),
     CheckBinding("beat", phases.check, ("probe",)),
     CheckBinding("causal", causal.check, ("probe", "full")),
+    CheckBinding("claim", claims.check, ("probe", "full")),
     CheckBinding("delivery", delivery.check, ("full",)),
     CheckBinding("causal", counterfactual.check, ("probe", "full"), counterfactual.row_ids),
     CheckBinding("robustness", robustness.check, ("probe", "full"), robustness.row_ids),

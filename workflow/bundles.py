@@ -13,6 +13,7 @@ from ..worlds.bundle import WrittenBundle, json_bytes, write_bundle
 from ..worlds.cache import Cache
 from ..worlds.candidate import open_candidate
 from ..worlds.canonical import canonical_json, spec_digest
+from ..worlds.claims import prompt_record
 from ..worlds.environment import environment
 from ..worlds.errors import EvidenceError, RefusedError
 from ..worlds.folder import WorldFolder, safe_join
@@ -81,8 +82,9 @@ def _open_record(folder: WorldFolder, ledger: Ledger, reason: str) -> dict[str, 
         "rows": [r.model_dump(mode="json") for r in ledger.rows()],
         "clauses": {
             k: {"text": t, "unmet": spec.clauses[k].unmet if k in spec.clauses else None}
-            for k, t in clauses_of(spec.prompt).items()
+            for k, t in (clauses_of(spec.prompt) if spec.spec_version == "1" else {}).items()
         },
+        **({"prompt": {**prompt_record(spec), "read_by": "nobody"}} if spec.spec_version == "2" else {}),
         "approximations": [],
         "versions": engine_versions(),
         "environment": environment(),

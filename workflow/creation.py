@@ -8,12 +8,13 @@ from typing import Any
 
 from ..worlds.audits.clauses import clauses_of
 from ..worlds.canonical import spec_digest
+from ..worlds.claim_marks import claim_operations
 from ..worlds.errors import EvidenceError, InputError, RefusedError, WorldAgentError
 from ..worlds.folder import WorldFolder, world_ids
 from ..worlds.ledger import Ledger
 from ..worlds.likeness import likeness
 from ..worlds.limits import check_cap, check_limits, check_workspace
-from ..worlds.patch import parse_spec
+from ..worlds.patch import apply_patch, parse_spec
 from .opened import no_revision
 from .session import Session
 
@@ -22,8 +23,12 @@ __all__ = ["create", "mend_hand_edit"]
 MAX_NAMED = 5
 
 
-def create(workspace: Path, world: str, prompt: str, spec: dict[str, Any]) -> tuple[Session, dict[str, Any]]:
-    """Make a world from a prompt and a part of its specification; the world, and its revision and clauses for the reply.
+def create(
+    workspace: Path, world: str, prompt: str, spec: dict[str, Any], claims: str | None = None
+) -> tuple[Session, dict[str, Any]]:
+    """Make a world from a prompt and a part of its specification; the world, and its revision for the reply.
+
+    A new world is of version 2, unless its specification has clauses.
 
     Raises:
         RefusedError: there is such a world already.
@@ -34,8 +39,11 @@ def create(workspace: Path, world: str, prompt: str, spec: dict[str, Any]) -> tu
         raise RefusedError(f"world {world!r} exists already; edit it with patch, or choose another id for another prompt")
     if "prompt" in spec and spec["prompt"] != prompt:
         raise InputError("spec.prompt differs from prompt; leave it out of spec")
-    document = {"title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
+    version = "1" if spec.get("clauses") and claims is None else "2"
+    document = {"spec_version": version, "title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
     parsed = parse_spec(document)
+    if claims is not None:
+        parsed = apply_patch(parsed, claim_operations(claims, parsed))
     check_limits(parsed)
     check_cap("worlds", len(world_ids(workspace)) + 1, what="this workspace")
     check_workspace(workspace, len(parsed.model_dump_json()))
@@ -61,7 +69,8 @@ def create(workspace: Path, world: str, prompt: str, spec: dict[str, Any]) -> tu
             raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
         session.write_spec()
     beside = {"weakenings_recorded": siblings} if siblings else {}
-    return session, {"revision": session.revision, "created": True, "clauses": clauses_of(prompt), **beside}
+    told = {"clauses": clauses_of(prompt)} if parsed.spec_version == "1" else {}
+    return session, {"revision": session.revision, "created": True, **told, **beside}
 
 
 def _siblings(workspace: Path, world: str, prompt: str) -> list[str]:

@@ -13,6 +13,7 @@ from ..worlds.canonical import spec_digest
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
+from ..worlds.verdicts import prompt_told, verdict_words
 from .estimates import Pace
 from .gates import require_acceptance, require_probe, stored_rows
 from .landscapes import terrain
@@ -279,11 +280,11 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     context.progress(1, 1, record["verdict"])
     return {
         "verdict": record["verdict"],
+        "says": verdict_words(record),
         "freeze": freeze[:16],
         **summary(rows),
         "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),
-        "unmet_clauses": {k: c["unmet"] for k, c in record["clauses"].items() if c["unmet"]},
-        "clauses_without_event": {k: c["static_because"] for k, c in record["clauses"].items() if c.get("static_because")},
+        **prompt_told(record),
         "weakenings": record["weakenings"],
         "approximations": record["approximations"][:20],
         **proof,

@@ -20,6 +20,7 @@ from .table_entries import entry_of
 
 __all__ = [
     "acceptance",
+    "claims",
     "guide",
     "iterations",
     "matrix",
@@ -305,6 +306,36 @@ def _few(items: Sequence[Any], most: int) -> list[Any]:
     return [*items[:most], *([f"and {len(items) - most} more"] if len(items) > most else [])]
 
 
+def claims(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
+    """The prompt, marked, and how each span is judged; for version 1 its clauses."""
+    from ..worlds.audits.clauses import clauses_of
+    from ..worlds.claim_marks import marked_claims
+    from ..worlds.claims import prompt_record
+    from ..worlds.spec import CLAIM_TYPES
+
+    world, spec = session.folder.id, session.spec
+    say = f"edit_spec(world={world!r}, claims='...') with the whole prompt, marked"
+    if spec.spec_version == "1":
+        data = {"spec_version": "1", "clauses": clauses_of(spec.prompt), "prompt": spec.prompt}
+        return answer(data, "a world of version 1: its prompt is judged by clauses; claims make it version 2", say)
+    told = prompt_record(spec)
+    status = {r.subject[0]: r.status for r in session.ledger.rows() if r.check == "claim" and r.subject}
+    spans = [s | ({"row": status[s["claim"]]} if s.get("claim") in status else {}) for s in told.pop("spans")]
+    page, place = paged(spans, offset, limit)
+    data = {
+        "marked": marked_claims(spec),
+        "spans": page,
+        **{f"spans_{k}": v for k, v in place.items()},
+        **told,
+        "types": list(CLAIM_TYPES),
+    }
+    data["marks"] = (
+        '[words](type target ...): targets are ids or pointers; [it](thing same_as=ball); [nicely](waived because="why nothing is judged")'
+    )
+    shares = ", ".join(f"{told[k]:.0%} {k}" for k in ("claimed", "filler", "waived"))
+    return answer(data, f"{len(spec.claims)} claims: {shares}", _on(world, "claims", place, say), told["warnings"][:5])
+
+
 def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     """The last verdict with its register of approximations, and where its report and bundle are."""
     world = session.folder.id
@@ -312,7 +343,7 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     if latest is None:
         return answer({"acceptance": None}, "never judged", call("run_checks", world=world, scope="acceptance"))
     record = latest["record"]
-    keys = ("verdict", "clauses", "weakenings", "versions", "spec_digest", "cache_digest", "seed")
+    keys = ("verdict", "says", "prompt", "clauses", "weakenings", "versions", "spec_digest", "cache_digest", "seed")
     listed, place = paged(record.get("approximations") or [], offset, limit, room=3000)
     told = {k: record.get(k) for k in keys} | {"revision": latest["revision"], "approximations": listed}
     data: dict[str, Any] = {"acceptance": told, **{f"approximations_{k}": v for k, v in place.items()}}

@@ -27,6 +27,7 @@ from ..worlds.folder import WorldFolder
 from ..worlds.limits import check_limits
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec
+from ..worlds.verdicts import prompt_told, verdict_words
 from .bundles import HEAD, candidate_members
 
 __all__ = ["REPLAY_TOLERANCE", "Verification", "untrue_geometry", "verify_bundle"]
@@ -118,12 +119,19 @@ def _report(found: Verification, seed: int) -> dict[str, Any]:
         "rows": {s: sum(r["status"] == s for r in rows) for s in ("pass", "fail", "unverified", "not_applicable")},
         "failing": [r["id"] for r in rows if r["mandatory"] and r["status"] in ("fail", "unverified")],
         "bundled_failing": [r.get("id") for r in _open_rows(found.record)],
-        "unmet_clauses": {k: c["unmet"] for k, c in own.get("clauses", {}).items() if c["unmet"]},
+        "says": verdict_words({**own, "verdict": found.verdict}),
+        **prompt_told(own),
         "weakenings": found.record.get("weakenings", []),
         "approximations": own.get("approximations", []),
         "replayed": next((r["evidence"].get("intervals") for r in rows if r["id"] == "delivery:replay"), []),
         "seed": seed,
     }
+
+
+def _replayed(record: Mapping[str, Any], key: str) -> Any:
+    """Field of a record without who read the prompt: that cannot be replayed."""
+    value = record.get(key)
+    return {k: v for k, v in value.items() if k != "read_by"} if key == "prompt" and isinstance(value, Mapping) else value
 
 
 def _open_rows(record: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -291,8 +299,9 @@ def _compare_verdicts(found: Verification, *, exact: bool) -> None:
 
     record, own = found.record, found.own or {}
     found.differences += compare_rows(record["rows"], own["rows"], exact=exact)
-    for key in EXACT if exact else ELSEWHERE:
-        if unequal(record.get(key), own.get(key), relative=NOISE) is not None:
+    for key in (*(EXACT if exact else ELSEWHERE), "prompt"):
+        theirs, ours = (_replayed(r, key) for r in (record, own))
+        if unequal(theirs, ours, relative=NOISE) is not None:
             found.differences.append({"field": key, "bundled": str(record.get(key))[:200], "here": str(own.get(key))[:200]})
     events = found.bundle.json("events.json")
     theirs, ours = (events, own["events"]) if exact else (events["beats"], own["events"]["beats"])

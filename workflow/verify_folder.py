@@ -11,6 +11,7 @@ from ..worlds.folder import WorldFolder
 from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
 from ..worlds.requirements import Row
+from ..worlds.verdicts import prompt_told, verdict_words
 from .rows import counts
 from .session import Session
 from .verify_bundle import untrue_geometry
@@ -38,7 +39,8 @@ def _report(record: dict[str, Any]) -> dict[str, Any]:
             for r in rows
             if r.mandatory and r.status in ("fail", "unverified")
         ],
-        "unmet_clauses": {k: c["unmet"] for k, c in record["clauses"].items() if c["unmet"]},
+        "says": verdict_words(record),
+        **prompt_told(record),
         "approximations": record["approximations"],
         "versions": record["versions"],
         "replayed": record["replayed"],

@@ -32,7 +32,7 @@ GROUPS: dict[str, GroupInfo] = {
         GroupInfo("limits", "story", "bounds of checks"),
         GroupInfo("shots", "shot", "shot plan"),
         GroupInfo("look", "shot", "light, picture format, appearance"),
-        GroupInfo("text", "text", "titles, roles, clause mapping: no influence on anything simulated"),
+        GroupInfo("text", "text", "titles, roles, clauses and claims: no influence on anything simulated"),
         *(group for category in CATEGORIES.values() for group in category.groups),
     )
 }
@@ -54,7 +54,7 @@ _RULES: tuple[tuple[str, str], ...] = (
     (r"/story(/.*)?", "story"),
     (r"/shots(/.*)?", "shots"),
     (r"/look(/.*)?", "look"),
-    (r"/(title|clauses)(/.*)?", "text"),
+    (r"/(title|clauses|claims)(/.*)?", "text"),
     (r"/simulation/limits(/.*)?", "limits"),
     (r"/simulation/joints(/.*)?", "joints"),
     (r"/simulation/(drivers|gravity|couplings|order)(/.*)?", "drivers"),

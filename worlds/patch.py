@@ -17,7 +17,7 @@ from .hints import patch_problem, spec_problem
 from .limits import CAPS, check_cap
 from .predicates.registry import PREDICATES, interval_tightens
 from .spec import WorldSpec
-from .weakened import physical_weakenings, relation_weakenings, surface_weakenings
+from .weakened import claim_weakenings, physical_weakenings, relation_weakenings, surface_weakenings
 
 __all__ = ["apply_patch", "differences", "parse_spec", "weakenings"]
 
@@ -299,6 +299,14 @@ def _shot_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator
         yield from (f"/shots: {what} {name} is in no shot's {field} any more" for name in sorted(before - now))
 
 
+def _asked(requirements: Mapping[str, Any]) -> dict[str, Any]:
+    """Requirements with the predicate that must hold, negated where it must never come true."""
+    return {
+        key: {**r, "predicate": {"kind": "not", "predicate": r["predicate"]}} if r.get("never") else r
+        for key, r in requirements.items()
+    }
+
+
 def _clause_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     for key, clause in new.items():
         was = old.get(key, {})
@@ -323,7 +331,7 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     """
     old, new = before.model_dump(mode="json", exclude_none=True), after.model_dump(mode="json", exclude_none=True)
     found = list(_beat_weakenings(old["story"]["beats"], new["story"]["beats"], "/story/beats"))
-    found += _beat_weakenings(old["story"]["requirements"], new["story"]["requirements"], "/story/requirements")
+    found += _beat_weakenings(_asked(old["story"]["requirements"]), _asked(new["story"]["requirements"]), "/story/requirements")
     found += _robustness_weakenings(old["story"]["robustness"], new["story"]["robustness"])
     found += _graph_weakenings(old["graph"], new["graph"])
     found += _limit_weakenings(old["simulation"]["limits"], new["simulation"]["limits"])
@@ -334,7 +342,8 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
         if key in new["materials"] and new["materials"][key]["substance"] != material["substance"]:
             found.append(f"/materials/{key}/substance {material['substance']} -> {new['materials'][key]['substance']}")
     found += _shot_weakenings(old["shots"], new["shots"])
-    found += _clause_weakenings(old["clauses"], new["clauses"])
+    found += _clause_weakenings(old.get("clauses", {}), new.get("clauses", {}))
+    found += claim_weakenings(old.get("claims", {}), new.get("claims", {}))
     if new["simulation"]["frames"] < old["simulation"]["frames"]:
         found.append(f"/simulation/frames {old['simulation']['frames']} -> {new['simulation']['frames']}")
     return found

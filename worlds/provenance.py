@@ -104,7 +104,7 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
         found["contact"],
         found["category"],
         sorted(v for k, v in found.items() if k.startswith("static:")),
-        spec.clauses,
+        spec.clauses if spec.spec_version == "1" else spec.claims,
         spec.prompt,
     )
     found["final"] = digest_of(
@@ -130,6 +130,7 @@ _BY_ARTIFACT = {
     "category": ("category",),
     "numerical": ("category",),
     "beat": ("story",),
+    "claim": ("acceptance",),
     "causal": ("story",),
     "robustness": ("story",),
     "relations": ("story",),

@@ -34,6 +34,7 @@ Check = Literal[
     "numerical",
     "contact",
     "beat",
+    "claim",
     "robustness",
     "shots",
     "delivery",

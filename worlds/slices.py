@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["geometry_slice", "motion_slice", "physical_materials"]
+__all__ = ["MOTION_VERSION", "geometry_slice", "motion_slice", "physical_materials"]
+
+MOTION_VERSION = "1"
+"""Version of what decides geometry and motion, in their digests: that of the specification is no part of them."""
 
 
 def physical_materials(materials: Mapping[str, Any]) -> dict[str, Any]:
@@ -38,7 +41,7 @@ def motion_slice(spec: WorldSpec) -> dict[str, Any]:
         p.material for e in spec.entities.values() for p in e.parts.values() if p.material
     }
     return {
-        "spec_version": spec.spec_version,
+        "spec_version": MOTION_VERSION,
         "entities": {
             k: {
                 "geometry": geometry_slice(spec, k),

@@ -16,7 +16,7 @@ from .directions import way_of
 from .parameters import Parameter
 from .spec import SimulationPlan, WorldSpec
 
-__all__ = ["physical_weakenings", "relation_weakenings", "surface_weakenings"]
+__all__ = ["claim_weakenings", "physical_weakenings", "relation_weakenings", "surface_weakenings"]
 
 Document = Mapping[str, Any]
 GRAVITY: list[float] = list(SimulationPlan.model_fields["gravity"].default)
@@ -163,3 +163,23 @@ def relation_weakenings(place: str, old: Document, new: Document) -> Iterator[st
         ):
             continue
         yield f"{place}/{field} {'default' if was is None else was} -> {'default' if now is None else now}"
+
+
+def claim_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    """Edits of claims, as JSON, that ask for less (R157): compared by quote, since ids may change."""
+    before, now = ({(c["quote"], c.get("nth", 1)): c for c in claims.values()} for claims in (old, new))
+    for place, claim in before.items():
+        told, after = f"claim of {place[0]!r}", now.get(place)
+        if after is None:
+            yield f"{told} dropped: these words are filler"
+        elif after.get("waived") and not claim.get("waived"):
+            yield f"{told} waived: {after['waived']}"
+        elif after["type"] != claim["type"] and not claim.get("waived"):
+            yield f"{told} is {after['type']}, was {claim['type']}"
+        else:
+            lost = sorted(set(claim.get("by", ())) - set(after.get("by", ())))
+            if lost:
+                yield f"{told} is no longer judged by {', '.join(lost)}"
+    for place, claim in now.items():
+        if place not in before and claim.get("waived") and old:
+            yield f"claim of {place[0]!r} waived: {claim['waived']}"

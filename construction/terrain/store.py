@@ -19,6 +19,7 @@ from ...worlds.folder import WorldFolder, safe_join, write_atomically
 from ...worlds.landscape import SavedLandscape, landscape_path, save_landscape
 from ...worlds.limits import HEIGHT_ROWS
 from ...worlds.provenance import landscape_digest
+from ...worlds.slices import MOTION_VERSION
 from ...worlds.spec import WorldSpec
 from ...worlds.spec.terrain import Terrain
 from .clearings import outlines_of
@@ -55,7 +56,7 @@ def terrain_recipe(folder: WorldFolder, spec: WorldSpec, name: str) -> str:
             files[layer.file] = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "missing"
     versions = {package: version(package) for package in ("numpy", "scipy", "numba", "warp-lang")}
     source = source_digest(Path(__file__).parent), hashlib.sha256(Path(watercourses.__file__).read_bytes()).hexdigest()
-    return digest_of(spec.spec_version, landscape_digest(spec, name), files, source, versions)
+    return digest_of(MOTION_VERSION, landscape_digest(spec, name), files, source, versions)
 
 
 def build_terrain_file(

@@ -10,6 +10,7 @@ from ...workflow.standing import Standing
 from ...worlds.folder import WorldFolder
 from ...worlds.ledger import Ledger
 from ...worlds.requirements import Row
+from ...worlds.verdicts import verdict_words
 
 __all__ = ["OPEN_ROWS", "latest_acceptance", "latest_verdict", "row_counts", "row_line", "row_status", "row_text"]
 
@@ -73,6 +74,7 @@ def latest_acceptance(folder: WorldFolder, ledger: Ledger, where: Standing) -> d
         **(latest_verdict(ledger, where) or {}),
         "at": latest["at"],
         "freeze": latest["freeze"][:16],
+        "says": verdict_words(record),
         "reason": record.get("reason", ""),
         "matrix": counts(rows),
         "not_proven": [row_line(r) for r in rows if r.status in ("fail", "unverified")][:OPEN_ROWS],
@@ -81,6 +83,7 @@ def latest_acceptance(folder: WorldFolder, ledger: Ledger, where: Standing) -> d
             {"id": k, "text": c.get("text", ""), "unmet": c.get("unmet"), "static_because": c.get("static_because")}
             for k, c in clauses.items()
         ],
+        "prompt": record.get("prompt"),
         "approximations": record.get("approximations", []),
         "weakenings": record.get("weakenings", []),
         "replayed": record.get("replayed", False),

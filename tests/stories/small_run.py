@@ -5,9 +5,14 @@ from __future__ import annotations
 import copy
 from typing import Any
 
-__all__ = ["PROMPT", "small_spec"]
+__all__ = ["MARKED", "PROMPT", "small_spec"]
 
 PROMPT = "A steel ball rolls into a row of three blocks. The last block falls off the shelf."
+MARKED = (
+    "A [steel](property ball) [ball](thing ball) [rolls](event roll) into a row of [three](count b1 b2 b3) [blocks](thing b1 b2 b3). "
+    "The last [block](thing b3 same_as=blocks) [falls off](event fall) the [shelf](thing shelf)."
+)
+"""The prompt with its claims."""
 TOP = 0.3
 """Height of the shelf's top [m]."""
 SKIN = 0.0005

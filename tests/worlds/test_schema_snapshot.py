@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "5f57e5e2083a4d153ea87a692fd96abde77f5333bcd7f66d6630b37f5c43bc3e"
+SCHEMA = "2da408b6df50f3c2e8395e7f741e68f3204fe38cb3d2cded5ea21a707261573c"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

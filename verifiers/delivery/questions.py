@@ -55,7 +55,7 @@ FREEZE = Question(
     "<=",
     "0",
 )
-NEEDED: frozenset[Check] = frozenset(get_args(Check)) - {"terrain", "relations", "robustness"}
+NEEDED: frozenset[Check] = frozenset(get_args(Check)) - {"terrain", "relations", "robustness", "claim"}
 """Checks that must have judged something (R119): all but those of what a world need not have."""
 UNJUDGED: Mapping[Check, Question] = {
     check: Question(f"{check}:none", f"{check} has judged at least one requirement", matrix_group=GROUP_OF.get(check, "spatial"))

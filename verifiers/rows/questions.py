@@ -17,7 +17,7 @@ Comparison = Literal["<=", ">=", "==", "in", ""]
 GROUP_OF: Mapping[Check, Group] = {
     **dict.fromkeys(("terrain", "scale", "interpenetration", "support", "navigability", "relations"), "spatial"),
     **dict.fromkeys(("category", "numerical", "contact"), "physical"),
-    **dict.fromkeys(("beat", "causal", "robustness"), "temporal"),
+    **dict.fromkeys(("beat", "causal", "claim", "robustness"), "temporal"),
     "shots": "observational",
     "delivery": "delivery",
 }

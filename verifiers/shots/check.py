@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..predicates import beat_times
@@ -39,7 +39,7 @@ __all__ = ["check"]
 
 def check(candidate: Candidate) -> list[Row]:
     """Rows of the whole plan, of every observed beat and of every shot."""
-    sight = cache(partial(Sight, candidate))
+    sight = partial(candidate.memo, ("sight",), partial(Sight, candidate))
 
     def seen(judge: Callable[..., Finding], name: str, judged: Beat | Shot) -> Callable[[], Finding]:
         return lambda: judge(sight(), name, judged)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ...worlds.candidate import Candidate
 from ...worlds.predicates import atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.registry import is_invariant
+from ...worlds.spec import Requirement
 from ..predicates import Outcome, beat_times, evaluate
 from ..rows.answers import row_of
 from ..rows.findings import Finding
@@ -26,7 +27,7 @@ from .vacuity import check_vacuity
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row
-    from ...worlds.spec import Beat, Requirement, SpecModel
+    from ...worlds.spec import Beat, SpecModel
 
 __all__ = ["check"]
 
@@ -56,7 +57,7 @@ def check(candidate: Candidate) -> list[Row]:
         rows += check_driven(candidate, beat_id) + check_branches(candidate, beat, beat_id)
     for name, asked in candidate.spec.story.requirements.items():
         frames = asked.frames or (0, candidate.spec.simulation.frames - 1)
-        found = _judged(candidate, asked, evaluate(candidate, asked.predicate, frames), f"/story/requirements/{name}")
+        found = _judged(candidate, asked, evaluate(candidate, asked.asked, frames), f"/story/requirements/{name}")
         group = "spatial" if asked.predicate.kind in SPATIAL else REQUIREMENT.group
         question = replace(REQUIREMENT, mandatory=asked.mandatory, matrix_group=group)
         rows += [row_of(candidate, question, (name,), found), *check_branches(candidate, asked, name)]
@@ -75,7 +76,8 @@ def _judged(
         pointer: its place in the specification.
         subject: the beat's; a requirement has none.
     """
-    predicate, plan = declared.predicate, candidate.spec.simulation
+    predicate = declared.asked if isinstance(declared, Requirement) else declared.predicate
+    plan = candidate.spec.simulation
     frames = declared.frames or (0, plan.frames - 1)
     outcome = _decided_early(candidate, predicate, outcome)
     return Finding(

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Always, And, Count, Not, Or, Until, describe_predicate, entities_of
-from ...worlds.spec import Perturbed
+from ...worlds.spec import Perturbed, Requirement
 from ..predicates import evaluate
 from ..predicates.combine import substitute
 from ..rows.answers import row_of
@@ -26,7 +26,7 @@ from .questions import BRANCHES, CHOICES
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row
-    from ...worlds.spec import Beat, Requirement, SpecModel
+    from ...worlds.spec import Beat, SpecModel
 
 __all__ = ["Branch", "branch_lines", "branches_of", "check_branches", "comes_true"]
 
@@ -55,7 +55,7 @@ class Branch:
 def branches_of(declared: Beat | Requirement, pointer: str, last: int) -> list[Branch]:
     """Every branch of every `or` in the predicate of a beat or requirement, whose own frames default to 0 to `last`."""
     start = Branch(f"{pointer}/predicate", declared.predicate, declared.frames or (0, last))
-    return list(_within(start, wanted=True))
+    return list(_within(start, wanted=not (isinstance(declared, Requirement) and declared.never)))
 
 
 def _within(node: Branch, *, wanted: bool) -> Iterator[Branch]:

@@ -58,7 +58,7 @@ def _told(spec: WorldSpec) -> dict[str, tuple[SpecModel, int]]:
     beats = {f"/story/beats/{n}": (b.predicate, b.frames[1]) for n, b in story.beats.items()}
     return {
         **beats,
-        **{f"/story/requirements/{n}": (r.predicate, r.frames[1] if r.frames else last) for n, r in story.requirements.items()},
+        **{f"/story/requirements/{n}": (r.asked, r.frames[1] if r.frames else last) for n, r in story.requirements.items()},
     }
 
 

@@ -21,6 +21,7 @@ from ..problems import Problem, replaced
 from ..references import closest, references, resolves
 from ..requirements import Correction, Row
 from ..spec import MOVED, WorldSpec
+from .claims import claim_problems
 from .clauses import clauses_of
 from .collisions import pair_problems, skin_problems
 from .couplings import coupling_problems
@@ -240,8 +241,13 @@ class _Audit:
         )
         self.add("bounds", text, problems, group="physical")
 
+    def claims(self) -> None:
+        """R2, R155: every claim names what its type asks for, and no number, negation or order word is left over."""
+        text = "every claim of the prompt names what its type asks for; no number, negation or order word is left unclaimed"
+        self.add("claims", text, claim_problems(self.spec))
+
     def clauses(self) -> Mapping[str, str]:
-        """R155: every clause of the prompt is mapped or listed as unmet."""
+        """R155 in worlds of version 1: every clause of the prompt is mapped or listed as unmet."""
         found = clauses_of(self.spec.prompt)
         problems = []
         for key, text in found.items():
@@ -283,7 +289,9 @@ def audit(spec: WorldSpec) -> AuditReport:
     work.masses()
     work.bounds()
     coverage = work.shots()
-    clauses = work.clauses()
+    if spec.spec_version == "2":
+        work.claims()
+    clauses = work.clauses() if spec.spec_version == "1" else {}
     pairs = sorted(
         {
             tuple(sorted((r.a, r.b)))

@@ -116,7 +116,7 @@ def tells_of_change(spec: WorldSpec) -> list[str]:
     """Pointers of the beats and requirements that tell of a change, and of the drivers that act; a medium at rest brings nothing about."""
     story, drivers = spec.story, spec.simulation.drivers
     found = [f"/story/beats/{n}" for n, b in story.beats.items() if not is_invariant(b.predicate)]
-    found += [f"/story/requirements/{n}" for n, r in story.requirements.items() if not is_invariant(r.predicate)]
+    found += [f"/story/requirements/{n}" for n, r in story.requirements.items() if not is_invariant(r.asked)]
     at_rest = [n for n, d in drivers.items() if isinstance(d, FieldDriver) and d.field.kind == "drag"]
     return found + [f"/simulation/drivers/{n}" for n in drivers if n not in at_rest]
 
@@ -162,7 +162,7 @@ def evidence_problems(spec: WorldSpec) -> list[Problem]:
 def _said(spec: WorldSpec) -> list[tuple[str, Predicate]]:
     """Every predicate of the story and where it stands."""
     said = [(f"/story/beats/{n}/predicate", b.predicate) for n, b in spec.story.beats.items()]
-    return said + [(f"/story/requirements/{n}/predicate", r.predicate) for n, r in spec.story.requirements.items()]
+    return said + [(f"/story/requirements/{n}/predicate", r.asked) for n, r in spec.story.requirements.items()]
 
 
 def _without_record(spec: WorldSpec) -> list[Problem]:

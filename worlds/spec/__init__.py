@@ -52,6 +52,7 @@ from ..shapes import (
     Wedge,
 )
 from ..vocabulary import Ref, SpecModel
+from .claims import CLAIM_TYPES, Claim, ClaimType
 from .entities import Appearance, Dimensions, Entity, Material, Part, Rope
 from .fields import FieldDriver
 from .simulation import (
@@ -92,6 +93,7 @@ from .story import (
 from .world import AreaLight, Clause, Look, WorldSpec, prompt_digest
 
 __all__ = [
+    "CLAIM_TYPES",
     "MOVED",
     "Adjacent",
     "Appearance",
@@ -108,6 +110,8 @@ __all__ = [
     "CameraKey",
     "Capsule",
     "CausalMargin",
+    "Claim",
+    "ClaimType",
     "Clause",
     "ClothInstance",
     "ClothPhysics",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from ..predicates.models import Predicate
+from ..predicates.models import Not, Predicate
 from ..vocabulary import (
     BeatRef,
     EntityRef,
@@ -89,6 +89,22 @@ class Requirement(SpecModel):
     predicate: Predicate
     frames: FrameInterval | None = Field(default=None, description="default: the whole sequence")
     mandatory: bool = True
+    never: bool = Field(
+        default=False, description="the predicate must not come true; give what must not happen, the server negates it"
+    )
+
+    @property
+    def asked(self) -> Predicate:
+        """The predicate that must hold: negated where it must never come true."""
+        return Not(predicate=self.predicate) if self.never else self.predicate
+
+    @model_serializer(mode="wrap")
+    def _as_before(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # Left out where it is not set: digests of earlier worlds stay as they were.
+        document: dict[str, Any] = handler(self)
+        if not self.never:
+            document.pop("never", None)
+        return document
 
 
 class Perturbed(SpecModel):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, StringConstraints
+from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, model_serializer, model_validator
 
 from ..vocabulary import Id, NonNegative, Positive, SpecModel, Text, Vec3
+from .claims import Claim
 from .entities import Entity, Material
 from .simulation import SimulationPlan
 from .story import SceneGraph, Shot, Story
@@ -50,12 +51,17 @@ class Look(SpecModel):
 
 
 class WorldSpec(SpecModel):
-    """A world: prompt, story, contracts, scene graph, shot plan, simulation plan."""
+    """A world: prompt, claims, story, contracts, scene graph, shot plan, simulation plan."""
 
-    spec_version: Literal["1"] = "1"
+    spec_version: Literal["1", "2"] = Field(
+        default="1", description="2: claims over spans of the prompt; 1: clauses, as earlier worlds have"
+    )
     title: Annotated[str, StringConstraints(min_length=1, max_length=200)]
     prompt: Annotated[str, StringConstraints(min_length=1, max_length=20000)] = Field(description="immutable after creation")
-    clauses: Annotated[dict[Id, Clause], Field(max_length=500)] = {}
+    clauses: Annotated[dict[Id, Clause], Field(max_length=500)] = Field(default={}, description="of version 1 alone")
+    claims: Annotated[dict[Id, Claim], Field(max_length=1000)] = Field(
+        default={}, description="spans of the prompt and what is judged for each; of version 2 alone"
+    )
     story: Story = Story()
     materials: Annotated[dict[Id, Material], Field(max_length=500)] = {}
     entities: Annotated[dict[Id, Entity], Field(max_length=20000)] = {}
@@ -64,6 +70,21 @@ class WorldSpec(SpecModel):
     shots: Annotated[dict[Id, Shot], Field(max_length=200)] = {}
     simulation: SimulationPlan
     look: Look = Look()
+
+    @model_validator(mode="after")
+    def _of_one_version(self) -> WorldSpec:
+        if self.spec_version == "1" and self.claims:
+            raise ValueError("claims are of spec_version '2'; set it and leave clauses out")
+        if self.spec_version == "2" and self.clauses:
+            raise ValueError("clauses are of spec_version '1'; a world of version 2 has claims instead")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _of_its_version(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # Bytes and digests of worlds of version 1 stay as they were.
+        document: dict[str, Any] = handler(self)
+        document.pop("claims" if self.spec_version == "1" else "clauses", None)
+        return document
 
 
 def prompt_digest(prompt: str) -> str:

@@ -152,7 +152,7 @@ def _mandatory(spec: WorldSpec) -> Iterator[tuple[str, SpecModel]]:
             yield f"beat {name}", beat.predicate
     for name, requirement in spec.story.requirements.items():
         if requirement.mandatory:
-            yield f"requirement {name}", requirement.predicate
+            yield f"requirement {name}", requirement.asked
 
 
 def _about(atom: SpecModel, member: str) -> bool:

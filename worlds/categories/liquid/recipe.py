@@ -9,7 +9,7 @@ from ...canonical import digest_of
 from ...extents import initial_box
 from ...fields import acting_on, field_drivers
 from ...instances import coupled_groups, soft_met
-from ...slices import geometry_slice, physical_materials
+from ...slices import MOTION_VERSION, geometry_slice, physical_materials
 from ..loose import domain_box
 from .facts import spacing_of
 
@@ -35,7 +35,7 @@ def liquid_slice(spec: WorldSpec, name: str, meeting: Iterable[str]) -> dict[str
     members = [m for m in instance.members if m in spec.entities]
     used = {spec.entities[m].material for m in members}
     return {
-        "spec_version": spec.spec_version,
+        "spec_version": MOTION_VERSION,
         "instance": instance.model_dump(mode="json"),
         "members": {
             m: [geometry_slice(spec, m), spec.entities[m].model_dump(mode="json", include={"pose", "physics"})] for m in members

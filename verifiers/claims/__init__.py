@@ -1,0 +1,1 @@
+"""Claims of the prompt, judged in the motion and the pictures."""

@@ -1,0 +1,190 @@
+"""Claims of the prompt against the motion and the pictures (R2, R131, R154, R155).
+
+- `claim:thing:<claim>`: what a span names is in a picture: the least shown of its entities fills `limits.visible_pixels` of one.
+- `claim:event:<claim>`: its beats come true, and no rival reading of its words does (`rivals.py`).
+- `claim:order:<claim>`: its beats come true one after the other, in the order in which it names them.
+- `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames.
+
+Claims of other types are judged by the audit (counts, quantities) or printed as the agent's reading; waived ones are printed.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from ...worlds.claims import targets_of
+from ...worlds.predicates import describe_predicate
+from ..predicates import beat_times, evaluate
+from ..rows.answers import row_of
+from ..rows.corrections import correction
+from ..rows.findings import Finding
+from ..shots.plan import shots_at
+from ..shots.sight import Sight
+from .questions import EVENT, NEGATION, ORDER, THING
+from .rivals import rivals_of
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+    from ...worlds.requirements import Row
+
+__all__ = ["check"]
+
+LOOKS = 5
+"""Frames of each shot at which a thing is looked for; own choice: its ends, its middle and between."""
+
+
+def check(candidate: Candidate) -> list[Row]:
+    """One row per claim that the motion or the pictures judge."""
+    rows = []
+    for name, claim in candidate.spec.claims.items():
+        judge = _JUDGES.get(claim.type)
+        if judge is None or claim.waived is not None:
+            continue
+        question, function = judge
+        extra = [claim.model_dump(mode="json"), _told(candidate, name)]
+        rows.append(row_of(candidate, question, (name,), partial(function, candidate, name), extra=extra))
+    return rows
+
+
+def _told(candidate: Candidate, name: str) -> list[object]:
+    """Beats and requirements that a claim names, as JSON: the verdict depends on them."""
+    story = candidate.spec.story
+    found = [story.beats[b].model_dump(mode="json") for b in _named(candidate, name, "beats")]
+    return [*found, *(story.requirements[r].model_dump(mode="json") for r in _named(candidate, name, "requirements"))]
+
+
+def _named(candidate: Candidate, name: str, group: str) -> list[str]:
+    start, members = f"/story/{group}/", getattr(candidate.spec.story, group)
+    found = (p.removeprefix(start).split("/")[0] for p in targets_of(candidate.spec.claims, name) if p.startswith(start))
+    return [n for n in dict.fromkeys(found) if n in members]
+
+
+# ---------------------------------------------------------------- things
+
+
+def _thing(candidate: Candidate, name: str) -> Finding:
+    spec, least = candidate.spec, candidate.spec.simulation.limits.visible_pixels
+    pointers = [p for p in targets_of(spec.claims, name) if p.startswith("/entities/")]
+    entities = list(dict.fromkeys(p.split("/")[2] for p in pointers if p.split("/")[2] in spec.entities))
+    if not entities:
+        return Finding("not_applicable", "land is in the picture wherever a camera looks; `terrain` and `shots` judge it")
+    sight = candidate.memo(("sight",), partial(Sight, candidate))
+    shown = {entity: _most(candidate, sight, entity, least) for entity in entities}
+    worst = min(shown, key=lambda n: shown[n])
+    quote = spec.claims[name].quote
+    if shown[worst] >= least:
+        return Finding(
+            "pass",
+            f"{quote!r} is in a picture: {worst!r} fills {shown[worst]:.2%}",
+            shown[worst],
+            least,
+            entities=tuple(entities),
+        )
+    said = f"{worst!r} of {quote!r} fills at most {shown[worst]:.3%} of any picture"
+    hint = correction(
+        said, "shots", f"let a shot show {worst!r}: add it to the shot's subjects and aim the camera at it", pointers=("/shots",)
+    )
+    return Finding("fail", said, shown[worst], least, entity=worst, hints=(hint,), entities=tuple(entities))
+
+
+def _most(candidate: Candidate, sight: Sight, entity: str, enough: float) -> float:
+    """Largest share of a picture that an entity fills, over some frames of every shot; no more is looked for once it is enough."""
+    best = 0.0
+    for name, shot in candidate.spec.shots.items():
+        first, last = shot.frames[0], min(shot.frames[1], candidate.last_frame)
+        frames = sorted({round(first + (last - first) * k / (LOOKS - 1)) for k in range(LOOKS)}) if last >= first else []
+        for frame in frames:
+            if name in shots_at(candidate, frame):
+                best = max(best, sight.seen(entity, name, frame).share)
+            if best >= enough:
+                return best
+    return best
+
+
+# ---------------------------------------------------------------- events
+
+
+def _event(candidate: Candidate, name: str) -> Finding:
+    claim, times = candidate.spec.claims[name], beat_times(candidate)
+    beats = _named(candidate, name, "beats")
+    outcomes = {b: times.outcome(b) for b in beats}
+    missed = [b for b, o in outcomes.items() if o.status == "fail"]
+    unknown = [b for b, o in outcomes.items() if o.status == "unverified"]
+    rivals = [] if missed or unknown else [r for b in beats for r in rivals_of(candidate, b)]
+    true = [r for r in rivals if evaluate(candidate, r.predicate, r.frames).status == "pass"]
+    evidence = {
+        "quote": claim.quote,
+        "beats": {b: o.first_true_frame for b, o in outcomes.items()},
+        "rivals": [r.text for r in rivals],
+        "true_rivals": [r.text for r in true],
+    }
+    if unknown:
+        return Finding(
+            "unverified", f"whether {unknown[0]} comes true is not known: {outcomes[unknown[0]].explanation}", evidence=evidence
+        )
+    bad = len(missed) + len(true)
+    if missed:
+        said = f"{claim.quote!r} is judged by {missed[0]}, which does not come true: {outcomes[missed[0]].explanation}"
+        hint = correction(said, "story", f"mend beat {missed[0]!r}: see its own row", pointers=(f"/story/beats/{missed[0]}",))
+    elif true:
+        said = f"{claim.quote!r} does not tell this motion from another: {true[0].text} is true as well"
+        action = f"give {true[0].beat!r} a predicate that {true[0].text} does not meet, or mend the motion"
+        hint = correction(said, "story", action, pointers=(f"/story/beats/{true[0].beat}/predicate",))
+    else:
+        asked = ", ".join(describe_predicate(candidate.spec.story.beats[b].predicate) for b in beats[:3])
+        return Finding(
+            "pass", f"{claim.quote!r}: {asked} came true, and none of {len(rivals)} rivals", 0.0, 0.0, evidence=evidence
+        )
+    return Finding("fail", said, float(bad), 0.0, hints=(hint,), evidence=evidence)
+
+
+def _order(candidate: Candidate, name: str) -> Finding:
+    claim, times = candidate.spec.claims[name], beat_times(candidate)
+    beats = _named(candidate, name, "beats")
+    if len(beats) < 2:
+        return Finding("not_applicable", "judged by the beat or requirement that it names, whose predicate is of order")
+    first = {b: times.first(b) for b in beats}
+    never = [b for b, at in first.items() if at is None]
+    evidence = {"quote": claim.quote, "first_true_frames": first}
+    if never:
+        status = "fail" if times.outcome(never[0]).status == "fail" else "unverified"
+        return Finding(status, f"{claim.quote!r}: {never[0]} has no first true frame", evidence=evidence)  # type: ignore[arg-type]
+    at = [first[b] or 0 for b in beats]
+    gaps = [b - a for a, b in pairwise(at)]
+    worst = min(range(len(gaps)), key=gaps.__getitem__)
+    told = f"{claim.quote!r}: {beats[worst]} comes true at frame {at[worst]}, {beats[worst + 1]} at {at[worst + 1]}"
+    hint = correction(
+        told,
+        "story",
+        "name the beats in the order of the prompt, or change the motion so that they follow each other",
+        pointers=("/story/beats",),
+    )
+    return Finding("pass" if gaps[worst] >= 1 else "fail", told, float(gaps[worst]), 1.0, hints=(hint,), evidence=evidence)
+
+
+def _negation(candidate: Candidate, name: str) -> Finding:
+    spec, last = candidate.spec, candidate.spec.simulation.frames - 1
+    asked = {r: spec.story.requirements[r] for r in _named(candidate, name, "requirements")}
+    outcomes = {r: evaluate(candidate, q.asked, q.frames or (0, last)) for r, q in asked.items()}
+    bad = [r for r, o in outcomes.items() if o.status == "fail"]
+    unknown = [r for r, o in outcomes.items() if o.status == "unverified"]
+    quote = spec.claims[name].quote
+    if unknown and not bad:
+        return Finding("unverified", f"{quote!r}: {outcomes[unknown[0]].explanation}")
+    if bad:
+        said = f"{quote!r}, but {outcomes[bad[0]].explanation}"
+        hint = correction(
+            said, "story", "change the motion so that it does not happen", pointers=(f"/story/requirements/{bad[0]}",)
+        )
+        return Finding("fail", said, float(len(bad)), 0.0, hints=(hint,), frame=outcomes[bad[0]].first_failing_frame)
+    return Finding("pass", f"{quote!r}: {', '.join(asked)} held over frames 0..{last}", 0.0, 0.0)
+
+
+_JUDGES = {
+    "thing": (THING, _thing),
+    "event": (EVENT, _event),
+    "order": (ORDER, _order),
+    "negation": (NEGATION, _negation),
+}

@@ -1,0 +1,50 @@
+"""Questions of the check `claim`."""
+
+from __future__ import annotations
+
+from ..rows.questions import Question
+
+__all__ = ["EVENT", "NEGATION", "ORDER", "QUESTIONS", "THING"]
+
+THING = Question(
+    "claim:thing",
+    "each thing that the claim {0} names is in a picture",
+    "largest share of a picture that the least shown of them fills",
+    "1",
+    ">=",
+    "limits.visible_pixels",
+    ("claim",),
+    matrix_group="observational",
+)
+EVENT = Question(
+    "claim:event",
+    "the beats of the claim {0} come true, and none of the rival readings of its words does",
+    "beats that do not come true, and rivals that do",
+    "1",
+    "<=",
+    "0",
+    ("claim",),
+    matrix_group="temporal",
+)
+ORDER = Question(
+    "claim:order",
+    "the beats of the claim {0} come true one after the other, as it names them",
+    "least time between two of them",
+    "frame",
+    ">=",
+    "1",
+    ("claim",),
+    matrix_group="temporal",
+)
+NEGATION = Question(
+    "claim:negation",
+    "what the claim {0} denies never comes true",
+    "requirements that are not met",
+    "1",
+    "<=",
+    "0",
+    ("claim",),
+    matrix_group="temporal",
+)
+
+QUESTIONS = (THING, EVENT, ORDER, NEGATION)

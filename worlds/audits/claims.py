@@ -1,0 +1,342 @@
+"""Claims of the prompt against what their types ask for (R2, R131, R155): what each must name, so that its words are judged.
+
+Statically: pointers lead to what the type asks for, counted bodies are as many, numbers are those that are quoted. What is measured in
+the motion and the pictures is asked in `verifiers/claims`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..claims import Reading, reading_of, targets_of
+from ..predicates import entities_of
+from ..predicates.events import EVENT_KINDS, event_atoms
+from ..predicates.registry import is_invariant
+from ..problems import Problem, replaced
+from ..prompts.languages import Held, language_of
+from ..prompts.numbers import Quantity, number_in, ordinal_in, quantity_in
+from ..references import resolves
+from ..slices import geometry_slice
+from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
+from .properties import substance_problems
+
+__all__ = ["claim_problems", "counted", "leaf_at"]
+
+WAIVED_SHARE = 0.2
+"""Own choice: with more of its letters waived, a world is not the prompt's any more."""
+_BEATS, _REQUIREMENTS = "story/beats", "story/requirements"
+_ALLOWED: Mapping[ClaimType, tuple[str, ...]] = {
+    "thing": ("entities", "terrains"),
+    "count": ("entities", "terrains", "simulation"),
+    "quantity": ("entities", "terrains", "materials", "graph", "story", "simulation", "look", "shots"),
+    "property": ("entities", "terrains", "materials", _BEATS, _REQUIREMENTS, "graph/relations"),
+    "event": (_BEATS,),
+    "order": (_BEATS, _REQUIREMENTS),
+    "negation": (_REQUIREMENTS,),
+    "place": ("graph", "terrains", "entities", _REQUIREMENTS),
+    "time": ("look", "simulation", _BEATS, _REQUIREMENTS, "shots"),
+    "weather": ("look", "simulation", "terrains", "entities"),
+    "look": ("look", "shots", "materials", "entities"),
+    "route": ("graph/relations", "graph/regions", _BEATS, _REQUIREMENTS),
+}
+"""Where a claim of each type may be judged."""
+_ENTITY = re.compile(r"/entities/([^/]+)(?:/parts/[^/]+)?")
+_ORDERED = frozenset({"before", "after", "until", "within"})
+
+
+def claim_problems(spec: WorldSpec) -> list[Problem]:
+    """Claims that are not in the prompt, name nothing that is judged, or less than their type asks for; and words that no claim takes up."""
+    reading, document = reading_of(spec), spec.model_dump(mode="json")
+    found = [Problem(f"/claims/{name}/quote", text) for name, text in reading.problems]
+    for name, claim in spec.claims.items():
+        found += _claim(spec, document, name, claim)
+    return [*found, *_shared(spec), *_whole(spec, reading)]
+
+
+def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    place = f"/claims/{name}"
+    if claim.same_as is not None:
+        other = spec.claims.get(claim.same_as)
+        if other is None or other.same_as is not None or other.type != claim.type or claim.same_as == name:
+            text = f"same_as {claim.same_as!r} must be another claim of type {claim.type} that stands for itself"
+            yield Problem(f"{place}/same_as", text)
+        elif not set(claim.by) <= set(other.by):
+            more = sorted(set(claim.by) - set(other.by))
+            yield Problem(
+                f"{place}/by",
+                f"{claim.quote!r} is same_as {claim.same_as!r}, which does not name {more[0]}: name some of the same, or nothing",
+            )
+    if claim.waived is not None:
+        return
+    for index, pointer in enumerate(claim.by):
+        at = f"{place}/by/{index}"
+        if not resolves(document, pointer):
+            yield Problem(at, f"pointer {pointer!r} leads nowhere; name what is in the specification")
+        elif not pointer.lstrip("/").startswith(tuple(f"{root}/" for root in _ALLOWED[claim.type])):
+            allowed = ", ".join(f"/{root}" for root in _ALLOWED[claim.type])
+            yield Problem(at, f"a claim of type {claim.type} is judged by {allowed}, not by {pointer!r}")
+    yield from _DUTIES.get(claim.type, _nothing)(spec, document, name, claim)
+
+
+def _nothing(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    yield from ()
+
+
+def _named(spec: WorldSpec, name: str, group: str) -> list[str]:
+    """Members of a group, as `story/beats`, that a claim names."""
+    start = f"/{group}/"
+    return [p.removeprefix(start).split("/")[0] for p in targets_of(spec.claims, name) if p.startswith(start)]
+
+
+# ---------------------------------------------------------------- things and counts
+
+
+def _thing(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    for index, pointer in enumerate(claim.by):
+        if pointer.startswith("/entities/") and not _ENTITY.fullmatch(pointer):
+            text = f"a thing is an entity or a part of one, as /entities/<id> or /entities/<id>/parts/<part>, not {pointer!r}"
+            yield Problem(f"/claims/{name}/by/{index}", text)
+
+
+def _shared(spec: WorldSpec) -> Iterator[Problem]:
+    """Things that two spans speak of, unless one says that it is the same."""
+    of: dict[str, str] = {}
+    for name, claim in spec.claims.items():
+        if claim.type != "thing" or claim.same_as is not None or claim.waived is not None:
+            continue
+        for pointer in claim.by:
+            first = of.setdefault(pointer, name)
+            if first != name:
+                quote = spec.claims[first].quote
+                text = f"{claim.quote!r} and {quote!r} are both {pointer}; give each its own, or same_as {first!r} if they are one thing"
+                yield Problem(f"/claims/{name}/by", text)
+
+
+def counted(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Bodies that a count claim is about."""
+    return tuple(dict.fromkeys(_named(spec, name, "entities")))
+
+
+def _count(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    number, place = number_in(claim.quote, language_of(spec.prompt)), f"/claims/{name}/by"
+    leaves = [leaf_at(document, p) for p in claim.by]
+    if number is not None and any(leaf is not None and leaf == number for leaf in leaves):
+        return
+    bodies = counted(spec, name)
+    if number is not None and len(bodies) != number:
+        text = f"{claim.quote!r} counts {number:g}, by names {len(bodies)} ({', '.join(bodies[:4])}); name exactly {number:g} separate entities"
+        yield Problem(place, text)
+        return
+    like = _alike(spec, bodies)
+    if like:
+        text = f"{claim.quote!r} counts {len(bodies)}, but {', '.join(like[:3])} has the same shape and material: name it too, or take it away"
+        yield Problem(place, text)
+    yield from _partly_told(spec, name, claim, set(bodies))
+
+
+def _alike(spec: WorldSpec, bodies: tuple[str, ...]) -> list[str]:
+    """Entities beside the counted ones of the very same shape and material."""
+    known = [n for n in bodies if n in spec.entities]
+    forms = [geometry_slice(spec, n) for n in known]
+    others = {n for other, c in spec.claims.items() if c.type in ("thing", "count") for n in _named(spec, other, "entities")}
+    return [n for n in spec.entities if n not in others and n not in known and geometry_slice(spec, n) in forms]
+
+
+def _partly_told(spec: WorldSpec, name: str, claim: Claim, bodies: set[str]) -> Iterator[Problem]:
+    """Events about some of the counted bodies and not about all of them."""
+    single = {n for o, c in spec.claims.items() if c.type == "thing" for n in _named(spec, o, "entities") if len(c.by) == 1}
+    for other, event in spec.claims.items():
+        if event.type != "event" or event.waived is not None:
+            continue
+        told = {e for b in _named(spec, other, _BEATS) if b in spec.story.beats for e in _about(spec.story.beats[b])}
+        left = bodies - told - single
+        if told & (bodies - single) and left:
+            text = f"{event.quote!r} is told of {', '.join(sorted(told & bodies)[:3])} and not of {', '.join(sorted(left)[:3])}, of {claim.quote!r}: add a "
+            text += "beat about them, use a `count` predicate over all, or claim single ones by spans of their own"
+            yield Problem(f"/claims/{other}/by", text)
+
+
+def _about(beat: Beat) -> tuple[str, ...]:
+    return (beat.subject, *entities_of(beat.predicate))
+
+
+# ---------------------------------------------------------------- numbers
+
+
+def leaf_at(document: Any, pointer: str) -> float | None:
+    """Number at a JSON pointer; None where there is none."""
+    at = document
+    for token in pointer.strip("/").split("/"):
+        key = token.replace("~1", "/").replace("~0", "~")
+        at = (
+            at.get(key)
+            if isinstance(at, dict)
+            else at[int(key)]
+            if isinstance(at, list) and key.isdigit() and int(key) < len(at)
+            else None
+        )
+    return float(at) if isinstance(at, (int, float)) and not isinstance(at, bool) else None
+
+
+def _quantity(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    place, wanted = f"/claims/{name}/by", quantity_in(claim.quote, language_of(spec.prompt))
+    leaves = {p: leaf_at(document, p) for p in claim.by}
+    none = [p for p, value in leaves.items() if value is None]
+    if none:
+        yield Problem(place, f"a quantity is judged by numbers, and {none[0]!r} is none; give the pointer of a single number")
+        return
+    if wanted is None:
+        return
+    for pointer, value in leaves.items():
+        have = _in_unit(spec, pointer, value or 0.0, wanted)
+        if not wanted.low <= have <= wanted.high:
+            text = (
+                f"{claim.quote!r} says {wanted.value:g} {wanted.unit} ({wanted.low:g} to {wanted.high:g}), {pointer} is {have:g}"
+            )
+            yield Problem(place, text)
+
+
+def _in_unit(spec: WorldSpec, pointer: str, value: float, wanted: Quantity) -> float:
+    """A number of the specification in the unit of the quantity: frames as seconds, degrees as radians."""
+    if wanted.dimension == "time" and pointer.endswith(("/frames", "/frames/0", "/frames/1", "/preroll")):
+        return value / spec.simulation.fps
+    if wanted.dimension == "angle" and pointer.endswith("_deg"):
+        return value * 0.017453292519943295
+    return abs(value) if wanted.value >= 0 else value
+
+
+def _property(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    yield from substance_problems(spec, name)
+
+
+# ---------------------------------------------------------------- events, order, negation, ways
+
+
+def _event(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    beats = {n: spec.story.beats[n] for n in _named(spec, name, _BEATS) if n in spec.story.beats}
+    good = [n for n, b in beats.items() if b.mandatory and b.observe and _happens(b)]
+    if beats and not good:
+        why = "; ".join(f"{n} {_lacks(b)}" for n, b in list(beats.items())[:3])
+        kinds = ", ".join(sorted(EVENT_KINDS))
+        yield Problem(
+            f"/claims/{name}/by",
+            f"{claim.quote!r} is an event: name a beat that is mandatory, observed and tells of one ({why}); kinds of event are {kinds}",
+        )
+
+    known = {e for o, c in spec.claims.items() if c.type in ("thing", "count") for e in _named(spec, o, "entities")}
+    for key, beat in beats.items():
+        subject = spec.entities.get(beat.subject)
+        # What rains or is poured may have no word of its own.
+        if subject is not None and beat.subject not in known and subject.physics.shape != "loose":
+            text = f"{claim.quote!r} is told of {beat.subject!r}, which no claim of a thing names: claim the words of it, or name a beat of what is claimed"
+            yield Problem(f"/claims/{name}/by/{claim.by.index(f'/{_BEATS}/{key}')}", text)
+
+
+def _happens(beat: Beat) -> bool:
+    return not is_invariant(beat.predicate) and bool(event_atoms(beat.predicate))
+
+
+def _lacks(beat: Beat) -> str:
+    if not beat.mandatory:
+        return "is optional"
+    if not beat.observe:
+        return "need not be seen"
+    return f"asks {beat.predicate.kind}, which is no kind of event"
+
+
+def _order(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    beats = [n for n in _named(spec, name, _BEATS) if n in spec.story.beats]
+    asked: list[Beat | Requirement] = [spec.story.beats[n] for n in beats]
+    asked += [spec.story.requirements[n] for n in _named(spec, name, _REQUIREMENTS) if n in spec.story.requirements]
+    if len(beats) < 2 and not any(_kinds(a) & _ORDERED for a in asked):
+        text = (
+            f"{claim.quote!r} is an order: name two beats, the first first, or one requirement of {', '.join(sorted(_ORDERED))}"
+        )
+        yield Problem(f"/claims/{name}/by", text)
+
+
+def _kinds(declared: Beat | Requirement) -> set[str]:
+    found, left = set(), [declared.predicate.model_dump(mode="json")]
+    while left:
+        at = left.pop()
+        found.add(str(at.get("kind")))
+        left += [v for v in at.values() if isinstance(v, dict)] + list(at.get("of", ()))
+    return found
+
+
+def _negation(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    named = {n: spec.story.requirements[n] for n in _named(spec, name, _REQUIREMENTS) if n in spec.story.requirements}
+    for key, requirement in named.items():
+        place = f"/story/requirements/{key}"
+        if not requirement.never:
+            text = f"{claim.quote!r} is a negation: give {key!r} the predicate of what must not happen and never: true, the server negates it"
+            yield Problem(f"{place}/never", text, {"op": "add", "path": f"{place}/never", "value": True})
+        elif not requirement.mandatory:
+            yield Problem(
+                f"{place}/mandatory",
+                f"{key!r} is optional; a negation of the prompt is mandatory",
+                replaced(f"{place}/mandatory", True),
+            )
+        elif requirement.frames is not None and requirement.frames != (0, spec.simulation.frames - 1):
+            text = f"{key!r} looks at frames {list(requirement.frames)} alone; a negation holds over all frames, leave frames out"
+            yield Problem(f"{place}/frames", text, {"op": "remove", "path": f"{place}/frames"})
+        elif is_invariant(requirement.predicate):
+            text = f"{key!r} negates {requirement.predicate.kind}, which tells of a state; give the event that must not happen"
+            yield Problem(f"{place}/predicate", text)
+
+
+def _route(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
+    for key in _named(spec, name, "graph/relations"):
+        relation = spec.graph.relations.get(key)
+        if relation is not None and not isinstance(relation, Connects):
+            text = f"{claim.quote!r} is a way: {key!r} is {relation.kind}; name a `connects` relation, a region on it, or a beat of the motion along it"
+            yield Problem(f"/claims/{name}/by", text)
+
+
+_DUTIES = {
+    "thing": _thing,
+    "count": _count,
+    "quantity": _quantity,
+    "property": _property,
+    "event": _event,
+    "order": _order,
+    "negation": _negation,
+    "route": _route,
+}
+
+
+# ---------------------------------------------------------------- the prompt as a whole
+
+
+def _whole(spec: WorldSpec, reading: Reading) -> Iterator[Problem]:
+    if not any(c.type == "thing" and c.waived is None for c in spec.claims.values()):
+        text = "no claim says which words of the prompt are things of this world; mark them: edit_spec(claims='A [ball](thing ball) ...')"
+        yield Problem("/claims", text)
+    for held in reading.held:
+        yield from _held(spec, reading, held)
+    if reading.waived > WAIVED_SHARE:
+        text = f"{reading.waived:.0%} of the prompt's letters are waived, at most {WAIVED_SHARE:.0%} may be; claim more of them"
+        yield Problem("/claims", text)
+
+
+def _held(spec: WorldSpec, reading: Reading, held: Held) -> Iterator[Problem]:
+    """A number, negation or order word that no claim takes up, or one whose type does not judge it."""
+    word = spec.prompt[held.start : held.end]
+    span = next((s for s in reading.spans if s.start <= held.start and held.end <= s.end), None)
+    if span is None or span.claim is None:
+        text = (
+            f"{word!r} at character {held.start} is a {held.kind} word and no claim takes it up: mark it as {_TYPE_OF[held.kind]}"
+        )
+        yield Problem("/claims", text)
+        return
+    claim = spec.claims[span.claim]
+    lost = claim.type != "negation" if held.kind == "negation" else claim.type in _NUMBERLESS and held.kind == "number"
+    if lost and claim.waived is None and not (held.kind == "number" and ordinal_in(word, reading.language) is not None):
+        text = f"{word!r} of {claim.quote!r} is a {held.kind} word, which a claim of type {claim.type} does not judge: mark it as {_TYPE_OF[held.kind]}"
+        yield Problem(f"/claims/{span.claim}/type", text)
+
+
+_TYPE_OF = {"number": "count or quantity", "negation": "negation", "order": "order"}
+_NUMBERLESS = frozenset({"thing", "property", "event", "look"})

@@ -1,0 +1,171 @@
+"""Spans of the prompt by its claims, and shares of what they cover (R155)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from .errors import InputError
+from .prompts.languages import Held, held_words, language_of
+from .prompts.marks import occurrence
+from .prompts.numbers import number_in, quantity_in
+from .prompts.odd import odd_characters
+from .prompts.units import boundaries, letters, units_of, word_count
+from .spec import CLAIM_TYPES, Claim, WorldSpec
+
+__all__ = ["LONGEST", "Reading", "Span", "prompt_record", "reading_of", "targets_of"]
+
+_LONG, _SHORT = 8, 4
+LONGEST: Mapping[str, int] = {t: _SHORT if t in ("thing", "count", "property", "order") else _LONG for t in CLAIM_TYPES}
+"""Words of a claim by its type; what is beyond them is filler."""
+
+
+class Span(NamedTuple):
+    """A part of the prompt with its claim; without one it is filler."""
+
+    start: int
+    end: int
+    text: str
+    claim: str | None
+    type: str
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The whole prompt, cut into claims and filler."""
+
+    spans: tuple[Span, ...]
+    """In order; they cover every letter of the prompt."""
+    problems: tuple[tuple[str, str], ...]
+    """Claims whose quote is not in the prompt, or overlaps another: (claim, what is wrong)."""
+    language: str | None
+    """Code of a language with reviewed word lists; None where it is another or mixed."""
+    held: tuple[Held, ...]
+    """Numbers, negations and order words of the prompt."""
+    warnings: tuple[str, ...]
+    claimed: float
+    """Share of the letters in claims that are judged."""
+    filler: float
+    waived: float
+
+
+def targets_of(claims: Mapping[str, Claim], name: str) -> list[str]:
+    """Pointers that a claim is judged by, its own or those of the claim that it is the same as."""
+    claim = claims[name]
+    other = claims.get(claim.same_as or "")
+    return list(claim.by or (other.by if other is not None else ()))
+
+
+def reading_of(spec: WorldSpec) -> Reading:
+    """Cut the prompt of a specification by its claims."""
+    prompt = spec.prompt
+    problems: list[tuple[str, str]] = []
+    taken: list[tuple[int, int, str]] = []
+    for name, claim in spec.claims.items():
+        try:
+            start, end = occurrence(prompt, claim.quote, claim.nth)
+        except InputError as error:
+            problems.append((name, str(error)))
+            continue
+        whole = {start, end} <= boundaries(prompt)
+        other = next((c for a, b, c in taken if a < end and start < b), None)
+        if not whole:
+            problems.append((name, f"the quote {claim.quote!r} cuts a word in two; quote whole words"))
+        elif other is not None:
+            problems.append(
+                (name, f"the quote {claim.quote!r} overlaps that of claim {other!r}; every word belongs to one claim")
+            )
+        else:
+            taken.append((start, end, name))
+    spans = tuple(_cut(spec, sorted(taken)))
+    language = language_of(prompt)
+    held = held_words(prompt, language)
+    total = max(1, letters(prompt))
+    share = {
+        kind: sum(letters(s.text) for s in spans if _kind(spec, s) == kind) / total for kind in ("claimed", "filler", "waived")
+    }
+    return Reading(spans, tuple(problems), language, held, tuple(_warnings(spec, language)), **share)
+
+
+def _kind(spec: WorldSpec, span: Span) -> str:
+    if span.claim is None:
+        return "filler"
+    return "waived" if spec.claims[span.claim].waived else "claimed"
+
+
+def _cut(spec: WorldSpec, taken: list[tuple[int, int, str]]) -> Iterator[Span]:
+    """Spans in order: claims up to the length of their type, filler between them."""
+    prompt, at = spec.prompt, 0
+    units = units_of(prompt)
+    for start, end, name in taken:
+        kind = spec.claims[name].type
+        last = end
+        for unit in units:
+            if start < unit.end <= end and word_count(prompt[start : unit.end]) <= LONGEST[kind]:
+                last = unit.end
+        if word_count(prompt[start:end]) <= LONGEST[kind]:
+            last = end
+        if start > at:
+            yield Span(at, start, prompt[at:start], None, "")
+        yield Span(start, last, prompt[start:last], name, kind)
+        at = last
+    if at < len(prompt):
+        yield Span(at, len(prompt), prompt[at:], None, "")
+
+
+def _warnings(spec: WorldSpec, language: str | None) -> Iterator[str]:
+    for odd in odd_characters(spec.prompt):
+        yield f"{odd.text!r} at character {odd.start}: {odd.why}"
+    if language is None:
+        yield "the language is none with reviewed word lists, or mixed: numbers, negations and order words in filler were not looked for"
+
+
+# ---------------------------------------------------------------- in words
+
+
+def _only_read(claim: Claim, language: str | None) -> bool:
+    """Whether nothing but the agent's reading says that what a claim names is what its words say."""
+    if claim.waived is not None:
+        return False
+    if claim.type in ("count", "quantity"):
+        return (number_in(claim.quote, language) if claim.type == "count" else quantity_in(claim.quote, language)) is None
+    return claim.type in ("property", "place", "time", "weather", "look", "route")
+
+
+def _words(text: str) -> str:
+    """The text without punctuation and blanks around it."""
+    units = units_of(text)
+    return text[units[0].start : units[-1].end]
+
+
+def prompt_record(spec: WorldSpec) -> dict[str, Any]:
+    """Record of how the prompt is judged, for the acceptance: spans, shares, waivers and warnings, JSON-able."""
+    found = reading_of(spec)
+    spans = []
+    for span in found.spans:
+        told: dict[str, Any] = {"text": span.text}
+        if span.claim is not None:
+            claim = spec.claims[span.claim]
+            told |= {"claim": span.claim, "type": claim.type, "by": targets_of(spec.claims, span.claim)}
+            told |= {"waived": claim.waived} if claim.waived else {}
+        spans.append(told)
+    return {
+        "spans": spans,
+        "claimed": round(found.claimed, 4),
+        "filler": round(found.filler, 4),
+        "waived": round(found.waived, 4),
+        "filler_texts": [_words(s.text) for s in found.spans if s.claim is None and letters(s.text)],
+        "waivers": {
+            spec.claims[s.claim].quote: spec.claims[s.claim].waived
+            for s in found.spans
+            if s.claim and spec.claims[s.claim].waived
+        },
+        "readings": {
+            spec.claims[s.claim].quote: targets_of(spec.claims, s.claim)
+            for s in found.spans
+            if s.claim and _only_read(spec.claims[s.claim], found.language)
+        },
+        "language": found.language,
+        "warnings": list(found.warnings),
+    }

@@ -1,0 +1,38 @@
+"""Verdicts in words: the same in replies, on the page, in the report and in bundles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, get_args
+
+__all__ = ["READ_BY", "ReadBy", "prompt_told", "verdict_words"]
+
+ReadBy = Literal["nobody", "client", "model", "person"]
+"""Who, beside the checks, compared the prompt with what is to be seen: an independent model or a person makes `accepted` unqualified."""
+READ_BY: tuple[ReadBy, ...] = get_args(ReadBy)
+_QUALIFIED: Mapping[str, str] = {"nobody": ", prompt read by nobody", "client": ", prompt read by its own client alone"}
+
+
+def verdict_words(record: Mapping[str, Any]) -> str:
+    """The verdict of an acceptance record, with what it says of the prompt.
+
+    Worlds of version 1, and records without an account of the prompt, are judged by clauses.
+    """
+    if record.get("verdict") != "accepted":
+        return str(record.get("verdict"))
+    prompt = record.get("prompt")
+    if not isinstance(prompt, Mapping):
+        return "physics accepted; prompt judged by clauses"
+    return "accepted" + _QUALIFIED.get(str(prompt.get("read_by", "nobody")), "")
+
+
+def prompt_told(record: Mapping[str, Any]) -> dict[str, Any]:
+    """How the prompt was judged, for a reply: shares, filler, waivers with their reasons, warnings, who read it."""
+    prompt = record.get("prompt")
+    if not isinstance(prompt, Mapping):
+        clauses = record.get("clauses") or {}
+        unmet = {k: c["unmet"] for k, c in clauses.items() if c.get("unmet")}
+        silent = {k: c["static_because"] for k, c in clauses.items() if c.get("static_because")}
+        return {"unmet_clauses": unmet, **({"clauses_without_event": silent} if silent else {})}
+    kept = ("claimed", "filler", "waived", "filler_texts", "waivers", "language", "warnings", "read_by")
+    return {"prompt": {k: prompt[k] for k in kept if k in prompt}}

@@ -59,7 +59,7 @@ def test_a_typical_mistake_fails_the_row_that_the_skill_names(row_id: str, chang
 
 def test_the_skill_lists_these_mistakes() -> None:
     listed = SKILL.split("## Typical mistakes", 1)[1]
-    for row_id in ("audit:ownership", "audit:clauses", "audit:references", "audit:story", "audit:shots", "audit:density:*"):
+    for row_id in ("audit:ownership", "audit:claims", "audit:references", "audit:story", "audit:shots", "audit:density:*"):
         assert f"`{row_id}`" in listed
 
 

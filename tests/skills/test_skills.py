@@ -185,6 +185,7 @@ ROWS = {
     ],
     "contact": ["contact:a:b", "contact:through:a:b", "contact:scene"],
     "beat": ["beat:b", "beat:vacuous:b", "beat:driven:b", "requirement:r", "probe:phases"],
+    "claim": [f"claim:{n}:ball" for n in ("thing", "event", "order", "negation")],
     "shots": [f"shots:{n}:x" for n in ("cover", "visible", "framed", "inside", "motion")] + ["shots:tiling"],
     "delivery": ["delivery:replay", "delivery:complete:rigid"],
 }

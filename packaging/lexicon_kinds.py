@@ -310,6 +310,14 @@ KINDS: dict[str, dict[str, str]] = {
         "=flap%2:38:03::": "thrashes",
         "=flap%2:38:02::": "moves with a flapping motion",
     },
+    "crosses": {
+        "=cross%2:38:00::": "goes from one side to the other",
+        "=pass%2:38:00::": "goes across or through",
+        "=pass%2:38:05::": "goes past",
+        "=enter%2:38:00::": "goes into a place",
+        "=exit%2:38:00::": "goes out of a place",
+        "=leave%2:38:01::": "goes away from a place",
+    },
     "burns": {
         "burn%2:30:02::": "is destroyed by fire",
         "burn%2:30:00::": "undergoes combustion",

@@ -1,6 +1,6 @@
 """Prompts in twelve languages: 150 with their spans marked, written without sight of the gate, and 500 strangers that no shipped world is about.
 
-Also 197 English verbs with the kinds of event that a reader lets each stand for.
+Also 198 English verbs with the kinds of event that a reader lets each stand for.
 """
 
 from __future__ import annotations

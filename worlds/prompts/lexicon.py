@@ -11,15 +11,26 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from . import english
 from .parts import Word, words_of
-from .wordnet import lemmas, type_shares, verb_kinds, votes
+from .wordnet import known_kinds, lemmas, type_shares, verb_kinds, votes
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
-__all__ = ["Labelled", "Reading", "Warned", "labelled", "lemmas", "type_shares", "verb_kinds", "warnings_for"]
+__all__ = ["Labelled", "Reading", "Warned", "known_kinds", "labelled", "lemmas", "type_shares", "verb_kinds", "warnings_for"]
 
 CLOSED, NUMBER, EVENT, NOUN, GUESS, UNKNOWN = 0.99, 0.95, 0.9, 0.8, 0.6, 0.5
 """Confidence by the rule that decided. Own choice; the order is that of the errors measured per rule."""
+
+STANDS_FOR: dict[str, frozenset[str]] = {
+    "torn": frozenset(("tears",)),
+    "broken": frozenset(("breaks", "cracks")),
+    "breach": frozenset(("breaks",)),
+    "contact": frozenset(("hits", "lands", "pushes", "pulls", "rests_against", "bounces", "jams")),
+    "splash_height": frozenset(("splashes",)),
+    "liquid_arrives": frozenset(("flows", "pours", "fills", "overflows", "leaks", "splashes", "spreads")),
+    "liquid_flux_through": frozenset(("flows", "pours", "overflows", "leaks")),
+}
+"""Predicates that judge an event of some kinds of the lexicon without being one of them."""
 
 
 class Labelled(NamedTuple):
@@ -184,8 +195,16 @@ def _misfits(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
                 judged,
                 "no kind of event is known for this verb: look whether that is what it means",
             )
-        elif not kinds & set(reading.kinds):
+        elif not kinds & _meant(reading.kinds):
             yield Warned(reading.start, reading.end, verb, judged, "a verb of other kinds: " + ", ".join(sorted(kinds)))
+
+
+def _meant(kinds: Collection[str]) -> frozenset[str]:
+    """Kinds of the lexicon that predicates judge; all of them where one is not known to it, such as a plugin's."""
+    known = known_kinds()
+    if any(kind not in known and kind not in STANDS_FOR for kind in kinds):
+        return known
+    return frozenset().union(*(STANDS_FOR.get(kind, {kind}) for kind in kinds))
 
 
 def _verb_of(reading: Reading, text: str) -> str:

@@ -14,7 +14,7 @@ from .english import SHARES as REVIEWED
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Part", "header", "irregular", "known", "lemmas", "particle_verb", "type_shares", "verb_kinds", "votes"]
+__all__ = ["Part", "header", "irregular", "known", "known_kinds", "lemmas", "particle_verb", "type_shares", "verb_kinds", "votes"]
 
 Part = Literal["n", "v", "a", "r"]
 """Of speech: noun, verb, adjective, adverb."""
@@ -142,6 +142,12 @@ def type_shares(word: str) -> Mapping[str, float]:
 def particle_verb(verb: str, particle: str) -> bool:
     """True where a verb, in any form, and a particle are one verb: fell over, goes out."""
     return bool(lemmas(f"{verb} {particle}", "v"))
+
+
+@cache
+def known_kinds() -> frozenset[str]:
+    """All kinds of event that the lexicon has seeds for."""
+    return frozenset().union(*_data().kinds.values())
 
 
 def verb_kinds(verb: str) -> frozenset[str] | None:

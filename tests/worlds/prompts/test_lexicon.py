@@ -6,7 +6,14 @@ import pytest
 from worldagent.bench.prompts import verb_figures, warning_figures, word_figures
 from worldagent.testing.prompts import verbs
 from worldagent.worlds.prompts import english
-from worldagent.worlds.prompts.lexicon import Reading, labelled, lemmas, type_shares, verb_kinds, warnings_for
+from worldagent.worlds.prompts.lexicon import (
+    Reading,
+    labelled,
+    lemmas,
+    type_shares,
+    verb_kinds,
+    warnings_for,
+)
 
 FALLS = "A steel ball rolls off the table and knocks over a glass vase."
 

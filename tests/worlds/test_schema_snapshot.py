@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "2da408b6df50f3c2e8395e7f741e68f3204fe38cb3d2cded5ea21a707261573c"
+SCHEMA = "d3bac5660ad19670aa321320d2318aef4262a855ae49037c43179fa22972ad31"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import PREDICATES
+from ..categories import vessels
 from ..categories.cloth import events as cloth_events
 from ..categories.cloth import flutter
 from ..categories.cloth import predicates as cloth
@@ -58,6 +59,10 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "liquid_temperature": liquid.liquid_temperature,
     "floats": floating.floats,
     "sinks": floating.sinks,
+    "pours": vessels.pours,
+    "fills": vessels.fills,
+    "overflows": vessels.overflows,
+    "leaks": vessels.leaks,
     "particle_count_in": particle.particle_count_in,
     "particle_volume_in": particle.particle_volume_in,
     "pile_height": particle.pile_height,

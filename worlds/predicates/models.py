@@ -14,6 +14,7 @@ from pydantic import Field
 from ..categories.cloth.events import TearEvent
 from ..categories.cloth.predicates import Drape, Flutters, Pinned, Torn
 from ..categories.elastic.predicates import Deflection, Strain
+from ..categories.event import VesselEvent
 from ..categories.fracture.events import FractureEvent
 from ..categories.fracture.predicates import Breach, Broken, Debris
 from ..categories.liquid.events import BuoyancyEvent
@@ -317,6 +318,7 @@ Atom = (
     | LiquidSpeed
     | LiquidTemperature
     | BuoyancyEvent
+    | VesselEvent
     | ParticleCountIn
     | ParticleVolumeIn
     | ParticlesSettled

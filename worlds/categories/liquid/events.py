@@ -20,6 +20,15 @@ class BuoyancyEvent(MatterEvent):
 
 
 _PUSHES = ("origin", "particle/position", "particle/fluid", "particle/volume", "exchange/impulse")
+_LOOSE = ("origin", "particle/position", "particle/id")
+
+
+def _vessel(kind: str, gloss: str, source: str) -> PredicateInfo:
+    return PredicateInfo(
+        kind, "1", _LOOSE, {"min": "up"}, "narrower", event=True, adds_up=True, directed=True, gloss=gloss, source=source
+    )
+
+
 EVENTS = (
     PredicateInfo(
         "floats",
@@ -47,5 +56,27 @@ EVENTS = (
         gloss="Wholly under the surface of `other` and denser than it, it goes down by its own height, by 0.5 of it where it comes to the "
         "bottom, while all others together give no more than 0.2 of its weight.",
         source="Archimedes, On Floating Bodies I, 7: what is heavier than the liquid goes down to the bottom; shares and ways are own choice",
+    ),
+    _vessel(
+        "pours",
+        "It leaves `other` over its rim while that leans by more than 0.26 rad, and falls by 0.1 of its height: at least 0.05 of the most that "
+        "was in it.",
+        "own choice: what leaves a vessel by its tilt is poured, what leaves an upright one is not",
+    ),
+    _vessel(
+        "fills",
+        "It takes up at least 0.5 of the volume that the walls of `other` enclose, and that share has risen by 0.25.",
+        "own choice: content over capacity; `min` asks for more",
+    ),
+    _vessel(
+        "overflows",
+        "It leaves `other` over its rim while that stands upright (within 0.26 rad) and it stands at 0.85 of its height: at least 0.02 of its "
+        "volume.",
+        "own choice: a full vessel runs over; what sloshes out of a half-full one is spilled",
+    ),
+    _vessel(
+        "leaks",
+        "It leaves `other` lower than the rim and than the surface inside, on ways that meet no wall: at least 0.02 of the most that was in it.",
+        "own choice: an opening below the surface; what went through a wall is a defect and not counted",
     ),
 )

@@ -1,10 +1,9 @@
-"""Registry of causal parameter groups: JSON pointer -> group and class of edit (R111-R113)."""
+"""Causal parameter groups, their classes of edit, and the group of a JSON pointer (R111-R113)."""
 
 from __future__ import annotations
 
-import re
-
-from .categories.registry import CATEGORIES, parameter_of
+from .categories.registry import CATEGORIES
+from .directions import nearest_field
 from .parameters import GroupInfo
 
 __all__ = ["GROUPS", "group_of"]
@@ -32,44 +31,13 @@ GROUPS: dict[str, GroupInfo] = {
         GroupInfo("limits", "story", "bounds of checks"),
         GroupInfo("shots", "shot", "shot plan"),
         GroupInfo("look", "shot", "light, picture format, appearance"),
-        GroupInfo("text", "text", "titles, roles, clauses and claims: no influence on anything simulated"),
+        GroupInfo("text", "text", "titles, roles, clause mapping: no influence on anything simulated"),
         *(group for category in CATEGORIES.values() for group in category.groups),
     )
 }
 
-_RULES: tuple[tuple[str, str], ...] = (
-    (r"/entities/[^/]+/(afloat|pose(/.*)?)", "placement"),
-    (r"/entities/[^/]+/(dimensions|nominal_diagonal)(/.*)?", "dimensions"),
-    (r"/entities/[^/]+/physics(/.*)?", "mass"),
-    (r"/entities/[^/]+/material", "material"),
-    (r"/entities/[^/]+/(role|inputs|outputs)(/.*)?", "text"),
-    (r"/entities/[^/]+/parts/[^/]+/material", "material"),
-    (r"/entities(/.*)?", "shape"),
-    (r"/materials/[^/]+/appearance(/.*)?", "look"),
-    (r"/materials(/.*)?", "material"),
-    (r"/terrains/[^/]+/(ground|vegetation)(/.*)?", "cover"),
-    (r"/terrains(/.*)?", "terrain"),
-    (r"/graph(/.*)?", "relations"),
-    (r"/story/semantics", "text"),
-    (r"/story(/.*)?", "story"),
-    (r"/shots(/.*)?", "shots"),
-    (r"/look(/.*)?", "look"),
-    (r"/(title|clauses|claims)(/.*)?", "text"),
-    (r"/simulation/limits(/.*)?", "limits"),
-    (r"/simulation/joints(/.*)?", "joints"),
-    (r"/simulation/(drivers|gravity|couplings|order)(/.*)?", "drivers"),
-    (r"/simulation/contacts(/.*)?", "contact"),
-    (r"/simulation/solvers/[^/]+/members(/.*)?", "shape"),
-    (r"/simulation/solvers(/.*)?", "step"),
-    (r"/simulation/(fps|frames|preroll|seed)", "interval"),
-    (r"/simulation", "interval"),
-)
-_COMPILED = tuple((re.compile(pattern + "$"), group) for pattern, group in _RULES)
-
 
 def group_of(pointer: str) -> GroupInfo:
     """Group of a JSON pointer into `world.json`; `text` for what nothing depends on."""
-    parameter = parameter_of(pointer)
-    if parameter is not None:
-        return GROUPS[parameter.group]
-    return GROUPS[next((group for pattern, group in _COMPILED if pattern.match(pointer)), "text")]
+    field = nearest_field(pointer)
+    return GROUPS["text" if field is None else field.group]

@@ -1,19 +1,33 @@
-"""Types of the registries of fields: causal parameter groups (`groups.py`) and directions (`directions.py`)."""
+"""Types of the registry of fields: causal parameter groups (`groups.py`) and directions (`directions.py`)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
-__all__ = ["BREAKABLE", "DRIVER", "PHYSICS", "SETTINGS", "Direction", "EditClass", "GroupInfo", "Parameter", "Way", "parameters"]
+__all__ = [
+    "BREAKABLE",
+    "DRIVER",
+    "PHYSICS",
+    "POSE",
+    "SETTINGS",
+    "Direction",
+    "EditClass",
+    "GroupInfo",
+    "Parameter",
+    "Way",
+    "parameters",
+]
 
 EditClass = Literal["scene", "solver", "shot", "story", "text"]
-Direction = Literal["harder_up", "harder_down", "either", "bound", "repair", "none"]
+Direction = Literal["harder_up", "harder_down", "either", "repair", "none"]
 
 PHYSICS = "/entities/*/physics"
 BREAKABLE = "/entities/*/breakable"
 SETTINGS = "/simulation/solvers/*/settings"
 DRIVER = "/simulation/drivers/*"
+POSE = ". position quaternion euler"
+"""Names of a pose and its fields, for `parameters`."""
 
 
 class GroupInfo(NamedTuple):
@@ -33,15 +47,15 @@ class Way(NamedTuple):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A field that belongs to a category."""
+    """A field of the specification, or what holds fields."""
 
     pointer: str
     """JSON pointer with `*` for ids."""
     group: str
     """Name of its causal parameter group."""
     way: Way
-    below: bool = False
-    """It speaks for all that stands below it, too."""
+    physical: bool = False
+    """It is a quantity of nature: a weakening only where something binds it, or where it leaves its default."""
     eases: tuple[str, ...] = ()
     """Kinds of predicates whose measured value grows as the field becomes smaller."""
     absent: float | None = None
@@ -53,10 +67,11 @@ def parameters(root: str, names: str, group: str, direction: Direction, why: str
 
     Args:
         root: pointer with `*` for ids.
-        names: the fields, separated by spaces.
+        names: the fields, separated by spaces; `.` is `root` itself, and a slash leads to what is below a field.
         group: of all of them.
         direction: of all of them.
         why: reason of the direction.
         more: other fields of `Parameter`.
     """
-    return tuple(Parameter(f"{root}/{name}", group, Way(direction, why), **more) for name in names.split())
+    places = (root if name == "." else f"{root}/{name}" for name in names.split())
+    return tuple(Parameter(place, group, Way(direction, why), **more) for place in places)

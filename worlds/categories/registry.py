@@ -19,7 +19,7 @@ from .rigid.category import RIGID
 if TYPE_CHECKING:
     from ..spec import Entity
 
-__all__ = ["CATEGORIES", "PARAMETERS", "parameter_of", "shape_of"]
+__all__ = ["CATEGORIES", "PARAMETERS", "shape_of"]
 
 CATEGORIES: Mapping[str, CategorySpec] = {
     category.name: category
@@ -43,17 +43,3 @@ def shape_of(entity: Entity) -> MatterShape:
 
 PARAMETERS: Mapping[str, Parameter] = {p.pointer: p for c in CATEGORIES.values() for p in c.parameters}
 """Fields of all categories by pointer; those that several categories have are alike in group and direction."""
-
-
-def parameter_of(pointer: str) -> Parameter | None:
-    """Field of a category at a JSON pointer; None where it is none, or what no category declares."""
-    tokens = pointer.split("/")
-    ids = 2 if tokens[1:2] == ["entities"] else 3
-    key = "/".join("*" if k == ids else token for k, token in enumerate(tokens))
-    found = PARAMETERS.get(key)
-    while found is None and "/" in key:
-        key = key.rpartition("/")[0]
-        above = PARAMETERS.get(key)
-        if above is not None:
-            return above if above.below else None
-    return found

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from ..parameters import DRIVER, PHYSICS, SETTINGS, parameters
+from ..parameters import DRIVER, PHYSICS, POSE, SETTINGS, parameters
 
 __all__ = ["DAMPING", "DOMAIN", "ELASTIC_MODULI", "LINEAR_VELOCITY", "OPENING", "PINS", "RESOLUTION", "STEPS", "TEMPERATURE"]
 
 _START = "the state at frame 0 and what holds it"
 _LAWS = "rows hold the motion against laws"
-LINEAR_VELOCITY = parameters(PHYSICS, "linear_velocity", "initial_state", "repair", _START, below=True)
-TEMPERATURE = parameters(PHYSICS, "temperature", "initial_state", "repair", _START, below=True)
-PINS = parameters(PHYSICS, "pins", "joints", "repair", _START, below=True)
+LINEAR_VELOCITY = parameters(PHYSICS, "linear_velocity", "initial_state", "repair", _START)
+TEMPERATURE = parameters(PHYSICS, "temperature", "initial_state", "repair", _START)
+PINS = parameters(PHYSICS, "pins pins/* pins/*/center pins/*/to", "joints", "repair", _START)
 DAMPING = parameters(PHYSICS, "damping", "mass", "repair", "its loss stands in the energy rows")
 RESOLUTION = parameters(PHYSICS, "resolution", "resolution", "repair", "rows hold it against what it must resolve")
 ELASTIC_MODULI = (
-    *parameters(PHYSICS, "young_modulus", "stiffness", "bound", "softer bodies give way more, stiffer ones hold"),
-    *parameters(PHYSICS, "poisson_ratio", "stiffness", "repair", "the body or sheet"),
+    *parameters(PHYSICS, "young_modulus", "stiffness", "repair", "softer bodies give way more, stiffer ones hold", physical=True),
+    *parameters(PHYSICS, "poisson_ratio", "stiffness", "repair", "how it yields across", physical=True),
 )
 DOMAIN = parameters(
-    SETTINGS, "domain", "domain", "repair", "where a liquid or grains are followed; what leaves is counted", below=True
+    f"{SETTINGS}/domain", ". center size", "domain", "repair", "where a liquid or grains are followed; what leaves is counted"
 )
 STEPS = (
     *parameters(SETTINGS, "max_step iterations exchange", "step", "repair", _LAWS),
-    *parameters(SETTINGS, "device", "step", "repair", "walls of liquids; where it runs"),
+    *parameters(SETTINGS, "device", "step", "repair", "where it runs"),
 )
-OPENING = parameters(DRIVER, "pose size rate speed", "drivers", "repair", "drivers stand in the register", below=True)
+OPENING = (
+    *parameters(f"{DRIVER}/pose", POSE, "drivers", "repair", "drivers stand in the register"),
+    *parameters(DRIVER, "size rate speed", "drivers", "repair", "drivers stand in the register"),
+)

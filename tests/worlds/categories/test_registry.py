@@ -10,7 +10,7 @@ import pytest
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.categories.caps import CATEGORY_CAPS
 from worldagent.worlds.categories.category import CategorySpec, declares
-from worldagent.worlds.categories.registry import CATEGORIES, PARAMETERS, parameter_of, shape_of
+from worldagent.worlds.categories.registry import CATEGORIES, PARAMETERS, shape_of
 from worldagent.worlds.groups import GROUPS, group_of
 from worldagent.worlds.limits import CAPS, estimate_counts
 from worldagent.worlds.predicates.models import ATOMS
@@ -153,38 +153,16 @@ def stands(pointer: str) -> bool:
     return bool(nodes)
 
 
-@every_category
-def test_every_field_of_its_models_is_declared(category: CategorySpec) -> None:
-    fields = [f"/entities/x/physics/{n}" for n in (category.physics.model_fields if category.physics is not None else ())]
-    for instance in category.instances:
-        settings = instance.model_fields["settings"].annotation
-        assert settings is not None
-        fields += [f"/simulation/solvers/x/settings/{n}" for n in settings.model_fields]
-    fields += [f"/simulation/drivers/x/{n}" for driver in category.drivers for n in driver.model_fields]
-    general = {"category", "kind", "entity", "time", "start", "end", "seed", "rise"}
-    assert [f for f in fields if parameter_of(f) is None and f.rpartition("/")[2] not in general] == []
-
-
 def test_a_field_of_several_categories_is_alike_in_all() -> None:
     """A pointer does not tell the category, so that its group and direction cannot depend on it."""
     declared = [parameter for category in CATEGORIES.values() for parameter in category.parameters]
     assert declared
     other = [
         p.pointer
-        for p in declared
-        if (p.group, p.way.direction) != (PARAMETERS[p.pointer].group, PARAMETERS[p.pointer].way.direction)
+        for p, at in ((p, PARAMETERS[p.pointer]) for p in declared)
+        if (p.group, p.way.direction, p.physical) != (at.group, at.way.direction, at.physical)
     ]
     assert other == []
-
-
-def test_an_undeclared_field_belongs_to_no_category() -> None:
-    for pointer in (
-        "/entities/x/physics/luck",
-        "/simulation/solvers/x/settings/luck",
-        "/entities/x/breakable/bond/luck",
-        "/title",
-    ):
-        assert parameter_of(pointer) is None
 
 
 @every_category

@@ -17,6 +17,6 @@ GAS = CategorySpec(
     parameters=(
         *TEMPERATURE,
         *RESOLUTION,
-        *parameters(PHYSICS, "soot_density fuel", "mass", "repair", "grains, particles, gas"),
+        *parameters(PHYSICS, "soot_density fuel", "mass", "repair", "no engine moves gas"),
     ),
 )

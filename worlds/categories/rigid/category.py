@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...parameters import DRIVER, PHYSICS, SETTINGS, parameters
+from ...parameters import DRIVER, PHYSICS, POSE, SETTINGS, parameters
 from ..category import CategorySpec
 from ..shared import LINEAR_VELOCITY, STEPS
 from .channels import CHANNELS, DIMENSIONS, writers
@@ -22,21 +22,21 @@ RIGID = CategorySpec(
     instances=(RigidInstance,),
     drivers=(ForceDriver, PathDriver, MotorDriver, DetachDriver),
     parameters=(
-        *parameters(PHYSICS, "mass hollow", "mass", "either", "default: density times volume"),
+        *parameters(PHYSICS, "mass hollow", "mass", "repair", "by default density times volume", physical=True),
         *parameters(PHYSICS, "linear_damping", "mass", "repair", "its loss stands in the energy rows"),
-        *parameters(PHYSICS, "angular_velocity", "initial_state", "repair", "the state at frame 0 and what holds it", below=True),
+        *parameters(PHYSICS, "angular_velocity", "initial_state", "repair", "the state at frame 0 and what holds it"),
         *LINEAR_VELOCITY,
         *STEPS,
         *parameters(SETTINGS, "skin contact_steps impratio speculative", "contact", "repair", _LAWS),
         *parameters(SETTINGS, "step tolerance sleep refine", "step", "repair", _LAWS),
         *parameters(
             DRIVER,
-            "joint keys force torque velocity max_effort",
+            "joint keys keys/* keys/*/time force torque velocity max_effort",
             "drivers",
             "repair",
             "drivers stand in the register",
-            below=True,
         ),
+        *parameters(f"{DRIVER}/keys/*/pose", POSE, "drivers", "repair", "drivers stand in the register"),
     ),
     channels=CHANNELS,
     dimensions=DIMENSIONS,

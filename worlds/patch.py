@@ -337,10 +337,8 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     found += _limit_weakenings(old["simulation"]["limits"], new["simulation"]["limits"])
     found += _entity_weakenings(old["entities"], new["entities"])
     found += surface_weakenings(old["entities"], new["entities"], judged)
-    found += physical_weakenings(before, after, old, new)
-    for key, material in old["materials"].items():
-        if key in new["materials"] and new["materials"][key]["substance"] != material["substance"]:
-            found.append(f"/materials/{key}/substance {material['substance']} -> {new['materials'][key]['substance']}")
+    places = differences(before.model_dump(mode="json"), after.model_dump(mode="json"))
+    found += physical_weakenings(before, after, old, new, places)
     found += _shot_weakenings(old["shots"], new["shots"])
     found += _clause_weakenings(old.get("clauses", {}), new.get("clauses", {}))
     found += claim_weakenings(old.get("claims", {}), new.get("claims", {}))

@@ -1,29 +1,38 @@
 """Quantities of nature and surfaces whose change makes requirements easier to meet (R157); the story's own are in `patch.py`.
 
-A quantity of nature is a weakening where a declared beat or requirement is easier to meet by it, or where it leaves what the
-specification takes by default; else it is a repair in its group. `directions.py` says of every field which of these it is.
+A quantity of nature is a weakening where a beat, a requirement or a claim binds it (`bound_fields.py`), or where it leaves the
+default of the schema; else its change is a repair in its group, and so is the way back to the default unless a claim binds it. Of
+strengths and stiffnesses it is known which way what is asked becomes easier: only that way is one.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import reduce
-from typing import Any
+from typing import Any, NamedTuple
 
+from .bound_fields import binders_of, bound_fields
 from .categories.registry import CATEGORIES
-from .directions import way_of
-from .parameters import Parameter
-from .spec import SimulationPlan, WorldSpec
+from .directions import field_of, way_of
+from .slices import physical_materials
+from .spec import WorldSpec
 
 __all__ = ["claim_weakenings", "physical_weakenings", "relation_weakenings", "surface_weakenings"]
 
 Document = Mapping[str, Any]
-GRAVITY: list[float] = list(SimulationPlan.model_fields["gravity"].default)
-"""[m/s^2] What the specification takes by default."""
+MOST_NAMED = 4
+"""Beats, requirements and claims that a line names."""
+_GRAVITY = "/simulation/gravity"
+"""A law of the world: any value but its default has left it."""
+_PAIR = "/simulation/contacts/*"
+_REQUIRED = object()
+"""Stands for the default of a field that has none."""
 
 
-def physical_weakenings(before: WorldSpec, after: WorldSpec, old: Document, new: Document) -> Iterator[str]:
+def physical_weakenings(
+    before: WorldSpec, after: WorldSpec, old: Document, new: Document, places: Iterable[str]
+) -> Iterator[str]:
     """Weakenings by quantities of nature and by how finely time is looked at, in words.
 
     Args:
@@ -31,22 +40,100 @@ def physical_weakenings(before: WorldSpec, after: WorldSpec, old: Document, new:
         after: the one after it.
         old: `before` as JSON without nulls.
         new: `after` as JSON without nulls.
+        places: JSON pointers at which they differ.
     """
     yield from _plan(old["simulation"], new["simulation"])
-    for key, material in old["materials"].items():
-        now = new["materials"].get(key)
-        if now is not None and now["density"] != material["density"] and now["substance"] == "other":
-            yield f"/materials/{key}/density {material['density']:g} -> {now['density']:g} kg/m^3, which its substance 'other' does not hold"
+    judged = set[str]()
     for key, entity in old["entities"].items():
         if key in new["entities"]:
-            yield from _entity(key, entity, new["entities"][key], old["story"])
+            yield from _entity(key, entity, new["entities"][key])
+            for place, told in _strengths(key, entity, new["entities"][key], old["story"]):
+                judged.add(place)
+                if told:
+                    yield told
             for category in CATEGORIES.values():
                 yield from category.eased(key, before.entities[key], after.entities[key])
+    yield from _quantities(before, after, [p for p in places if p not in judged])
+
+
+class _Held(NamedTuple):
+    """A quantity of a specification."""
+
+    value: Any
+    default: Any
+    """`_REQUIRED` where the schema gives none."""
+    said: str
+
+
+def _quantities(before: WorldSpec, after: WorldSpec, places: Iterable[str]) -> Iterator[str]:
+    """Lines of quantities that changed where something binds them, or that left their default."""
+    bound = bound_fields(before)
+    for place in places:
+        field = field_of(place)
+        if field is not None and field.pointer == _PAIR:
+            yield from _pair(place, before, after, bound)
+        elif field is not None and field.physical and not _other_matter(before, after, place):
+            yield from _changed(place, _held(before, place), _held(after, place), binders_of(bound, place))
+
+
+def _changed(place: str, was: _Held, now: _Held, binders: Sequence[str]) -> Iterator[str]:
+    if was.value == now.value:
+        return  # two materials that differ in their look alone
+    has, back = now.default is not _REQUIRED, now.value == now.default
+    if binders and (not back or any(who.startswith("claim ") for who in binders)):
+        yield f"{place} {was.said} -> {now.said}, bound by {_names(binders)}"
+    elif has and not back and (was.value == was.default or place == _GRAVITY):
+        yield f"{place} {was.said} -> {now.said}, which leaves its default"
+
+
+def _pair(place: str, before: WorldSpec, after: WorldSpec, bound: Mapping[str, tuple[str, ...]]) -> Iterator[str]:
+    """A pair with friction or restitution of its own that comes or goes."""
+    was, now = (spec.simulation.contacts.get(place.rpartition("/")[2]) for spec in (before, after))
+    pair = was or now
+    assert pair is not None, place
+    binders = dict.fromkeys(who for name in (pair.a, pair.b) for who in binders_of(bound, f"/entities/{name}/physics"))
+    if binders:
+        own = ", ".join(
+            f"{k} {v:g}" for k, v in (("friction", pair.friction), ("restitution", pair.restitution)) if v is not None
+        )
+        yield f"{place} {'added' if was is None else 'removed'}: {own} of {pair.a} and {pair.b}, bound by {_names([*binders])}"
+
+
+def _names(binders: Sequence[str]) -> str:
+    more = f" and {len(binders) - MOST_NAMED} more" if len(binders) > MOST_NAMED else ""
+    return ", ".join(binders[:MOST_NAMED]) + more
+
+
+def _held(spec: WorldSpec, place: str) -> _Held:
+    """What stands at a pointer; a material is what it is made of, whatever its name.
+
+    A word has no default: `other` says of a substance that it is unknown.
+    """
+    holder: Any = spec
+    *path, last = place.split("/")[1:]
+    for token in path:
+        holder = holder[token] if isinstance(holder, dict) else getattr(holder, token)
+    value, info = getattr(holder, last), type(holder).model_fields[last]
+    if last == "material":
+        name = value or spec.entities[path[1]].material
+        return _Held(physical_materials({"": spec.materials[name]}) if name in spec.materials else name, _REQUIRED, name)
+    default = _REQUIRED if info.is_required() or isinstance(info.default, str) else info.default
+    return _Held(value, default, _said(value))
+
+
+def _said(value: Any) -> str:
+    if value is None:
+        return "default"
+    return f"{value:g}" if isinstance(value, float) else str(list(value) if isinstance(value, tuple) else value)
+
+
+def _other_matter(before: WorldSpec, after: WorldSpec, place: str) -> bool:
+    """Whether a pointer leads into an entity whose category changed, of which another line tells."""
+    name = place.split("/")[2]
+    return place.startswith("/entities/") and before.entities[name].physics.category != after.entities[name].physics.category
 
 
 def _plan(old: Document, new: Document) -> Iterator[str]:
-    if new["gravity"] != old["gravity"] and new["gravity"] != GRAVITY:
-        yield f"/simulation/gravity {old['gravity']} -> {new['gravity']} m/s^2, by default {GRAVITY}"
     if new["fps"] < old["fps"]:
         yield f"/simulation/fps {old['fps']} -> {new['fps']}: rows ask at fewer frames of a second"
     lasts = [(plan["frames"] - 1) / plan["fps"] for plan in (old, new)]
@@ -60,38 +147,35 @@ def _plan(old: Document, new: Document) -> Iterator[str]:
             yield f"/simulation/couplings/{key} two_way -> {now.get('direction', 'none')}: no reaction any more"
 
 
-def _entity(key: str, old: Document, new: Document, story: Document) -> Iterator[str]:
+def _entity(key: str, old: Document, new: Document) -> Iterator[str]:
     place, was, now = f"/entities/{key}", old["physics"], new["physics"]
     if was["category"] != now["category"]:
         yield f"{place}/physics/category {was['category']} -> {now['category']}"
         return
-    if "mass" in now and now["mass"] != was.get("mass"):
-        before = f"{was['mass']:g} kg" if "mass" in was else "density times volume"
-        yield f"{place}/physics/mass {before} -> {now['mass']:g} kg"
-    if now.get("hollow") and not was.get("hollow"):
-        yield f"{place}/physics/hollow declared: it may weigh less than its volume"
     span, active = old.get("active", [0, math.inf]), new.get("active", [0, math.inf])
     if active[0] > span[0] or active[1] < span[1]:
         yield f"{place}/active {old.get('active', 'all frames')} -> {new['active']}: it is judged at fewer frames"
-    for category in CATEGORIES.values():
-        if category.name == was["category"] or category.contract in old:
-            for parameter in (p for p in category.parameters if p.eases):
-                yield from _bound(parameter, key, old, new, story)
     if "breakable" in old and "breakable" not in new:
         yield f"{place}/breakable removed: it breaks no more"
 
 
-def _bound(parameter: Parameter, entity: str, old: Document, new: Document, story: Document) -> Iterator[str]:
-    """A field of strength or stiffness that moved to where what is asked of the entity is easier."""
-    path = parameter.pointer.split("/")[3:]
-    was, now = (reduce(lambda node, token: node.get(token, {}), path[:-1], e).get(path[-1], parameter.absent) for e in (old, new))
-    if was is None or now is None or was == now:
+def _strengths(entity: str, old: Document, new: Document, story: Document) -> Iterator[tuple[str, str]]:
+    """Strengths and stiffnesses that changed and on which something that is asked depends one way: pointer, and line or nothing."""
+    matter = old["physics"]["category"]
+    if matter != new["physics"]["category"]:
         return
-    side = "more" if now < was else "less"
-    names = _asks(story, entity, parameter.eases).get(side, [])
-    if names:
-        place = f"/entities/{entity}/{'/'.join(path)}"
-        yield f"{place} {was:g} -> {now:g}, by which {', '.join(names)} {'is' if len(names) == 1 else 'are'} easier to meet"
+    held = (c for c in CATEGORIES.values() if c.name == matter or c.contract in old)
+    for parameter in (p for category in held for p in category.parameters if p.eases):
+        path = parameter.pointer.split("/")[3:]
+        was, now = (
+            reduce(lambda node, token: node.get(token, {}), path[:-1], e).get(path[-1], parameter.absent) for e in (old, new)
+        )
+        asked = _asks(story, entity, parameter.eases)
+        if was is None or now is None or was == now or not asked:
+            continue
+        place, names = f"/entities/{entity}/{'/'.join(path)}", asked.get("more" if now < was else "less", [])
+        meets = f"by which {', '.join(names)} {'is' if len(names) == 1 else 'are'} easier to meet"
+        yield place, f"{place} {was:g} -> {now:g}, {meets}" if names else ""
 
 
 def _asks(story: Document, entity: str, kinds: Collection[str]) -> dict[str, list[str]]:

@@ -1,0 +1,131 @@
+"""Who speaks of what in a specification: fields that are bound, and bodies that nothing speaks of (R156, R157).
+
+A beat, a requirement or a claim that names a body binds the quantities of nature on which its motion depends. Sizes are bound by
+claims of quantities and properties alone: rows judge a body of another form as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from .references import references
+from .vocabulary import SpecModel
+
+if TYPE_CHECKING:
+    from .spec import WorldSpec
+
+__all__ = ["binders_of", "bound_fields", "dressing"]
+
+_SIZED = ("quantity", "property")
+"""Types of claims that may be about the size of a body."""
+_PERMIT = "fastened"
+"""Kind of relation that asks nothing: it allows an overlap."""
+
+
+def bound_fields(spec: WorldSpec) -> dict[str, tuple[str, ...]]:
+    """Beats, requirements and claims that bind what stands at a JSON pointer and below it, by pointer."""
+    found: dict[str, dict[str, None]] = {}
+    natures = _natures(spec)
+
+    def bind(places: Iterable[str], who: str) -> None:
+        for place in places:
+            found.setdefault(place, {})[who] = None
+
+    for holder, noun in ((spec.story.beats, "beat"), (spec.story.requirements, "requirement")):
+        for key, item in holder.items():
+            for name in _named(spec, [item.predicate]):
+                bind(natures.get(name, ()), f"{noun} {key!r}")
+    for key, claim in _claims(spec):
+        for place in claim.by:
+            name = _entity_at(place)
+            if place != f"/entities/{name}" or claim.type in _SIZED:
+                bind([place], f"claim {key!r}")
+            if place == f"/entities/{name}":
+                bind(natures.get(name, ()), f"claim {key!r}")
+    return {place: tuple(who) for place, who in found.items()}
+
+
+def binders_of(bound: Mapping[str, tuple[str, ...]], pointer: str) -> tuple[str, ...]:
+    """Who binds the field at a JSON pointer: whoever speaks of it, of what holds it, or of a part of it.
+
+    Args:
+        bound: of `bound_fields`.
+        pointer: of a field.
+    """
+    tokens = pointer.split("/")
+    above = [who for k in range(2, len(tokens) + 1) for who in bound.get("/".join(tokens[:k]), ())]
+    below = [who for place, named in bound.items() if place.startswith(f"{pointer}/") for who in named]
+    return tuple(dict.fromkeys((*above, *below)))
+
+
+def dressing(spec: WorldSpec) -> list[str]:
+    """Entities that no beat, requirement, driver, clause or claim speaks of, nor any relation that asks something of them.
+
+    What joints or ropes tie to a body that something speaks of belongs to it.
+    """
+    story, graph = spec.story, spec.graph
+    asking = [r for r in graph.relations.values() if r.kind != _PERMIT]
+    holders = (story.beats, story.requirements, story.robustness, graph.regions, spec.simulation.drivers)
+    spoken = set(_named(spec, [*(item for holder in holders for item in holder.values()), *asking]))
+    pointers = [p for clause in spec.clauses.values() for p in clause.met_by] + [
+        p for _, claim in _claims(spec) for p in claim.by
+    ]
+    spoken |= {_entity_at(p) for p in pointers}
+    tied: dict[str, set[str]] = {}
+    for joint in spec.simulation.joints.values():
+        _tie(tied, _named(spec, [joint]))
+    for name, entity in spec.entities.items():
+        if entity.generator is not None:
+            _tie(tied, (name, *_named(spec, [entity.generator])))
+    todo = list(spoken)
+    while todo:
+        more = tied.get(todo.pop(), set()) - spoken
+        spoken |= more
+        todo += more
+    return [name for name in spec.entities if name not in spoken]
+
+
+def _natures(spec: WorldSpec) -> dict[str, list[str]]:
+    """Places of the quantities of nature of every entity: its own, those of its materials, pairs and joints, and of its solver's walls."""
+    found: dict[str, list[str]] = {}
+    for name, entity in spec.entities.items():
+        materials = dict.fromkeys((entity.material, *(p.material for p in entity.parts.values() if p.material)))
+        own = (f"/entities/{name}/{field}" for field in ("physics", "breakable", "material", "parts"))
+        found[name] = [*own, *(f"/materials/{m}" for m in materials)]
+    plan = spec.simulation
+    for holder, items in (("contacts", plan.contacts), ("joints", plan.joints), ("solvers", plan.solvers)):
+        for key, item in items.items():
+            for name in _named(spec, [item]):
+                if name in found:
+                    found[name].append(f"/simulation/{holder}/{key}")
+    return found
+
+
+def _claims(spec: WorldSpec) -> Iterator[tuple[str, Any]]:
+    """Claims that are not waived; a specification of version 1 has none."""
+    for key, claim in getattr(spec, "claims", {}).items():
+        if not claim.waived:
+            yield key, claim
+
+
+def _named(spec: WorldSpec, models: Iterable[SpecModel]) -> Iterator[str]:
+    """Entities that models name, those of joints too."""
+    for model in models:
+        for _, target, name in references(model, ""):
+            if target in ("entity", "node"):
+                yield name
+            elif target == "joint" and name in spec.simulation.joints:
+                yield from _named(spec, [spec.simulation.joints[name]])
+
+
+def _entity_at(pointer: str) -> str:
+    """Entity that a JSON pointer leads to or into; empty where it leads elsewhere."""
+    tokens = pointer.split("/")
+    return tokens[2] if tokens[1] == "entities" else ""
+
+
+def _tie(tied: dict[str, set[str]], names: Iterable[str]) -> None:
+    ends = set(names)
+    for name in ends:
+        tied.setdefault(name, set()).update(ends)

@@ -15,6 +15,7 @@ from ..verifiers.diagnosis.cite import cite, diagnose
 from ..workflow.session import Session
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.canonical import spec_digest
+from ..worlds.directions import field_of
 from ..worlds.errors import WorldAgentError
 from ..worlds.folder import WorldFolder
 from ..worlds.ledger import Ledger
@@ -26,6 +27,8 @@ __all__ = ["Advice", "Judged", "Trial"]
 Advice = Literal["table", "checks", "none"]
 """What a solver gets beside verdicts and measurements: the skills' tables and the history; what checks suggest by themselves; nothing."""
 OPEN = ("fail", "unverified")
+LEFT_OPEN = "the failing row asks for this quantity, and the prompt leaves it open"
+"""Reason that the script gives for edits of quantities of nature, and of nothing else."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,10 @@ class Trial:
     def edit(self, patch: Sequence[Mapping[str, Any]], hypothesis: str) -> str:
         """Make an edit; the reason where it is refused, else nothing."""
         try:
-            self.session.commit(apply_patch(self.session.spec, patch), patch=patch, hypothesis=hypothesis)
+            after = apply_patch(self.session.spec, patch)
+            fields = [field_of(str(operation["path"])) for operation in patch]
+            reason = LEFT_OPEN if all(f is not None and f.physical for f in fields) else ""
+            self.session.commit(after, patch=patch, hypothesis=hypothesis, weakening_reason=reason)
         except WorldAgentError as error:
             return str(error) or type(error).__name__
         return ""

@@ -129,8 +129,8 @@ def test_a_story_edit_does_not_launder_a_failure(failed: Any, patch: Patch) -> N
 
 
 def test_a_repair_that_breaks_the_audit_or_the_geometry_can_be_mended(failed: Any, patch: Patch) -> None:
-    failed.edit(("/entities/ball/material", "lead"), hypothesis=WHY)
-    failed.edit(("/entities/ball/material", "steel"), hypothesis=WHY)
+    failed.edit(("/entities/shelf/material", "lead"), hypothesis=WHY)
+    failed.edit(("/entities/shelf/material", "stone"), hypothesis=WHY)
     failed.call("probe_sim", world="w")
     failed.edit(("/entities/b2/pose/position/0", 0.18), hypothesis=WHY)
     assert not failed.call("place_object", world="w")["static_passed"]
@@ -180,6 +180,8 @@ EASIER: dict[str, list[dict[str, Any]]] = {
     "weak gravity": [{"op": "add", "path": "/simulation/gravity", "value": [0, 0, -1.62]}],
     "gravity that pulls along": [{"op": "add", "path": "/simulation/gravity", "value": [1, 0, -9.76]}],
     "a mass of its own": [{"op": "add", "path": "/entities/b3/physics", "value": {"category": "rigid", "mass": 0.05}}],
+    "less friction of what a beat names": [{"op": "replace", "path": "/materials/wood/friction", "value": 0.1}],
+    "another material of what a beat names": [{"op": "replace", "path": "/entities/b3/material", "value": "stone"}],
     "a body that is there for a while": [{"op": "add", "path": "/entities/b3/active", "value": [0, 20]}],
     "a surface gone": [{"op": "add", "path": "/entities/b3/parts/body/collides", "value": False}],
     "a shorter sequence": [
@@ -236,6 +238,15 @@ def test_what_must_happen_sooner_and_other_surfaces_are_no_weakening(failed: Any
     knob = {"shape": {"kind": "box", "size": [0.01, 0.01, 0.01]}, "collides": False}
     drawn = [{"op": "add", "path": "/entities/shelf/parts/knob", "value": knob}]
     assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=drawn, hypothesis=WHY)
+
+
+def test_density_of_what_no_beat_names_is_a_repair_and_friction_of_a_beats_body_says_who_binds_it(failed: Any) -> None:
+    stone = [{"op": "replace", "path": "/materials/stone/density", "value": 2500}]
+    assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=stone, hypothesis=WHY)
+    failed.call("probe_sim", world="w")
+    wood = [{"op": "replace", "path": "/materials/wood/friction", "value": 0.1}]
+    told = failed.call("edit_spec", world="w", patch=wood, hypothesis=WHY, weakening_reason=REASON)
+    assert told["weakenings_recorded"] == ["/materials/wood/friction 0.3 -> 0.1, bound by beat 'strike', beat 'fall'"]
 
 
 def test_before_any_failure_the_plan_may_become_easier(agent: Any) -> None:

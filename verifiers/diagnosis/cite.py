@@ -12,7 +12,9 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ...worlds.directions import field_of
 from ...worlds.requirements import Attempt, Correction, Outcome, Row
+from ..rows.corrections import owning_up
 from .names import names_of
 from .table import Cause, Condition, Entry, PatchRule, entries
 
@@ -69,7 +71,7 @@ def diagnose(row: Row, spec: WorldSpec | None = None) -> Row:
             rank, because = _rank(row, cause, cause.group)
             ranked.append((rank, _joined(None, cause, row, names, spec, document, cited, because)))
     ranked.sort(key=lambda item: item[0])  # stable: what the check measured stays before what the table adds
-    corrections = tuple(c for _, c in ranked)
+    corrections = tuple(owning_up(c, spec) if spec is not None and _of_nature(c) else c for _, c in ranked)
     # The rule of repair goes by what the check itself measured; the table only adds ideas.
     classes = sorted({c.edit_class for c in row.corrections})
     told: dict[str, Any] = {
@@ -137,6 +139,12 @@ def _rank(row: Row, cause: Cause | None, group: str) -> tuple[int, str]:
             rank, because = SUPPORTED, "; ".join(dict.fromkeys(_words(row, c) for c in cause.when))
     easier = group in EASIER_GROUPS or (cause is not None and cause.weakens)
     return rank + easier, because + ("; it makes the specification easier" if easier and because else "")
+
+
+def _of_nature(correction: Correction) -> bool:
+    """Whether its patch changes a quantity of nature, which what the story names may bind."""
+    fields = (field_of(str(operation["path"])) for operation in correction.patch)
+    return any(field is not None and field.physical for field in fields)
 
 
 def _value(row: Row, key: str) -> Any:

@@ -1,25 +1,24 @@
 """Lines of the approximation register about what the specification takes easier than usual, and about who moves without a reason.
 
 Bounds looser than their default stand here even where they were so from the start, when no edit tells of them; so do gravity other
-than the Earth's, bodies on paths that push others, and free bodies that nothing ever moves and nothing speaks of.
+than the Earth's, bodies on paths that push others, and dressing: bodies that nothing speaks of.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...worlds.audits.pairs import departures
 from ...worlds.audits.story import STARTED
+from ...worlds.bound_fields import dressing
 from ...worlds.categories.fracture.pieces import crumble_of
 from ...worlds.categories.registry import CATEGORIES, shape_of
 from ...worlds.directions import way_of
 from ...worlds.errors import EvidenceError
-from ...worlds.predicates import entities_of
-from ...worlds.references import references
 from ...worlds.spec import Connects, Dimensions, Limits, RigidPhysics, SpringJoint
 from ...worlds.walkers import carrier_words, easier_than_a_person
 from ..categories.registry import judged
@@ -45,7 +44,7 @@ MOST_NAMED = 12
 
 
 def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
-    """Lines about gravity, bounds, frames, bodies on paths that push, and bodies that nothing moves."""
+    """Lines about gravity, bounds, frames, bodies on paths that push, and dressing."""
     spec = candidate.spec
     return [
         {"what": what, "effect": effect}
@@ -56,7 +55,7 @@ def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
             _hollow(candidate),
             _carriers(spec),
             _pushers(candidate),
-            _idle(candidate),
+            _dressing(candidate),
             _springs(candidate),
             _pairs(spec),
             _guides(spec),
@@ -273,41 +272,28 @@ def _work(candidate: Candidate, cache: Cache, solver: str) -> str:
     return f"; all drivers of {solver!r} did {known[-1]:.3g} J of work" if len(known) else ""
 
 
-def _idle(candidate: Candidate) -> Iterator[tuple[str, str]]:
-    """Free bodies that stay where they were and that no beat, relation, shot, driver or joint names."""
+def _dressing(candidate: Candidate) -> Iterator[tuple[str, str]]:
+    """Bodies that nothing speaks of, and which of them are free and stay where they were."""
     spec = candidate.spec
-    if candidate.stage == "static":
+    found = dressing(spec)
+    if not found:
         return
-    named = _named(spec)
     idle = [
         n
-        for n, e in spec.entities.items()
-        if e.motion == "dynamic" and shape_of(e) == "solid" and n not in named and n in candidate.built and _still(candidate, n)
+        for n in found
+        if spec.entities[n].motion == "dynamic" and shape_of(spec.entities[n]) == "solid" and n in candidate.built
+        if candidate.stage != "static" and _still(candidate, n)
     ]
-    if idle:
-        more = f" and {len(idle) - MOST_NAMED} more" if len(idle) > MOST_NAMED else ""
-        verb = "is a free body" if len(idle) == 1 else "are free bodies"
-        yield (
-            f"{', '.join(map(repr, idle[:MOST_NAMED]))}{more} {verb} that nothing moves",
-            "no beat, requirement, relation or shot speaks of them: they might as well be static",
-        )
+    free = f"; nothing moves {_listed(idle)}, which might as well be static" if idle else ""
+    yield (
+        f"dressing: {_listed(found)}",
+        f"no beat, requirement, driver, clause or relation that asks something speaks of it: it satisfies nothing{free}",
+    )
 
 
-def _named(spec: WorldSpec) -> set[str]:
-    """Entities that the story, the graph, shots, drivers, joints or clauses speak of."""
-    found = {
-        v for holder in (spec.story, spec.graph, spec.shots, spec.simulation.drivers, spec.simulation.joints) for v in _of(holder)
-    }
-    for beat in spec.story.beats.values():
-        found |= set(entities_of(beat.predicate))
-    for requirement in spec.story.requirements.values():
-        found |= set(entities_of(requirement.predicate))
-    return found
-
-
-def _of(holder: Any) -> set[str]:
-    members = holder.values() if isinstance(holder, dict) else (holder,)
-    return {v for member in members for _, target, v in references(member, "") if target in ("entity", "node")}
+def _listed(names: Sequence[str]) -> str:
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return ", ".join(map(repr, names[:MOST_NAMED])) + more
 
 
 def _still(candidate: Candidate, entity: str) -> bool:

@@ -5,19 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from ...worlds.errors import SpecError
 from ...worlds.groups import GROUPS
+from ...worlds.patch import apply_patch, weakenings
 from ...worlds.requirements import Correction, RowClass
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
+    from ...worlds.spec import WorldSpec
 
 __all__ = [
     "EDIT_CLASS",
     "LEAST_STEP",
+    "WEAKER",
     "bake_again",
     "correction",
     "halve_step",
     "move_by",
+    "owning_up",
     "pointer",
     "postponed",
     "separate",
@@ -26,6 +31,9 @@ __all__ = [
 
 EDIT_CLASS: Mapping[str, RowClass] = {name: group.edit_class for name, group in GROUPS.items()}
 """Class of an edit to each causal parameter group (R111, R112)."""
+
+WEAKER = " (a weakening edit: give weakening_reason)"
+"""End of an action that makes the specification easier to satisfy."""
 
 LEAST_STEP: Mapping[str, float] = {"step": 2e-5, "max_step": 1e-5, "step_share": 0.02}
 """Smallest value that the settings of an engine allow, by the name of its step: [s], [s], and [1] of the stable step."""
@@ -38,6 +46,19 @@ def correction(
     return Correction(
         cause=cause, edit_class=EDIT_CLASS[group], group=group, action=action, pointers=tuple(pointers), patch=tuple(patch)
     )
+
+
+def owning_up(suggested: Correction, spec: WorldSpec) -> Correction:
+    """A correction whose action says so where its patch makes the specification easier; without a patch that does not apply."""
+    if not suggested.patch:
+        return suggested
+    try:
+        after = apply_patch(spec, suggested.patch)
+    except SpecError:
+        return suggested.model_copy(update={"patch": ()})
+    if "weakening" in suggested.action or not weakenings(spec, after):
+        return suggested
+    return suggested.model_copy(update={"action": suggested.action + WEAKER})
 
 
 def pointer(*steps: str | int) -> str:

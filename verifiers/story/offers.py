@@ -6,19 +6,15 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ...worlds.drivers import acts_from, behind
-from ...worlds.errors import EvidenceError, SpecError
-from ...worlds.patch import apply_patch, weakenings
+from ...worlds.errors import EvidenceError
 from ...worlds.spec import PathDriver
-from ..rows.corrections import correction, pointer
+from ..rows.corrections import correction, owning_up, pointer
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from ...worlds.spec import WorldSpec
 
-__all__ = ["WEAKER", "acting", "driver_offers", "earlier", "offered"]
-
-WEAKER = " (a weakening edit: give weakening_reason)"
-"""End of an action that makes the specification easier to satisfy."""
+__all__ = ["acting", "driver_offers", "earlier", "offered"]
 
 
 def offered(
@@ -36,15 +32,7 @@ def offered(
         pointers: fields to look at first.
         patch: RFC 6902 operations.
     """
-    edits = tuple(patch)
-    try:
-        after = apply_patch(spec, edits)
-    except SpecError:
-        edits = ()
-    else:
-        if edits and "weakening" not in action and weakenings(spec, after):
-            action += WEAKER
-    return correction(cause, group, action, pointers=pointers, patch=edits)
+    return owning_up(correction(cause, group, action, pointers=pointers, patch=patch), spec)
 
 
 def acting(spec: WorldSpec, entity: str) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.verifiers.diagnosis.cite import cite, diagnose
+from worldagent.verifiers.rows.corrections import WEAKER
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.patch import apply_patch, parse_spec
@@ -377,3 +378,13 @@ def test_no_cause_names_a_setting_that_the_engine_does_not_have() -> None:
         assert found
         assert set(own) <= set(settings), own
         assert all(c.pointers for c in found)
+
+
+@pytest.mark.parametrize(("body", "material", "told"), [("b3", "wood", True), ("floor", "stone", False)])
+def test_a_patch_of_friction_owns_up_where_a_beat_names_the_body(body: str, material: str, *, told: bool) -> None:
+    spec = apply_patch(_spec(), [{"op": "replace", "path": "/materials/stone/friction", "value": 0.4}])
+    rub = _correction("material", patch=({"op": "replace", "path": f"/materials/{material}/friction", "value": 0.8},))
+    row = _row(f"support:grip:{body}", check="support", corrections=(rub,))
+    actions = [c.action for c in diagnose(row, spec).corrections if c.patch]
+    assert len(actions) == 1
+    assert actions[0].endswith(WEAKER) is told

@@ -1,4 +1,4 @@
-"""What a specification takes easier than usual stands in the register, even where no edit tells of it; so do hands and idle bodies."""
+"""What a specification takes easier than usual stands in the register, even where no edit tells of it; so do hands and dressing."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def test_gravity_of_some_place_on_earth_is_not_told(tmp_path: Path, strength: fl
     assert not _about(_lines(tmp_path, gravity=(0, 0, -strength)), "gravity of")
 
 
-# ---------------------------------------------------------------- hands and idle bodies
+# ---------------------------------------------------------------- hands and dressing
 
 FRAMES = 24
 WAY = np.column_stack([np.linspace(0, 1, FRAMES), np.zeros(FRAMES), np.full(FRAMES, 0.05)])
@@ -203,26 +203,30 @@ def test_a_body_on_a_path_that_stands_still_is_a_table(tmp_path: Path) -> None:
     assert not _about(_hand(tmp_path, hand=((0.0, 0.0, 0.05), (1, 0, 0, 0))), "on its authored path pushes")
 
 
-def test_free_bodies_that_nothing_moves_or_speaks_of_are_told(tmp_path: Path) -> None:
-    (line,) = _about(_hand(tmp_path, hand=(WAY, (1, 0, 0, 0))), "that nothing moves")
-    assert line == "'crate' is a free body that nothing moves"
+DRESSING = "no beat, requirement, driver, clause or relation that asks something speaks of it: it satisfies nothing"
 
 
-SPOKEN: dict[str, dict[str, Any]] = {
-    "beat": {"beats": {"b": Beat(text="t", owner="rigid", subject="crate", frames=(0, 9), predicate=Displacement(entity="crate", min=0.1))}},
-    "relation": {"relations": {"r": Supports(a="floor", b="crate")}},
-    "shot": {"shots": {"s": Shot(frames=(0, 23), keys={"k": {"frame": 0, "position": (1, 1, 1), "look_at": "crate"}})}},  # type: ignore[dict-item]
+def test_bodies_that_nothing_speaks_of_are_dressing_and_those_that_nothing_moves_are_told(tmp_path: Path) -> None:
+    lines = _hand(tmp_path, hand=(WAY, (1, 0, 0, 0)))
+    assert lines["dressing: 'floor', 'crate'"] == f"{DRESSING}; nothing moves 'crate', which might as well be static"
+
+
+def test_a_free_body_that_moves_is_dressing_none_the_less(tmp_path: Path) -> None:
+    entities = {"floor": ground(), "crate": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.05))}
+    assert _lines(tmp_path, entities, moved={"crate": (WAY, (1, 0, 0, 0))})["dressing: 'floor', 'crate'"] == DRESSING
+
+
+SPOKEN: dict[str, tuple[dict[str, Any], str]] = {
+    "beat": ({"beats": {"b": Beat(text="t", owner="rigid", subject="crate", frames=(0, 9), predicate=Displacement(entity="crate", min=0.1))}}, "dressing: 'floor'"),
+    "relation": ({"relations": {"r": Supports(a="floor", b="crate")}}, ""),
+    "shot": ({"shots": {"s": Shot(frames=(0, 23), keys={"k": {"frame": 0, "position": (1, 1, 1), "look_at": "crate"}})}}, "dressing: 'floor', 'crate'"),  # type: ignore[dict-item]
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("where", SPOKEN)
-def test_a_body_that_something_speaks_of_is_not_idle(tmp_path: Path, where: str) -> None:
-    assert not _about(_hand(tmp_path, hand=(WAY, (1, 0, 0, 0)), **SPOKEN[where]), "that nothing moves")
-
-
-def test_a_body_that_moves_is_not_idle(tmp_path: Path) -> None:
-    entities = {"floor": ground(), "crate": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.05))}
-    assert not _about(_lines(tmp_path, entities, moved={"crate": (WAY, (1, 0, 0, 0))}), "that nothing moves")
+def test_what_a_beat_or_relation_speaks_of_is_no_dressing_and_a_shot_asks_nothing_of_a_body(tmp_path: Path, where: str) -> None:
+    more, line = SPOKEN[where]
+    assert _about(_hand(tmp_path, hand=(WAY, (1, 0, 0, 0)), **more), "dressing") == ([line] if line else [])
 
 
 # ---------------------------------------------------------------- springs, drag, starts, margins

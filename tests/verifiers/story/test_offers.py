@@ -6,8 +6,9 @@ from pathlib import Path
 
 from worldagent.testing.worlds.simulated_worlds import beat, simulate
 from worldagent.tests.verifiers.pushed_blocks import only, pushed
+from worldagent.verifiers.rows.corrections import WEAKER
 from worldagent.verifiers.story import causal
-from worldagent.verifiers.story.offers import WEAKER, earlier, offered
+from worldagent.verifiers.story.offers import earlier, offered
 from worldagent.worlds.patch import apply_patch, weakenings
 from worldagent.worlds.predicates import Contact, Displacement
 from worldagent.worlds.requirements import Row

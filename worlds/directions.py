@@ -180,7 +180,7 @@ _ROOT = _grown()
 
 
 def _along(pointer: str) -> Iterator[Parameter | None]:
-    """What is declared at each place on the way to a pointer; places in a list are those of the list."""
+    """Declarations at each place on the way to a pointer; places in a list are those of the list."""
     node: _Node | None = _ROOT
     for token in pointer.split("/")[1:]:
         below = None if node is None else node.get(token, node.get("*"))

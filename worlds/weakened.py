@@ -105,7 +105,7 @@ def _names(binders: Sequence[str]) -> str:
 
 
 def _held(spec: WorldSpec, place: str) -> _Held:
-    """What stands at a pointer; a material is what it is made of, whatever its name.
+    """Value at a pointer with its default; a material is what it is made of, whatever its name.
 
     A word has no default: `other` says of a substance that it is unknown.
     """

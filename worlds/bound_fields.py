@@ -1,13 +1,14 @@
 """Who speaks of what in a specification: fields that are bound, and bodies that nothing speaks of (R156, R157).
 
-A beat, a requirement or a claim that names a body binds the quantities of nature on which its motion depends. Sizes are bound by
-claims of quantities and properties alone: rows judge a body of another form as it is.
+A beat, a requirement or a claim that names a body binds the quantities of nature on which its motion depends. Sizes, friction and
+restitution are bound by claims of quantities and properties alone: rows judge a body of another form as it is, and how it rubs and
+bounces is what a repair changes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .references import references
 from .vocabulary import SpecModel
@@ -15,22 +16,35 @@ from .vocabulary import SpecModel
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["binders_of", "bound_fields", "dressing"]
+__all__ = ["Bound", "binders_of", "bound_fields", "dressing"]
 
 _SIZED = ("quantity", "property")
-"""Types of claims that may be about the size of a body."""
+"""Types of claims that may be about the size of a body, or how it rubs."""
+_RUBS = ("friction", "rolling_friction", "restitution")
+"""Fields that only such a claim binds."""
 _PERMIT = "fastened"
 """Kind of relation that asks nothing: it allows an overlap."""
 
 
-def bound_fields(spec: WorldSpec) -> dict[str, tuple[str, ...]]:
+class Bound(NamedTuple):
     """Beats, requirements and claims that bind what stands at a JSON pointer and below it, by pointer."""
+
+    all: Mapping[str, Mapping[str, None]]
+    told: Mapping[str, Mapping[str, None]]
+    """By claims of quantities and properties alone."""
+
+
+def bound_fields(spec: WorldSpec) -> Bound:
+    """Everybody that binds fields of a specification."""
     found: dict[str, dict[str, None]] = {}
+    measured: dict[str, dict[str, None]] = {}
     natures = _natures(spec)
 
-    def bind(places: Iterable[str], who: str) -> None:
+    def bind(places: Iterable[str], who: str, *, told: bool = False) -> None:
         for place in places:
             found.setdefault(place, {})[who] = None
+            if told:
+                measured.setdefault(place, {})[who] = None
 
     for holder, noun in ((spec.story.beats, "beat"), (spec.story.requirements, "requirement")):
         for key, item in holder.items():
@@ -39,14 +53,15 @@ def bound_fields(spec: WorldSpec) -> dict[str, tuple[str, ...]]:
     for key, claim in _claims(spec):
         for place in claim.by:
             name = _entity_at(place)
-            if place != f"/entities/{name}" or claim.type in _SIZED:
-                bind([place], f"claim {key!r}")
+            told = claim.type in _SIZED
+            if place != f"/entities/{name}" or told:
+                bind([place], f"claim {key!r}", told=told)
             if place == f"/entities/{name}":
-                bind(natures.get(name, ()), f"claim {key!r}")
-    return {place: tuple(who) for place, who in found.items()}
+                bind(natures.get(name, ()), f"claim {key!r}", told=told)
+    return Bound(found, measured)
 
 
-def binders_of(bound: Mapping[str, tuple[str, ...]], pointer: str) -> tuple[str, ...]:
+def binders_of(bound: Bound, pointer: str) -> tuple[str, ...]:
     """Who binds the field at a JSON pointer: whoever speaks of it, of what holds it, or of a part of it.
 
     Args:
@@ -54,8 +69,9 @@ def binders_of(bound: Mapping[str, tuple[str, ...]], pointer: str) -> tuple[str,
         pointer: of a field.
     """
     tokens = pointer.split("/")
-    above = [who for k in range(2, len(tokens) + 1) for who in bound.get("/".join(tokens[:k]), ())]
-    below = [who for place, named in bound.items() if place.startswith(f"{pointer}/") for who in named]
+    binding = bound.told if tokens[-1] in _RUBS else bound.all
+    above = [who for k in range(2, len(tokens) + 1) for who in binding.get("/".join(tokens[:k]), ())]
+    below = [who for place, named in binding.items() if place.startswith(f"{pointer}/") for who in named]
     return tuple(dict.fromkeys((*above, *below)))
 
 

@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from typing import Any, NamedTuple
 
-from .bound_fields import binders_of, bound_fields
+from .bound_fields import Bound, binders_of, bound_fields
 from .categories.registry import CATEGORIES
 from .directions import field_of, way_of
 from .slices import physical_materials
@@ -86,7 +86,7 @@ def _changed(place: str, was: _Held, now: _Held, binders: Sequence[str]) -> Iter
         yield f"{place} {was.said} -> {now.said}, which leaves its default"
 
 
-def _pair(place: str, before: WorldSpec, after: WorldSpec, bound: Mapping[str, tuple[str, ...]]) -> Iterator[str]:
+def _pair(place: str, before: WorldSpec, after: WorldSpec, bound: Bound) -> Iterator[str]:
     """A pair with friction or restitution of its own that comes or goes."""
     was, now = (spec.simulation.contacts.get(place.rpartition("/")[2]) for spec in (before, after))
     pair = was or now

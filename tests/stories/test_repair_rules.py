@@ -180,7 +180,7 @@ EASIER: dict[str, list[dict[str, Any]]] = {
     "weak gravity": [{"op": "add", "path": "/simulation/gravity", "value": [0, 0, -1.62]}],
     "gravity that pulls along": [{"op": "add", "path": "/simulation/gravity", "value": [1, 0, -9.76]}],
     "a mass of its own": [{"op": "add", "path": "/entities/b3/physics", "value": {"category": "rigid", "mass": 0.05}}],
-    "less friction of what a beat names": [{"op": "replace", "path": "/materials/wood/friction", "value": 0.1}],
+    "less density of what a beat names": [{"op": "replace", "path": "/materials/wood/density", "value": 550}],
     "another material of what a beat names": [{"op": "replace", "path": "/entities/b3/material", "value": "stone"}],
     "a body that is there for a while": [{"op": "add", "path": "/entities/b3/active", "value": [0, 20]}],
     "a surface gone": [{"op": "add", "path": "/entities/b3/parts/body/collides", "value": False}],
@@ -240,13 +240,16 @@ def test_what_must_happen_sooner_and_other_surfaces_are_no_weakening(failed: Any
     assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=drawn, hypothesis=WHY)
 
 
-def test_density_of_what_no_beat_names_is_a_repair_and_friction_of_a_beats_body_says_who_binds_it(failed: Any) -> None:
+def test_density_of_what_no_beat_names_and_friction_are_repairs_and_density_of_a_beats_body_says_who_binds_it(failed: Any) -> None:
     stone = [{"op": "replace", "path": "/materials/stone/density", "value": 2500}]
     assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=stone, hypothesis=WHY)
     failed.call("probe_sim", world="w")
-    wood = [{"op": "replace", "path": "/materials/wood/friction", "value": 0.1}]
+    rubs = [{"op": "replace", "path": "/materials/wood/friction", "value": 0.31}]
+    assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=rubs, hypothesis=WHY)
+    failed.call("probe_sim", world="w")
+    wood = [{"op": "replace", "path": "/materials/wood/density", "value": 550}]
     told = failed.call("edit_spec", world="w", patch=wood, hypothesis=WHY, weakening_reason=REASON)
-    assert told["weakenings_recorded"] == ["/materials/wood/friction 0.3 -> 0.1, bound by beat 'strike', beat 'fall'"]
+    assert told["weakenings_recorded"] == ["/materials/wood/density 600 -> 550, bound by beat 'strike', beat 'fall'"]
 
 
 def test_before_any_failure_the_plan_may_become_easier(agent: Any) -> None:

@@ -19,12 +19,22 @@ from ..testing.prompts import Marked, Stranger, honest, placed, strangers, verbs
 from ..worlds.audits.audit import audit
 from ..worlds.audits.clauses import clauses_of
 from ..worlds.prompts.lexicon import Reading, labelled, verb_kinds, warnings_for
+from ..worlds.prompts.proposals import proposed
 from ..worlds.spec import WorldSpec
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["dressed_for", "found_and_right", "passes", "run", "verb_figures", "warning_figures", "word_figures"]
+__all__ = [
+    "dressed_for",
+    "found_and_right",
+    "passes",
+    "proposal_figures",
+    "run",
+    "verb_figures",
+    "warning_figures",
+    "word_figures",
+]
 
 HOLDS: dict[str, frozenset[str]] = {
     "event": frozenset({"negation"}),
@@ -66,6 +76,7 @@ def run(prompts: Sequence[Stranger] | None = None) -> dict[str, Any]:
         "worlds": worlds,
         "prompts_by_language": dict(sorted(languages.items())),
         "lexicon": {**word_figures(), **warning_figures(), "verbs": verb_figures()},
+        "proposals": proposal_figures(),
         "passed_share": sum(w["passed"] for w in worlds.values()) / max(1, len(asked) * len(worlds)),
         "target_share": 0.0,
     }
@@ -138,4 +149,19 @@ def verb_figures() -> dict[str, Any]:
             "precision": sum(len(kinds & (verb.kinds | verb.also)) for verb, kinds in zip(asked, given, strict=True))
             / sum(map(len, given)),
         }
+    return made
+
+
+def proposal_figures() -> dict[str, Any]:
+    """Share of the marked spans that a proposal of the same type meets, by language, of the types that the server knows there."""
+    known = {"en": ("thing", "event", "property", "count", "quantity", "order", "negation")}
+    made: dict[str, Any] = {}
+    for language in sorted({prompt.language for prompt in honest()}):
+        met: list[bool] = []
+        for prompt in (prompt for prompt in honest() if prompt.language == language):
+            found = proposed(prompt.text)
+            for start, end, kind in placed(prompt):
+                if kind in known.get(language, ("count", "quantity", "order", "negation")):
+                    met.append(any(span.type == kind and span.start < end and start < span.end for span in found))
+        made[language] = {"marked": len(met), "same_type_share": sum(met) / len(met)}
     return made

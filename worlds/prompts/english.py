@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .languages import function_words
+
 __all__ = [
     "AUXILIARIES", "BE", "CONJUNCTIONS", "DETERMINERS", "LOOK", "MADE_OF",
     "MATERIALS", "NUMBERS", "PARTICLES", "PHRASES", "PREPOSITIONS", "PRONOUNS", "REQUESTS",
@@ -30,7 +32,7 @@ CONJUNCTIONS = _words(
 )
 PREPOSITIONS = _words(
     "of in on at by with from to into onto off over under above below across along through down up out around round past near beside between behind "
-    "beyond against inside outside toward towards upon within among amid beneath underneath for about via per like during upward downward next around"
+    "beyond against inside outside toward towards upon within among amid beneath underneath for about via per except like during upward downward next around"
 )
 PARTICLES = _words("off over up down out away apart through back into onto around loose along aside together on in")
 """What makes a verb of two words, where the lexicon has the pair or the word stands before no noun phrase."""
@@ -70,13 +72,11 @@ MATERIALS = _words(
 """Solids that a body can be of: before a noun they are a property of it, where water or oil would only say what it is for (water tower, oil drum)."""
 SUBJECTS = _words("i you he she it we they who which that somebody someone")
 """Pronouns after which a verb follows."""
+GERUNDS = _words("without by before after from while for")
+"""Words after which a form in -ing is a verb."""
 ALWAYS_PARTICLES = _words("off away apart")
-NEGATIONS = _words("not n't no never none nothing nobody nowhere without neither nor cannot")
-ORDER = _words("then before after afterwards until till first finally next while when meanwhile later lastly once")
 CLASSES: tuple[tuple[str, frozenset[str]], ...] = (
-    ("negation", NEGATIONS),
-    ("order", ORDER),
-    ("filler", DETERMINERS | PRONOUNS | BE | AUXILIARIES | CONJUNCTIONS | PREPOSITIONS | REQUESTS),
+    ("filler", DETERMINERS | PRONOUNS | BE | AUXILIARIES | CONJUNCTIONS | PREPOSITIONS | REQUESTS | function_words("en")),
     ("time", TIMES),
     ("weather", WEATHER),
     ("look", LOOK),
@@ -84,23 +84,9 @@ CLASSES: tuple[tuple[str, frozenset[str]], ...] = (
 )
 """Types of closed classes, in the order in which a word is looked for."""
 PHRASES: dict[str, str] = {
-    "one after another": "order",
-    "one after the other": "order",
-    "one by one": "order",
-    "one at a time": "order",
     "step by step": "order",
-    "at the same time": "order",
     "at the same instant": "order",
-    "as soon as": "order",
-    "at first": "order",
-    "at last": "order",
-    "at once": "order",
-    "and then": "order",
-    "only after": "order",
-    "only then": "order",
-    "a moment later": "order",
     "once more": "order",
-    "in the end": "order",
     "side by side": "property",
     "half a dozen": "count",
     "a dozen": "count",

@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass, field
 
 from . import english
+from .languages import held_words
 from .units import folded, units_of
 from .wordnet import irregular, particle_verb, votes
 
@@ -68,6 +69,7 @@ class Word:
 def words_of(text: str) -> list[Word]:
     """The words of a prompt, each with its part of speech or closed class."""
     words = _units(text)
+    _hold(words, text)
     _close(words)
     told = False
     for first, end in _clauses(words):
@@ -97,6 +99,15 @@ def _units(text: str) -> list[Word]:
     return made
 
 
+def _hold(words: list[Word], text: str) -> None:
+    """Close negations and words of order."""
+    held = [word for word in held_words(text, "en") if word.kind != "number"]
+    for k, word in enumerate(words):
+        for span in held:
+            if span.start <= word.start < span.end:
+                word.close(span.kind, next(n for n in range(k + 1) if words[n].start >= span.start))
+
+
 def _close(words: list[Word]) -> None:
     """Find expressions, numbers and words of closed classes."""
     texts = [word.text for word in words]
@@ -104,13 +115,13 @@ def _close(words: list[Word]) -> None:
     while k < len(words):
         for count in range(min(LONGEST_PHRASE, len(words) - k), 1, -1):
             found = english.PHRASES.get(" ".join(texts[k : k + count]))
-            if found is not None:
+            if found is not None and not any(word.part for word in words[k : k + count]):
                 for word in words[k : k + count]:
                     word.close(found, k)
                 k += count
                 break
         else:
-            k += _number(words, k) or _closed_class(words[k], k)
+            k += 1 if words[k].part else _number(words, k) or _closed_class(words[k], k)
 
 
 def _is_number(word: Word) -> bool:
@@ -177,7 +188,7 @@ def _closed_class(word: Word, k: int) -> int:
 def _clauses(words: list[Word]) -> list[tuple[int, int]]:
     """Where punctuation or a conjunction begins another clause."""
     starts = [k for k, word in enumerate(words) if k == 0 or word.fresh or word.text in english.CONJUNCTIONS]
-    return list(zip(starts, [*starts[1:], len(words)], strict=True))
+    return list(itertools.pairwise([*starts, len(words)]))
 
 
 def _decide(clause: list[Word], told: bool) -> bool:
@@ -217,6 +228,8 @@ def _part(word: Word, before: Word | None, following: Word | None, seen_verb: bo
             return "v"
         if place == "be":
             return _after_be(word, nominal)
+        if before is not None and before.text in english.GERUNDS and word.ends_as_verb == "ing" and not nominal:
+            return "v"
         if place == "noun":
             return _in_phrase(word, following, bool(nominal))
         return _at_start(word, following, bool(nominal), seen_verb)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import re
 from collections import defaultdict
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -40,6 +40,10 @@ ENDINGS: dict[Part, tuple[tuple[str, str], ...]] = {
     "r": (),
 }
 """Detachment of endings as WordNet's own `morphy` does it."""
+REMEMBERED = 1 << 14
+"""Words whose votes are kept; own choice: those of some hundred prompts."""
+LONGEST_COMPOUND = 30
+"""Letters of a word that is taken for two nouns; own choice."""
 _SHARE = re.compile(r"([nvar])([A-Z])([0-9a-f])")
 
 
@@ -105,7 +109,7 @@ def _candidates(word: str, part: Part) -> list[str]:
     return [f"{stem}{tail}" for stem in (*_data().forms.get((head, part), ()), *whole, *doubled)]
 
 
-@cache
+@lru_cache(maxsize=REMEMBERED)
 def _cut(lemma: str, part: Part) -> Mapping[str, int]:
     """Shares of one part of speech, by letter, in fifteenths of the whole lemma."""
     return {letter: int(share, 16) for of, letter, share in _SHARE.findall(_data().types.get(lemma, "")) if of == part}
@@ -113,13 +117,13 @@ def _cut(lemma: str, part: Part) -> Mapping[str, int]:
 
 def _tail(word: str) -> str:
     """The second noun of a word that is two and not in the lexicon itself, as in bedsheet; empty where it is none or known."""
-    if any(lemmas(word, part) for part in ("v", "a", "r")):
+    if len(word) > LONGEST_COMPOUND or any(lemmas(word, part) for part in ("v", "a", "r")):
         return ""
     cuts = range(3, len(word) - 2)
     return next((word[k:] for k in cuts if _cut(word[:k], "n") and lemmas(word[k:], "n")), "")
 
 
-@cache
+@lru_cache(maxsize=REMEMBERED)
 def votes(word: str, part: Part) -> Mapping[str, float]:
     """Votes for each type, as one part of speech: fifteenths of the likeliest lemma, `{}` where it cannot be that part."""
     found = lemmas(word, part)

@@ -115,14 +115,14 @@ def test_figures_of_words_verbs_and_warnings_stay_above_their_floors() -> None:
     words, warned, kinds = word_figures(), warning_figures(), verb_figures()
     assert words["events"]["all"]["recall"] >= 0.89
     assert words["events"]["unseen"]["recall"] >= 0.87
-    assert words["events"]["all"]["precision"] >= 0.83
-    assert words["things"]["all"]["recall"] >= 0.86
+    assert words["events"]["all"]["precision"] >= 0.84
+    assert words["things"]["all"]["recall"] >= 0.88
     assert words["things"]["unseen"]["recall"] >= 0.90
     assert words["things"]["all"]["precision"] >= 0.89
     assert warned["false_warnings_per_prompt"] <= 0.3
     assert warned["events_left_out_told_share"] >= 0.75
     assert warned["events_marked_as_things_told_share"] >= 0.72
-    assert warned["things_left_out_told_share"] >= 0.84
+    assert warned["things_left_out_told_share"] >= 0.87
     assert kinds["seen"]["precision"] >= 0.80
     assert kinds["unseen"]["recall"] >= 0.90
     assert kinds["unseen"]["precision"] >= 0.86
@@ -164,3 +164,9 @@ def test_another_language_is_said_to_be_unchecked(language: str | None, says: st
     (found,) = warnings_for([], "Der Ball rollt.", language)
     assert found.says.startswith(says)
     assert (found.start, found.end) == (0, 15)
+
+
+@pytest.mark.parametrize("text", ["", " ", "…!?", "🎈", "a" * 5000, "_ _", "x-", "-y-z", "1", "one", "n't", "the the the"])
+def test_odd_texts_are_read_without_an_error(text: str) -> None:
+    assert all(0 <= word.start < word.end <= len(text) for word in labelled(text))
+    assert isinstance(warnings_for([], text, "en"), tuple)

@@ -1,0 +1,111 @@
+"""Spans and types that the server proposes for a new prompt: a start for whoever marks it, judged by nobody.
+
+English words get the types of `lexicon.py`. In other languages with reviewed lists numbers, negations and words of order are known, and words of
+grammar are left out; every other word is `unknown`, to be typed or left as filler.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+from .languages import REVIEWED, function_words, held_words, language_of
+from .lexicon import labelled
+from .marks import Mark, MarkType, marked_text
+from .numbers import number_in, quantity_in
+from .units import Unit, folded, units_of, word_count
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+__all__ = ["Proposal", "proposal_text", "proposed"]
+
+LONGEST = 4
+"""Words of a span."""
+LONGEST_EVENT = 8
+"""Of an event or quantity."""
+LONGEST_UNIT = 5
+"""Text units that are looked at behind a number for its unit of measure: own choice; `kilometres per hour` has three, `立方厘米` four."""
+
+
+class Proposal(NamedTuple):
+    """A span of a prompt and the type of claim that it is likely to make."""
+
+    start: int
+    end: int
+    type: str
+    """A type of claim, or `unknown`."""
+
+
+def proposed(text: str) -> tuple[Proposal, ...]:
+    """Spans that do not overlap, in order; what is in none is likely to be filler."""
+    language = language_of(text)
+    found = _english(text) if language == "en" else _elsewhere(text, language)
+    made: list[Proposal] = []
+    for proposal in sorted(found):
+        if not made or proposal.start >= made[-1].end:
+            made.append(_short(text, proposal))
+    return tuple(made)
+
+
+def proposal_text(prompt: str) -> str:
+    """The prompt as marked text without targets: `A [steel](property) [ball](thing) [rolls off](event) the [table](thing).`"""
+    marks = [Mark(start, end, prompt[start:end], cast("MarkType", kind)) for start, end, kind in proposed(prompt)]
+    return marked_text(prompt, marks)
+
+
+def _english(text: str) -> Iterator[Proposal]:
+    yield from (Proposal(label.start, label.end, label.type) for label in labelled(text))
+
+
+def _short(text: str, span: Proposal) -> Proposal:
+    """The span as a claim may have it: its last words where it has too many, since the head of a compound is its last."""
+    longest = LONGEST_EVENT if span.type in ("event", "quantity") else LONGEST
+    starts = [unit.start for unit in units_of(text) if span.start <= unit.start < span.end]
+    return span._replace(start=next(start for start in starts if word_count(text[start : span.end]) <= longest))
+
+
+def _elsewhere(text: str, language: str | None) -> Iterator[Proposal]:
+    held = held_words(text, language)
+    found = [Proposal(word.start, word.end, word.kind) for word in held if word.kind != "number"]
+    found += _numbers(text, [(word.start, word.end) for word in held if word.kind == "number"], language)
+    grammar = function_words(language or "")
+    yield from found
+    rest = [unit for unit in units_of(text) if not any(span.start < unit.end and unit.start < span.end for span in found)]
+    yield from _unknown(text, [unit for unit in rest if folded(unit.text).replace("’", "'") not in grammar])
+
+
+def _numbers(text: str, held: Sequence[tuple[int, int]], language: str | None) -> Iterator[Proposal]:
+    """Counts, and quantities where a unit of measure stands behind a number; of a language without reviewed lists those that all languages share."""
+    units = units_of(text)
+    spans = held
+    if language not in REVIEWED:
+        spans = [(unit.start, unit.end) for unit in units if number_in(unit.text, language) is not None]
+    stops = [start for start, _ in [*spans, (len(text), len(text))]][1:]
+    for (start, end), stop in zip(spans, stops, strict=True):
+        found, last = None, end
+        for unit in [unit for unit in units if end <= unit.start < stop][:LONGEST_UNIT]:
+            quantity = quantity_in(text[start : unit.end], language)
+            if found is not None and (quantity is None or quantity == found):
+                break
+            if quantity is not None:
+                found, last = quantity, unit.end
+        yield Proposal(start, last, "count" if found is None else "quantity")
+
+
+def _unknown(text: str, units: Sequence[Unit]) -> Iterator[Proposal]:
+    """Each word by itself; clusters of a script without blanks in runs of at most four words."""
+    start, end = -1, -1
+    for unit in units:
+        if start >= 0 and (unit.start > end or _is_word(unit) or word_count(text[start : unit.end]) > LONGEST):
+            yield Proposal(start, end, "unknown")
+            start = -1
+        if start < 0:
+            start = unit.start
+        end = unit.end
+    if start >= 0:
+        yield Proposal(start, end, "unknown")
+
+
+def _is_word(unit: Unit) -> bool:
+    """False of a cluster of a script without blanks, two of which count as one word."""
+    return word_count(f"{unit.text} {unit.text}") != 1

@@ -1,4 +1,4 @@
-"""Make `worlds/prompts/data/{numbers,units}.json` from ICU: `python packaging/number_words.py`, with PyICU installed.
+"""Make `worlds/prompts/data/{numbers,units}.json` from ICU: `python packaging/number_words.py [FOLDER]`, with PyICU installed.
 
 Debian's `python3-icu` or PyICU from source; no part of the package needs it. `tests/worlds/prompts/test_data.py` holds the digests.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import ctypes.util
 import hashlib
 import json
+import sys
 import unicodedata
 from pathlib import Path
 from typing import Any
@@ -112,7 +113,7 @@ def unit_names(language: str, unit: str) -> list[str]:
     return sorted(found)
 
 
-def written(name: str, table: dict[str, Any]) -> None:
+def written(path: Path, table: dict[str, Any]) -> None:
     """One line for each entry of the second level, so that a difference can be read."""
     body = json.dumps(table["languages"], ensure_ascii=False, sort_keys=True)
     head = {"source": {**source(), "languages_sha256": hashlib.sha256(body.encode()).hexdigest()}}
@@ -123,11 +124,11 @@ def written(name: str, table: dict[str, Any]) -> None:
         rows = [f"   {json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in parts.items()]
         inner.append(f'  "{language}": {{\n' + ",\n".join(rows) + "\n  }")
     text = "{\n" + ",\n".join([*lines, ' "languages": {\n' + ",\n".join(inner) + "\n }"]) + "\n}\n"
-    (DATA / name).write_text(text, encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
 
 
-def main() -> None:
-    """Both tables."""
+def main(folder: Path) -> None:
+    """Both tables, into a folder."""
     numbers = {}
     for language in LANGUAGES:
         symbols = icu.DecimalFormatSymbols(icu.Locale(language))
@@ -136,11 +137,11 @@ def main() -> None:
             "cardinals": spelled(language, CARDINALS, ordinal=False),
             "ordinals": spelled(language, ORDINALS, ordinal=True),
         }
-    written("numbers.json", {"languages": numbers})
+    written(folder / "numbers.json", {"languages": numbers})
     units = {language: {unit: unit_names(language, unit) for unit in UNITS} for language in LANGUAGES}
     table = {unit: {"dimension": kind, "factor": factor, "offset": offset} for unit, (kind, factor, offset) in UNITS.items()}
-    written("units.json", {"units": table, "languages": units})
+    written(folder / "units.json", {"units": table, "languages": units})
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else DATA)

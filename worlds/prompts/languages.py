@@ -19,7 +19,7 @@ import regex
 from .function_words import FUNCTION_WORDS
 from .held_lists import ALONE, HAN_HELD, NADA_OF, NEGATIONS, ONLY_WITH, ORDERS, UNLESS_BEFORE, UNLESS_BEHIND
 from .held_numbers import han_numbers, number_spans
-from .units import Unit, boundaries, folded, units_of
+from .units import APOSTROPHES, Unit, boundaries, folded, units_of
 
 __all__ = ["REVIEWED", "Held", "HeldKind", "function_words", "held_words", "language_of"]
 
@@ -62,7 +62,7 @@ _SCRIPTS = {
 _NOT_RUSSIAN = regex.compile("[іїєґўђјљњћџѓќѕәғқңөұүһ]|ъ(?![еёюя])")
 _NOT_ARABIC = regex.compile("[پچژگکیےٹڈڑں]")
 _LETTER = regex.compile(r"\p{L}")
-_JOINED = regex.compile(r"[\s\-'’]*")
+_JOINED = regex.compile(r"[\s\-'’‘ʼʹ＇`´′]*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,12 +84,12 @@ def language_of(text: str) -> str | None:
     """The language of a text (`en de fr es it pt nl ru zh ja`, also `ar hi`), or none where it is mixed or unknown."""
     clear: Counter[str] = Counter()
     for sentence in _SENTENCE.split(text):
-        words = [folded(unit.text).replace("’", "'") for unit in units_of(sentence) if _LETTER.search(unit.text)]
+        words = [folded(unit.text.translate(APOSTROPHES)) for unit in units_of(sentence) if _LETTER.search(unit.text)]
         language = _language(sentence, words)
         if language:
             clear[language] += len(words)
     if not clear:
-        return _language(text, [folded(unit.text).replace("’", "'") for unit in units_of(text) if _LETTER.search(unit.text)])
+        return _language(text, [folded(unit.text.translate(APOSTROPHES)) for unit in units_of(text) if _LETTER.search(unit.text)])
     language, words_of_it = clear.most_common(1)[0]
     return language if words_of_it >= SAME * clear.total() else None
 
@@ -176,7 +176,7 @@ def _phrases(language: str) -> dict[tuple[str, ...], HeldKind]:
 
 def _spaced_held(text: str, language: str) -> list[Held]:
     units, phrases = units_of(text), _phrases(language)
-    words = [folded(unit.text).replace("’", "'") for unit in units]
+    words = [folded(unit.text.translate(APOSTROPHES)) for unit in units]
     longest = max(map(len, phrases))
     found: list[Held] = []
     at = 0

@@ -1,7 +1,7 @@
 """Characters that make a prompt say something else to a machine than to a person: unseen ones, and letters that look like others.
 
 Judged per word, since honest prompts mix languages. Not told: Kana and Han characters that look alike, styled and full-width letters
-(they fold to plain ones), and words of scripts other than the four of `LIKE_LATIN`.
+(they fold to plain ones), and words of scripts other than those of `LIKE_LATIN` and `RARE`.
 
 References:
     Unicode Technical Standard 39, Unicode Security Mechanisms. Its table of confusables is reduced here to letters of the alphabets
@@ -33,6 +33,8 @@ ALPHABETS = (
     "Old_Italic", "Osage", "Tifinagh", "Canadian_Aboriginal", "Elbasan", "Vai",
 )  # fmt: skip
 """Scripts of letters that no honest word mixes; a word of Hangul, Han, Thai or Devanagari may hold Latin ones (LED등, Tシャツ)."""
+RARE = ("Cherokee", "Coptic", "Lisu", "Deseret", "Gothic", "Old_Italic", "Osage")
+"""Alphabets most of whose letters are drawn as Latin ones: their words are told among Latin ones, whatever their letters."""
 SYMBOL_LENGTH = 3
 """Letters up to which Greek beside Latin is a symbol or unit (μm, kΩ, Δt), unless the Greek looks Latin; own choice."""
 NEIGHBOURS = 8
@@ -40,6 +42,8 @@ NEIGHBOURS = 8
 
 _WORD = regex.compile(r"(?V1)[\p{L}\p{N}][\p{L}\p{M}\p{N}\p{Cf}]*")
 _SCRIPTS = {name: regex.compile(rf"(?V1)\p{{Script={name}}}") for name in ALPHABETS}
+_STRUCK = regex.compile(r"(?V1)\p{L}\p{M}*?[\u0334-\u0338\u20d2\u20d3\u20d8-\u20da\u20e5-\u20eb]")
+"""A letter with a line or ring drawn through it."""
 _UNSEEN = regex.compile(
     r"(?V1)[\p{Cf}\p{Cc}\p{Co}\p{Variation_Selector}\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0--[\t\n\r]]"
 )
@@ -81,7 +85,11 @@ class _Word(NamedTuple):
 def odd_characters(text: str) -> tuple[Odd, ...]:
     """Unseen characters, words of mixed scripts and words that look like another script's, in order."""
     words = [_word(match.start(), match.group()) for match in _WORD.finditer(text)]
-    found = [*_unseen(text), *(odd for word in words if (odd := _mixed(word))), *_look_alikes(words)]
+    struck = [
+        Odd(*match.span(), match.group(), f"{_name(match.group()[-1])} is drawn over a letter: leave it out")
+        for match in _STRUCK.finditer(text)
+    ]
+    found = [*_unseen(text), *struck, *(odd for word in words if (odd := _mixed(word))), *_look_alikes(words)]
     return tuple(sorted(found, key=lambda odd: (odd.start, odd.end)))
 
 
@@ -162,7 +170,8 @@ def _look_alikes(words: list[_Word]) -> list[Odd]:
     for first, last in _runs(spelled):
         script, run = spelled[first].scripts[0], spelled[first:last]
         other = "Cyrillic" if script == "Latin" else "Latin"
-        if any(word.clear for word in run) or script not in LIKE_LATIN or other not in clear:
+        known = script in LIKE_LATIN and not any(word.clear for word in run)
+        if other not in clear or not (known or script in RARE):
             continue
         found += [
             Odd(

@@ -21,7 +21,10 @@ from functools import lru_cache
 
 import regex
 
-__all__ = ["Unit", "boundaries", "counts", "folded", "letters", "unit_at", "units_of", "word_count"]
+__all__ = ["APOSTROPHES", "Unit", "boundaries", "counts", "folded", "letters", "unit_at", "units_of", "word_count"]
+
+APOSTROPHES = str.maketrans(dict.fromkeys("’‘ʼʹ＇`´′", "'"))
+"""Characters that people and keyboards write for an apostrophe, all read as one: `isn´t` denies as `isn't` does."""
 
 SIGNS = frozenset("%‰‱&@#′″‴")
 """Characters that Unicode files under punctuation and that carry meaning of their own."""
@@ -32,11 +35,11 @@ _WORD_BOUNDARY = regex.compile(r"(?V1w)\b")
 _CLUSTER = regex.compile(r"(?V1)\X")
 _WITHOUT_BLANKS = regex.compile(rf"(?V1){CLUSTER_SCRIPTS}")
 _ELIDED = regex.compile(
-    r"(?V1i)(?<![\p{L}\p{M}'’])(?:[cdjlmnst]|qu|jusqu|lorsqu|puisqu|quoiqu|un|gl|"
-    r"all|dall|dell|nell|sull|coll|quell|quest|bell|sant|senz|tutt|mezz|com|dov|cos|ch|anch)['’](?=\p{L})"
+    r"(?V1i)(?<![\p{L}\p{M}'])(?:[cdjlmnst]|qu|jusqu|lorsqu|puisqu|quoiqu|un|gl|"
+    r"all|dall|dell|nell|sull|coll|quell|quest|bell|sant|senz|tutt|mezz|com|dov|cos|ch|anch)'(?=\p{L})"
 )
 """Reviewed by hand: words of French, Italian, Catalan and Occitan that lose their vowel before another."""
-_CONTRACTED = regex.compile(r"(?V1i)(?<=\p{L})(?:n['’]t|['’](?:s|ll|re|ve|d|m))(?![\p{L}\p{M}\p{N}'’])")
+_CONTRACTED = regex.compile(r"(?V1i)(?<=\p{L})(?:n't|'(?:s|ll|re|ve|d|m))(?![\p{L}\p{M}\p{N}'])")
 """English contractions, cut as the Penn Treebank cuts them."""
 
 
@@ -71,6 +74,7 @@ def folded(text: str) -> str:
 @lru_cache(maxsize=16)
 def boundaries(text: str) -> frozenset[int]:
     """Offsets at which a span may begin or end: between units, blanks and punctuation."""
+    text = text.translate(APOSTROPHES)  # of the same length
     clusters = [match.span() for match in _CLUSTER.finditer(text)]
     allowed = {start for start, _ in clusters}
     cuts = {match.start() for match in _WORD_BOUNDARY.finditer(text)}

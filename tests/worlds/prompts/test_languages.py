@@ -113,6 +113,12 @@ def test_words_that_cannot_be_filler_are_held_and_their_doubles_are_not(language
     assert [word for word, _ in held(text, language)] == words
 
 
+@pytest.mark.parametrize("apostrophe", "'’‘ʼʹ＇`´′")
+def test_a_negation_is_held_whatever_character_is_its_apostrophe(apostrophe: str) -> None:
+    assert held(f"the vase doesn{apostrophe}t fall", "en") == [(f"n{apostrophe}t", "negation")]
+    assert held(f"le vase n{apostrophe}a rien", "fr") == [(f"n{apostrophe}", "negation"), ("rien", "negation")]
+
+
 def test_kinds_are_told_apart() -> None:
     assert held("1) two balls fall 2) then they don't", "en") == [
         ("1", "order"), ("two", "number"), ("2", "order"), ("then", "order"), ("n't", "negation"),

@@ -37,6 +37,8 @@ from worldagent.worlds.prompts.units import units_of
         ("a ball\U000e006e\U000e006f falls", "\U000e006e", "TAG LATIN SMALL LETTER N is not seen"),
         ("a ball\x00 falls", "\x00", "U+0000"),
         ("a \ue000ball falls", "\ue000", "has no meaning of its own"),
+        ("it does \ua4e0\ua4f3\ua4d4 fall", "\ua4e0\ua4f3\ua4d4", "Lisu letters"),
+        ("it does n\u0338ot fall", "n\u0338", "COMBINING LONG SOLIDUS OVERLAY is drawn over a letter"),
         ("\ufeffA ball falls", "\ufeff", "is not seen"),
     ],
 )
@@ -59,6 +61,8 @@ def test_what_deceives_is_told_with_its_place_and_the_reason(text: str, odd: str
         "क्‍ष เขา\u200bไป",
         "ıssız kaya düştü; l’œuf, Ångström, naïve, Straße, ﬁn",
         "ＬＥＤのボール",
+        "Ọmọ náà ńṣeré, Thẻ này, a ≠ b, ᚠ carved on a stone",
+        "ᏣᎳᎩ ᎦᏬᏂᎯᏍᏗ",
         "A ball\n\tfalls\r\n",
         "",
     ],

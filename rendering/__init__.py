@@ -7,7 +7,8 @@ from .plan import plan_view, section_view
 from .plots.account import plot_account
 from .plots.ledger import ledger_series, plot_ledger
 from .preview import PreviewRenderer, id_view, preview
-from .report.page import ReportPictures, matrix_page
+from .report.encoded import ReportPictures
+from .report.page import matrix_page
 from .report.pictures import report_pictures
 from .sheet import Encoded, contact_sheet, encode
 from .tracer.denoise import denoise, meter, tonemap

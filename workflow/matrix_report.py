@@ -36,7 +36,7 @@ def write_report(
     candidate = _candidate(folder, str(record["freeze"]), str(record.get("stage", "full")))
     try:
         pictures = (
-            ReportPictures() if candidate is None else report_pictures(candidate, record["rows"], account=_account(candidate))
+            ReportPictures() if candidate is None else report_pictures(candidate, record["rows"], account=_account(candidate), record=record)
         )
     except EvidenceError:  # what is damaged cannot be drawn; its rows say so
         pictures = ReportPictures()

@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
-__all__ = ["READ_BY", "ReadBy", "prompt_told", "verdict_words"]
+__all__ = ["READ_BY", "ReadBy", "prompt_told", "reader_words", "verdict_words"]
 
 ReadBy = Literal["nobody", "client", "model", "person"]
 """Who, beside the checks, compared the prompt with what is to be seen: an independent model or a person makes `accepted` unqualified."""
 READ_BY: tuple[ReadBy, ...] = get_args(ReadBy)
 _QUALIFIED: Mapping[str, str] = {"nobody": ", prompt read by nobody", "client": ", prompt read by its own client alone"}
+
+_READERS: Mapping[str, str] = {
+    "nobody": "nobody",
+    "client": "its own client alone",
+    "model": "an independent model",
+    "person": "a person",
+}
 
 
 def verdict_words(record: Mapping[str, Any]) -> str:
@@ -24,6 +31,15 @@ def verdict_words(record: Mapping[str, Any]) -> str:
     if not isinstance(prompt, Mapping):
         return "physics accepted; prompt judged by clauses"
     return "accepted" + _QUALIFIED.get(str(prompt.get("read_by", "nobody")), "")
+
+
+def reader_words(prompt: Mapping[str, Any]) -> str:
+    """Who compared the prompt with what is to be seen, for a sentence that ends so.
+
+    Args:
+        prompt: member of an acceptance record.
+    """
+    return _READERS.get(str(prompt.get("read_by", "nobody")), "nobody")
 
 
 def prompt_told(record: Mapping[str, Any]) -> dict[str, Any]:

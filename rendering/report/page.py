@@ -6,15 +6,16 @@ spelled out, and the page's own policy forbids scripts and foreign content.
 
 from __future__ import annotations
 
-import base64
-import html
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
-from ...worlds.quoting import visible
+from ...worlds.judged_spans import judged_spans
 from ...worlds.spec import WorldSpec
+from ...worlds.verdicts import verdict_words
+from .encoded import ReportPictures
+from .markup import cell, escaped, figure, table, tag
+from .prompt import prompt_section, span_styles
 from .style import STYLE
 
 __all__ = ["ReportPictures", "matrix_page"]
@@ -28,50 +29,8 @@ MAX_EVIDENCE = 4000
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 
 
-@dataclass(frozen=True)
-class ReportPictures:
-    """Encoded pictures (PNG or JPEG) of a candidate."""
-
-    sheet: bytes | None = None
-    """Contact sheet over all frames."""
-    ledger: bytes | None = None
-    """Plots of energy, momentum, gaps and contacts."""
-    rows: Mapping[str, tuple[str, bytes]] = field(default_factory=dict)
-    """Per row id: caption, and the picture of its first failing frame."""
-
-
-def _e(value: Any) -> str:
-    """Text as HTML, with nothing in it that acts or hides."""
-    return html.escape(visible(str(value)), quote=True)
-
-
-def _tag(name: str, inner: str, **attributes: str) -> str:
-    """An element around HTML that is escaped already."""
-    given = "".join(f' {k.rstrip("_")}="{_e(v)}"' for k, v in attributes.items())
-    return f"<{name}{given}>{inner}</{name}>"
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of escaped cells; the head is plain text."""
-    body = "".join(_tag("tr", "".join(cells)) for cells in rows)
-    titles = "".join(_tag("th", _e(h), scope="col") for h in head)
-    return _tag("div", _tag("table", _tag("thead", _tag("tr", titles)) + _tag("tbody", body)), class_="scroll")
-
-
-def _td(inner: str, kind: str = "") -> str:
-    return _tag("td", inner, class_=kind) if kind else _tag("td", inner)
-
-
-def _figure(data: bytes | None, caption: str, alternative: str) -> str:
-    if data is None:
-        return ""
-    kind = "png" if data.startswith(b"\x89PNG") else "jpeg"
-    source = f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
-    return _tag("figure", f'<img alt="{_e(alternative)}" src="{source}">' + _tag("figcaption", _e(caption)))
-
-
 def _status(word: Any) -> str:
-    return _tag("strong", _e(str(word).replace("_", " ")), class_=str(word) if word in ORDER else "")
+    return tag("strong", escaped(str(word).replace("_", " ")), class_=str(word) if word in ORDER else "")
 
 
 def _number(value: Any) -> str:
@@ -82,38 +41,39 @@ def _measured(row: Mapping[str, Any]) -> str:
     unit = "" if row.get("unit") in ("", "1", None) else f" {row['unit']}"
     bound = "" if row.get("bound") is None else f", required {row.get('comparison', '')} {_number(row['bound'])}{unit}"
     shown = "not measured" if row.get("measured") is None else f"{_number(row['measured'])}{unit}"
-    return _e(shown + bound)
+    return escaped(shown + bound)
 
 
 def _first(row: Mapping[str, Any]) -> str:
     where = row.get("first_failing_entity")
     frame = row.get("first_failing_frame")
-    return _e(" ".join(p for p in (where or "", "" if frame is None else f"frame {frame}") if p) or "-")
+    return escaped(" ".join(p for p in (where or "", "" if frame is None else f"frame {frame}") if p) or "-")
 
 
 def _actions(row: Mapping[str, Any]) -> str:
     """List of corrections of a row that does not pass, as HTML."""
     lines = [
-        _tag(
+        tag(
             "li",
-            f"{_e(c.get('cause', ''))}: {_e(c.get('action', ''))} " + _tag("span", _e(f"({c.get('group', '')})"), class_="dim"),
+            f"{escaped(c.get('cause', ''))}: {escaped(c.get('action', ''))} "
+            + tag("span", escaped(f"({c.get('group', '')})"), class_="dim"),
         )
         for c in row.get("corrections") or ()
     ]
-    return _tag("ol", "".join(lines)) if lines else ""
+    return tag("ol", "".join(lines)) if lines else ""
 
 
 def _evidence(row: Mapping[str, Any]) -> str:
     """The explanation in words; the numbers behind it folded."""
     found = dict(row.get("evidence") or {})
     words = found.pop("explanation", None)
-    said = _tag("div", _e(words), class_="dim") if isinstance(words, str) else ""
+    said = tag("div", escaped(words), class_="dim") if isinstance(words, str) else ""
     if not found:
         return said
     text = json.dumps(found, sort_keys=True, ensure_ascii=False, default=str)
     left = len(text) - MAX_EVIDENCE
-    cut = _e(text[:MAX_EVIDENCE]) + (_e(f" ... {left} more characters in the bundle") if left > 0 else "")
-    return said + _tag("details", _tag("summary", "evidence") + _tag("pre", cut))
+    cut = escaped(text[:MAX_EVIDENCE]) + (escaped(f" ... {left} more characters in the bundle") if left > 0 else "")
+    return said + tag("details", tag("summary", "evidence") + tag("pre", cut))
 
 
 def _sorted(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
@@ -128,48 +88,26 @@ def _is_open(row: Mapping[str, Any]) -> bool:
 def _group(name: str, rows: Sequence[Mapping[str, Any]]) -> str:
     shown = [
         (
-            _td(_status(r["status"]) + ("" if r["mandatory"] else _tag("div", "optional", class_="dim")), "n"),
-            _td(_tag("div", _e(r["id"]), class_="id") + _e(r["predicate"]) + (_actions(r) if _is_open(r) else "") + _evidence(r)),
-            _td(_measured(r)),
-            _td(_e("-" if r.get("frames") is None else f"{r['frames'][0]} to {r['frames'][1]}"), "n"),
-            _td(_first(r)),
+            cell(_status(r["status"]) + ("" if r["mandatory"] else tag("div", "optional", class_="dim")), "n"),
+            cell(
+                tag("div", escaped(r["id"]), class_="id")
+                + escaped(r["predicate"])
+                + (_actions(r) if _is_open(r) else "")
+                + _evidence(r)
+            ),
+            cell(_measured(r)),
+            cell(escaped("-" if r.get("frames") is None else f"{r['frames'][0]} to {r['frames'][1]}"), "n"),
+            cell(_first(r)),
         )
         for r in _sorted(rows)[:MAX_GROUP_ROWS]
     ]
     left = len(rows) - len(shown)
-    note = _tag("p", _e(f"{left} further rows, none worse than these, are in the bundle."), class_="dim") if left > 0 else ""
+    note = tag("p", escaped(f"{left} further rows, none worse than these, are in the bundle."), class_="dim") if left > 0 else ""
     counts = ", ".join(
         f"{sum(r['status'] == s for r in rows)} {s.replace('_', ' ')}" for s in ORDER if any(r["status"] == s for r in rows)
     )
     head = ("status", "requirement, evidence", "measured", "frames", "first failing")
-    return _tag("h3", _e(f"{name}: {counts}")) + _table(head, shown) + note
-
-
-def _clauses(record: Mapping[str, Any], spec: WorldSpec) -> str:
-    rows = record["rows"]
-
-    def judged(pointer: str) -> str:
-        name = pointer.rpartition("/")[2]
-        concerned = [r for r in rows if name in (r.get("subject") or ()) or name in (r.get("entities") or ())]
-        words = {s: sum(r["status"] == s for r in concerned) for s in ORDER}
-        found = " ".join(_tag("span", _e(f"{n} {s.replace('_', ' ')}"), class_=s) for s, n in words.items() if n)
-        return _tag("li", _tag("code", _e(pointer)) + " " + (found or _tag("span", "no row names it", class_="dim")))
-
-    lines = []
-    for key, clause in record["clauses"].items():
-        mapped = spec.clauses.get(key)
-        unmet = clause.get("unmet")
-        met = "" if mapped is None else _tag("ul", "".join(judged(p) for p in mapped.met_by))
-        notes = "".join(
-            _tag("div", _e(f"{k.replace('_', ' ')}: {v}")) for k, v in clause.items() if k not in ("text", "unmet") and v
-        )
-        state = (
-            _tag("strong", "unmet", class_="fail") + f": {_e(unmet)}"
-            if unmet
-            else met or _tag("span", "not mapped", class_="unverified")
-        )
-        lines.append((_td(_e(key), "id"), _td(_e(clause["text"])), _td(state + notes)))
-    return _table(("clause", "words of the prompt", "met by"), lines)
+    return tag("h3", escaped(f"{name}: {counts}")) + table(head, shown) + note
 
 
 def _timeline(record: Mapping[str, Any], spec: WorldSpec) -> str:
@@ -184,22 +122,22 @@ def _timeline(record: Mapping[str, Any], spec: WorldSpec) -> str:
         left, width = 100 * beat.frames[0] / last, 100 * max(beat.frames[1] - beat.frames[0], 0.5) / last
         true = events.get(name)
         mark = "" if true is None else f'<i style="left:{100 * true / last:.2f}%"></i>'
-        bar = _tag(
+        bar = tag(
             "div", f'<span style="left:{left:.2f}%;width:{min(width, 100 - left):.2f}%"></span>{mark}', class_=f"bar {status}"
         )
-        causes = "".join(_tag("div", _e(f"after {c}")) for c in beat.causes) or "-"
+        causes = "".join(tag("div", escaped(f"after {c}")) for c in beat.causes) or "-"
         when = f"frames {beat.frames[0]} to {beat.frames[1]}" + (
             "" if true is None else f", true at {true} ({true / spec.simulation.fps:.2f} s)"
         )
         return (
-            _td(_status(status)),
-            _td(_tag("div", _e(name), class_="id") + _e(beat.text)),
-            _td(causes),
-            _td(bar + _tag("div", _e(when), class_="dim")),
+            cell(_status(status)),
+            cell(tag("div", escaped(name), class_="id") + escaped(beat.text)),
+            cell(causes),
+            cell(bar + tag("div", escaped(when), class_="dim")),
         )
 
     order = sorted(spec.story.beats, key=lambda n: spec.story.beats[n].frames)
-    return _table(("status", "beat", "cause", f"when, of frames 0 to {last}"), (line(n) for n in order))
+    return table(("status", "beat", "cause", f"when, of frames 0 to {last}"), (line(n) for n in order))
 
 
 def _open_rows(record: Mapping[str, Any], pictures: ReportPictures) -> str:
@@ -207,32 +145,32 @@ def _open_rows(record: Mapping[str, Any], pictures: ReportPictures) -> str:
     cards = []
     for row in found[:60]:
         caption, data = pictures.rows.get(row["id"], ("", None))
-        words = f"{_status(row['status'])} {_tag('span', _e(row['id']), class_='id')}: {_e(row['predicate'])}"
-        facts = _tag("div", f"{_measured(row)}; first at {_first(row)}")
+        words = f"{_status(row['status'])} {tag('span', escaped(row['id']), class_='id')}: {escaped(row['predicate'])}"
+        facts = tag("div", f"{_measured(row)}; first at {_first(row)}")
         cards.append(
-            _tag(
+            tag(
                 "div",
-                words + facts + _actions(row) + _figure(data, caption, f"{row['id']} at its first failing frame"),
+                words + facts + _actions(row) + figure(data, caption, f"{row['id']} at its first failing frame"),
                 class_=f"card {row['status']}",
             )
         )
     left = len(found) - len(cards)
-    return "".join(cards) + (_tag("p", _e(f"and {left} more, below"), class_="dim") if left > 0 else "")
+    return "".join(cards) + (tag("p", escaped(f"and {left} more, below"), class_="dim") if left > 0 else "")
 
 
 def _weakenings(record: Mapping[str, Any]) -> str:
     found = record.get("weakenings") or []
     if not found:
-        return _tag("p", "None: no edit made the specification easier to satisfy.")
+        return tag("p", "None: no edit made the specification easier to satisfy.")
     lines = [
         (
-            _td(_e(w["revision"]), "n"),
-            _td("".join(_tag("div", _e(x)) for x in w["weakenings"])),
-            _td(_e(w["reason"] or "none given (before any failure)")),
+            cell(escaped(w["revision"]), "n"),
+            cell("".join(tag("div", escaped(x)) for x in w["weakenings"])),
+            cell(escaped(w["reason"] or "none given (before any failure)")),
         )
         for w in found
     ]
-    return _table(("revision", "what became easier", "reason given by the agent"), lines)
+    return table(("revision", "what became easier", "reason given by the agent"), lines)
 
 
 def _made_with(record: Mapping[str, Any]) -> str:
@@ -246,11 +184,11 @@ def _made_with(record: Mapping[str, Any]) -> str:
         "verifiers (SHA-256)": record.get("verifier_source"),
         "replayed intervals chosen by seed": record.get("seed"),
     }
-    return _table(("", ""), ((_td(_e(k)), _td(_tag("code", _e(v)))) for k, v in facts.items() if v not in (None, "")))
+    return table(("", ""), ((cell(escaped(k)), cell(tag("code", escaped(v)))) for k, v in facts.items() if v not in (None, "")))
 
 
 def _section(title: str, inner: str) -> str:
-    return _tag("section", _tag("h2", _e(title)) + inner) if inner else ""
+    return tag("section", tag("h2", escaped(title)) + inner) if inner else ""
 
 
 def matrix_page(
@@ -266,41 +204,42 @@ def matrix_page(
     """
     shown = pictures or ReportPictures()
     rows = record["rows"]
-    verdict = str(record["verdict"])
+    verdict, says = str(record["verdict"]), verdict_words(record)
+    spans = judged_spans(record.get("prompt") or {}, rows)
     counts = ", ".join(f"{sum(r['status'] == s for r in rows)} {s.replace('_', ' ')}" for s in ORDER)
     open_count = sum(r["mandatory"] and _is_open(r) for r in rows)
     head = (
-        _tag("h1", _e(spec.title))
-        + _tag(
+        tag("h1", escaped(spec.title))
+        + tag(
             "p",
-            _tag(
+            tag(
                 "span",
-                _e(verdict),
+                escaped(says),
                 class_=f"verdict {verdict}" if verdict in ("accepted", "incomplete", "refused") else "verdict",
             ),
         )
-        + _tag("p", _e(f"{len(rows)} requirements: {counts}; {open_count} mandatory ones open."))
-        + (_tag("p", _e(record["reason"]), class_="unverified") if record.get("reason") else "")
-        + (_tag("ul", "".join(_tag("li", _e(p), class_="fail") for p in problems)) if problems else "")
+        + tag("p", escaped(f"{len(rows)} requirements: {counts}; {open_count} mandatory ones open."))
+        + (tag("p", escaped(record["reason"]), class_="unverified") if record.get("reason") else "")
+        + (tag("ul", "".join(tag("li", escaped(p), class_="fail") for p in problems)) if problems else "")
     )
     groups = [(g, [r for r in rows if r["group"] == g]) for g in GROUPS]
-    register = "".join(_tag("li", f"{_e(a['what'])}: {_e(a['effect'])}") for a in record["approximations"])
-    how = _tag("p", "A verdict is worth what can be checked. On any machine, with an installation of your own:") + _tag(
+    register = "".join(tag("li", f"{escaped(a['what'])}: {escaped(a['effect'])}") for a in record["approximations"])
+    how = tag("p", "A verdict is worth what can be checked. On any machine, with an installation of your own:") + tag(
         "pre", "worldagent verify BUNDLE.zip\nworldagent verify FOLDER --replay --intervals all\nworldagent recompute FOLDER"
     )
     sections = (
-        _section("Prompt", _tag("blockquote", _e(spec.prompt)) + _clauses(record, spec)),
-        _section("The sequence", _figure(shown.sheet, "Contact sheet over all frames", "contact sheet")),
+        _section("Prompt", prompt_section(record, spec, spans, shown)),
+        _section("The sequence", figure(shown.sheet, "Contact sheet over all frames", "contact sheet")),
         _section("Beats", _timeline(record, spec) if spec.story.beats else ""),
         _section("What does not pass", _open_rows(record, shown)),
         _section("Requirements", "".join(_group(g, found) for g, found in groups if found)),
-        _section("Ledgers", _figure(shown.ledger, "Energy, momentum, gaps and contacts; beats are shaded", "plots over time")),
+        _section("Ledgers", figure(shown.ledger, "Energy, momentum, gaps and contacts; beats are shaded", "plots over time")),
         _section("Weakenings", _weakenings(record)),
-        _section("Approximations", _tag("ul", register) if register else _tag("p", "None registered.")),
+        _section("Approximations", tag("ul", register) if register else tag("p", "None registered.")),
         _section("Made with", _made_with(record)),
         _section("How to check it", how),
     )
     meta = f'<meta charset="utf-8"><meta http-equiv="Content-Security-Policy" content="{POLICY}"><meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">'
-    title = _tag("title", _e(f"{spec.title}: {verdict}"))
-    body = _tag("body", _tag("header", head) + _tag("main", "".join(sections)))
-    return f'<!DOCTYPE html>\n<html lang="en"><head>{meta}{title}<style>{STYLE}</style></head>{body}</html>\n'
+    title = tag("title", escaped(f"{spec.title}: {says}"))
+    body = tag("body", tag("header", head) + tag("main", "".join(sections)))
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{meta}{title}<style>{STYLE}{span_styles(spans, shown)}</style></head>{body}</html>\n'

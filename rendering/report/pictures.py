@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,27 +10,38 @@ import numpy as np
 from ...worlds.accounts import Account
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
+from ...worlds.judged_spans import SPAN_STATES, JudgedSpan, judged_spans
+from ...worlds.predicates import entities_of
 from ..highlight import highlight
 from ..plots.account import plot_account
 from ..plots.ledger import plot_ledger
 from ..preview import PreviewRenderer, preview
 from ..sheet import contact_sheet, encode
-from .page import ReportPictures
+from .encoded import ReportPictures
 
 __all__ = ["report_pictures"]
 
 SHEET_FRAMES = 12
 MAX_ROW_PICTURES = 8
-SHEET_BYTES, LEDGER_BYTES, ROW_BYTES = 350_000, 200_000, 70_000
+MAX_SHOWN = 12
+"""Pictures of what spans of the prompt are about; several spans may share one."""
+SHEET_BYTES, LEDGER_BYTES, ROW_BYTES, SHOWN_BYTES = 320_000, 200_000, 60_000, 32_000
 """Upper limits of the single pictures, so that a page stays below 2 MB."""
 
 
-def report_pictures(candidate: Candidate, rows: Iterable[Mapping[str, Any]], *, account: Account | None = None) -> ReportPictures:
+def report_pictures(
+    candidate: Candidate,
+    rows: Iterable[Mapping[str, Any]],
+    *,
+    account: Account | None = None,
+    record: Mapping[str, Any] | None = None,
+) -> ReportPictures:
     """Draw a candidate for its report.
 
     Args:
         candidate: what was judged, of any stage.
         rows: its rows; failing ones get a picture first, at most `MAX_ROW_PICTURES` in all.
+        record: of the judgement; with it the spans of the prompt get pictures, at most `MAX_SHOWN`.
         account: the verifiers' ledgers; without one the solver's bare records are plotted.
     """
     renderer = PreviewRenderer(candidate)
@@ -44,7 +55,7 @@ def report_pictures(candidate: Candidate, rows: Iterable[Mapping[str, Any]], *, 
         ledger = encode(plotted, LEDGER_BYTES).data
     except EvidenceError:  # nothing recorded: the rows say so
         ledger = None
-    found: dict[str, tuple[str, bytes]] = {}
+    rows, found = list(rows), dict[str, tuple[str, bytes]]()
     for row in sorted(rows, key=lambda r: (r["status"] != "fail", not r["mandatory"], r["id"])):
         concerned = dict.fromkeys((row.get("first_failing_entity"), *(row.get("entities") or ())))
         names = [n for n in concerned if n in candidate.built][:2]
@@ -56,4 +67,53 @@ def report_pictures(candidate: Candidate, rows: Iterable[Mapping[str, Any]], *, 
             f"{', '.join(names)} at frame {frame} ({frame / fps:.2f} s)",
             encode(image, ROW_BYTES).data,
         )
-    return ReportPictures(sheet, ledger, found)
+    return ReportPictures(sheet, ledger, found, *_spans(candidate, record or {}, rows, renderer))
+
+
+# ---------------------------------------------------------------- spans of the prompt
+
+View = tuple[int, tuple[str, ...]]
+"""Frame, and the entities to mark."""
+
+
+def _spans(
+    candidate: Candidate, record: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], renderer: PreviewRenderer
+) -> tuple[list[tuple[str, bytes]], dict[str, int]]:
+    """Pictures of what the spans of a prompt are about, and which of them shows which claim; the worst judged first."""
+    spans = [s for s in judged_spans(record.get("prompt") or {}, rows) if s.claim is not None]
+    shown: dict[View, int] = {}
+    pictures: list[tuple[str, bytes]] = []
+    claims: dict[str, int] = {}
+    fps, size = candidate.spec.simulation.fps, {"width": 480, "height": 270}
+    for span in sorted(spans, key=lambda s: (SPAN_STATES.index(s.state), s.type != "event")):
+        view = _view(candidate, span, (record.get("events") or {}).get("beats") or {})
+        if view not in shown:
+            if len(pictures) == MAX_SHOWN:
+                continue
+            frame, names = view
+            image = highlight(candidate, frame, names, renderer=renderer, **size)
+            shown[view] = len(pictures)
+            marked = f", {' and '.join(names)} marked" if names else ""
+            pictures.append((f"frame {frame} ({frame / fps:.2f} s){marked}", encode(image, SHOWN_BYTES).data))
+        claims[str(span.claim)] = shown[view]
+    return pictures, claims
+
+
+def _view(candidate: Candidate, span: JudgedSpan, true: Mapping[str, int | None]) -> View:
+    """The moment and the bodies that show a span best: its beat as it comes true, its things in a beat of their own."""
+    story, last = candidate.spec.story, candidate.last_frame
+    beat = next((b for b in span.named("/story/beats") if b in story.beats), None)
+    asked = next((r for r in span.named("/story/requirements") if r in story.requirements), None)
+    things = [n for n in span.named("/entities") if n in candidate.built]
+    frame = 0
+    if beat is not None:
+        things = [story.beats[beat].subject, *entities_of(story.beats[beat].predicate)]
+    elif asked is not None:
+        things, frame = list(entities_of(story.requirements[asked].predicate)), last
+    else:
+        beat = next((b for b in story.beats if story.beats[b].subject in things), None)
+    if beat is not None:
+        come = true.get(beat)
+        frame = story.beats[beat].frames[1] if come is None else come
+    names = tuple(dict.fromkeys(n for n in things if n in candidate.built))[:2]
+    return min(max(frame, 0), last), names

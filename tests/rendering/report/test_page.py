@@ -158,7 +158,7 @@ def test_what_an_agent_wrote_stays_text(candidate: Candidate) -> None:
     assert {t for t, _ in page.tags} <= {
         "html", "head", "meta", "title", "style", "body", "header", "main", "section", "h1", "h2", "h3", "p", "span", "div", "ul", "ol",
         "li", "table", "thead", "tbody", "tr", "th", "td", "strong", "code", "details", "summary", "pre", "figure", "figcaption", "img",
-        "blockquote", "i",
+        "blockquote", "i", "mark", "aside", "bdi",
     }  # fmt: skip
     assert not [k for _, a in page.tags for k in a if k.startswith("on")]
     assert [a["src"] for t, a in page.tags if t == "img"] == ["data:image/jpeg;base64,/9g="]

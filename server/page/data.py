@@ -22,6 +22,7 @@ from ...worlds.requirements import Row
 from .charts import ledger_charts
 from .judged import OPEN_ROWS, latest_acceptance, latest_verdict, row_counts, row_line, row_status, row_text
 from .pictures import SHEETS, picture_list
+from .prompts import judged_prompt
 
 if TYPE_CHECKING:
     from ...execution import Job, JobStore
@@ -195,6 +196,7 @@ class PageData:
                 "open_count": len(open_rows),
                 "weakenings": ledger.weakenings(),
                 "acceptance": latest_acceptance(folder, ledger, where),
+                "judged_prompt": judged_prompt(spec, rows, pictures),
             }
             film = film_of(folder)
             if film is not None:

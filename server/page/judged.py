@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ...workflow.rows import brief, counts
@@ -10,7 +10,7 @@ from ...workflow.standing import Standing
 from ...worlds.folder import WorldFolder
 from ...worlds.ledger import Ledger
 from ...worlds.requirements import Row
-from ...worlds.verdicts import verdict_words
+from ...worlds.verdicts import reader_words, verdict_words
 
 __all__ = ["OPEN_ROWS", "latest_acceptance", "latest_verdict", "row_counts", "row_line", "row_status", "row_text"]
 
@@ -56,7 +56,16 @@ def latest_verdict(ledger: Ledger, where: Standing) -> dict[str, Any] | None:
     if latest is None:
         return None
     step = where.step("accepted")
-    return {"verdict": latest["verdict"], "revision": latest["revision"], "stale": step.state == "stale", "note": step.note}
+    told = {"verdict": latest["verdict"], "says": verdict_words(latest["record"]), "revision": latest["revision"]}
+    return {**told, "stale": step.state == "stale", "note": step.note}
+
+
+def _prompt(record: Mapping[str, Any]) -> dict[str, Any] | None:
+    """How the prompt was judged: shares and who read it; None for clauses."""
+    prompt = record.get("prompt")
+    if not isinstance(prompt, Mapping):
+        return None
+    return {**{k: prompt.get(k, 0) for k in ("claimed", "filler", "waived")}, "read_by": reader_words(prompt)}
 
 
 def latest_acceptance(folder: WorldFolder, ledger: Ledger, where: Standing) -> dict[str, Any] | None:
@@ -74,7 +83,6 @@ def latest_acceptance(folder: WorldFolder, ledger: Ledger, where: Standing) -> d
         **(latest_verdict(ledger, where) or {}),
         "at": latest["at"],
         "freeze": latest["freeze"][:16],
-        "says": verdict_words(record),
         "reason": record.get("reason", ""),
         "matrix": counts(rows),
         "not_proven": [row_line(r) for r in rows if r.status in ("fail", "unverified")][:OPEN_ROWS],
@@ -83,7 +91,7 @@ def latest_acceptance(folder: WorldFolder, ledger: Ledger, where: Standing) -> d
             {"id": k, "text": c.get("text", ""), "unmet": c.get("unmet"), "static_because": c.get("static_because")}
             for k, c in clauses.items()
         ],
-        "prompt": record.get("prompt"),
+        "prompt": _prompt(record),
         "approximations": record.get("approximations", []),
         "weakenings": record.get("weakenings", []),
         "replayed": record.get("replayed", False),

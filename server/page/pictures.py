@@ -70,8 +70,9 @@ def _words(name: str, now: int, freezes: Mapping[str, int]) -> dict[str, Any]:
         revision = found
     else:
         return {"kind": "other", "alt": f"Picture {name}"}
+    at = {"frame": int(shot["frame"])} if shot is not None and kind not in _OVER_TIME else {}
     older = {"older": True} if now and revision < now else {}
-    return {"kind": kind, "alt": f"{alt}, revision {revision}", "revision": revision, **older}
+    return {"kind": kind, "alt": f"{alt}, revision {revision}", "revision": revision, **at, **older}
 
 
 def picture_path(folder: WorldFolder, name: str) -> Path:

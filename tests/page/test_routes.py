@@ -51,7 +51,13 @@ def test_the_list_tells_stage_counts_and_verdict(made: Made, client: TestClient)
     accepted(made.world("w"))
     (found,) = client.get("/api/worlds").json()["worlds"]
     assert (found["id"], found["title"], found["revision"], found["reached"]) == ("w", "Three blocks", 1, "rendered")
-    assert found["verdict"] == {"verdict": "accepted", "revision": 1, "stale": False, "note": ""}
+    assert found["verdict"] == {
+        "verdict": "accepted",
+        "says": "physics accepted; prompt judged by clauses",
+        "revision": 1,
+        "stale": False,
+        "note": "",
+    }
     made.edit("w", ("/simulation/solvers/rigid/settings/step", 0.00025))
     (found,) = client.get("/api/worlds").json()["worlds"]
     assert found["revision"] == 2

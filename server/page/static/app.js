@@ -14,7 +14,7 @@ export class App {
   constructor(source, places) {
     this.source = source;
     this.places = places; // { main, bar, said }
-    this.state = { source, route: { name: "worlds", view: "" }, query: {}, jobs: new Map(), details: new Map(), confirm: "", refused: "" };
+    this.state = { source, route: { name: "worlds", view: "" }, query: {}, jobs: new Map(), details: new Map(), confirm: "", refused: "", span: "" };
     this.found = {};
     this.load_number = 0;
     this.connection = "";
@@ -23,6 +23,7 @@ export class App {
     root.addEventListener("submit", (e) => this.submitted(e));
     root.addEventListener("input", (e) => this.typed(e));
     root.addEventListener("toggle", (e) => this.toggled(e), true);
+    for (const name of ["mouseover", "focusin", "click"]) root.addEventListener(name, (e) => this.pointed(e));
   }
 
   // ------------------------------------------------------------ routes and data
@@ -35,6 +36,7 @@ export class App {
     else this.state.route = { name: parts[0] === "jobs" ? "jobs" : "worlds", view: "" };
     this.state.query = Object.fromEntries(new URLSearchParams(search));
     const moved = before !== `${this.state.route.name} ${this.state.route.world} ${this.state.route.view}`;
+    if (moved) this.state.span = "";
     return this.load({ moved });
   }
 
@@ -308,6 +310,14 @@ export class App {
   toggled(event) {
     const row = event.target.dataset?.row;
     if (row && event.target.open) this.detail(event.target.dataset.world, row);
+  }
+
+  // The span of the prompt that is pointed at, or has the focus, is the one beside which note and picture stand.
+  pointed(event) {
+    const span = event.target.closest?.("[data-span]")?.dataset.span;
+    if (span === undefined || span === this.state.span) return;
+    this.state.span = span;
+    this.render();
   }
 
   async detail(world, row) {

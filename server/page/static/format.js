@@ -63,3 +63,7 @@ export function clock(seconds) {
 export function count(n, one, many = `${one}s`) {
   return `${n} ${n === 1 ? one : many}`;
 }
+
+export function share(part) {
+  return `${Math.round(100 * part)} %`;
+}

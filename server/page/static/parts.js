@@ -55,8 +55,8 @@ export function stages(world) {
 
 export function verdict(found) {
   if (!found) return h("span", { class: "quiet" }, "never judged as a whole");
-  if (found.stale) return h("span", null, status("stale"), ` – ${words(found.verdict)} at revision ${found.revision}, ${found.note || "changed since"}`);
-  return h("span", null, status(found.verdict), h("span", { class: "quiet" }, `, revision ${found.revision}`));
+  if (found.stale) return h("span", null, status("stale"), ` – ${found.says} at revision ${found.revision}, ${found.note || "changed since"}`);
+  return h("span", null, status(found.verdict, found.says), h("span", { class: "quiet" }, `, revision ${found.revision}`));
 }
 
 export function jobItem(job, state, { named = true } = {}) {

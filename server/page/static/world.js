@@ -1,8 +1,9 @@
 // One world: its head with the stages, and the overview.
 
 import { h } from "./dom.js";
-import { bytes, clock, count, status, words } from "./format.js";
+import { bytes, clock, count, share, status, words } from "./format.js";
 import { caption, jobList, link, picture, problem, rowLine, section, stages, tally, verdict, worldPath } from "./parts.js";
+import { promptSection } from "./prompt.js";
 
 const VIEWS = [
   ["", "Overview"],
@@ -38,21 +39,15 @@ function extra(view, world) {
 export function overview(state, world) {
   const jobs = world.jobs.map((j) => state.jobs.get(j.job_id) ?? j);
   for (const job of state.jobs.values()) if (job.world === world.id && !jobs.some((j) => j.job_id === job.job_id)) jobs.unshift(job);
-  return h(
-    "div",
-    { class: "two", "data-key": "overview" },
-    h("div", { class: "wide" }, prompt(world), standing(world), acceptance(state, world)),
-    h("div", { class: "side" }, section("jobs", "Jobs", jobs.length ? jobList(jobs.slice(0, 5), state, { named: false }) : h("p", { class: "quiet" }, "No probe, bake or acceptance was started yet.")), latest(state, world), film(state, world)),
-  );
-}
-
-function prompt(world) {
-  return section(
-    "prompt",
-    "Prompt",
-    h("blockquote", null, world.prompt || "none"),
-    world.beats?.length ? h("ol", { class: "beats", "aria-label": "Beats" }, world.beats.map((b) => h("li", { "data-key": b.id }, h("code", null, b.id), ` ${b.text}`, b.frames ? h("span", { class: "quiet numbers" }, ` frames ${b.frames[0]} to ${b.frames[1]}`) : null))) : null,
-  );
+  return [
+    promptSection(state, world),
+    h(
+      "div",
+      { class: "two", "data-key": "overview" },
+      h("div", { class: "wide" }, standing(world), acceptance(state, world)),
+      h("div", { class: "side" }, section("jobs", "Jobs", jobs.length ? jobList(jobs.slice(0, 5), state, { named: false }) : h("p", { class: "quiet" }, "No probe, bake or acceptance was started yet.")), latest(state, world), film(state, world)),
+    ),
+  ];
 }
 
 function standing(world) {
@@ -80,6 +75,7 @@ function acceptance(state, world) {
     h("p", { class: "verdict large" }, verdict(found)),
     h("p", { class: "quiet facts" }, "Judged ", clock(found.at), ", candidate ", h("code", null, found.freeze), found.replayed ? ", motion replayed" : ", motion not replayed", "."),
     found.reason ? h("p", null, found.reason) : null,
+    found.prompt ? h("p", null, `Of the letters of the prompt ${share(found.prompt.claimed)} were claimed, ${share(found.prompt.filler)} were filler, ${share(found.prompt.waived)} waived. Compared with what is to be seen by ${found.prompt.read_by}.`) : null,
     h("h3", null, "Not proven"),
     unproven(found),
     h("h3", null, "Weakened on the way"),

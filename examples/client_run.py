@@ -83,7 +83,7 @@ async def accept(agent: Agent, prompt: str, spec: dict[str, Any]) -> bool:
             return False
         agent.say(f"{tool}: {data['counts']['pass']} rows pass")
     data, refused = await agent.call("run_checks", scope="acceptance", wait_s=WAIT_SECONDS)
-    agent.say(data.get("refused") or f"acceptance: {data['verdict']}, {data['counts']['pass']} rows pass")
+    agent.say(data.get("refused") or f"acceptance: {data['says']}, {data['counts']['pass']} rows pass")
     return not refused and bool(data["verdict"] == "accepted")
 
 

@@ -159,7 +159,7 @@ class Agent:
             return False
         same = sum(bool(r["identical"]) for r in data["replayed"])
         self.say(
-            f"acceptance: {data['verdict']}, {data['counts']['pass']} rows pass, {same} of {len(data['replayed'])} replayed intervals identical"
+            f"acceptance: {data['says']}, {data['counts']['pass']} rows pass, {same} of {len(data['replayed'])} replayed intervals identical"
         )
         return True
 

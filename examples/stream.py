@@ -324,7 +324,7 @@ class Ranger(Agent):
                 return False
             self.say(f"{tool}: {data['counts']['pass']} rows pass")
         data, refused = await self.call("run_checks", scope="acceptance", wait_s=WAIT_SECONDS)
-        self.say(data.get("refused") or f"acceptance: {data['verdict']}, {data['counts']['pass']} rows pass")
+        self.say(data.get("refused") or f"acceptance: {data['says']}, {data['counts']['pass']} rows pass")
         if refused or data["verdict"] != "accepted":
             self.say(_open(data.get("open_rows", [])))
             return False

@@ -198,7 +198,7 @@ class Islander(Agent):
             if data is None:
                 return False
         data, refused = await self.call("run_checks", scope="acceptance", wait_s=WAIT_SECONDS)
-        self.say(f"acceptance: {data.get('refused') or data['verdict']}")
+        self.say(f"acceptance: {data.get('refused') or data['says']}")
         return not refused and data["verdict"] == "accepted"
 
     async def _step(self, tool: str, key: str) -> dict[str, Any] | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..worlds.folder import WorldFolder
 from ..worlds.quoting import markdown_inline
+from ..worlds.verdicts import verdict_words
 
 if TYPE_CHECKING:
     from ..worlds.ledger import Ledger
@@ -57,7 +58,7 @@ def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
         lines.append("Never judged as a whole.")
     else:
         lines.append(
-            f"Latest verdict: {markdown_inline(accepted['verdict'])}, revision {accepted['revision']}, candidate {markdown_inline(accepted['freeze'][:16])}."
+            f"Latest verdict: {markdown_inline(verdict_words(accepted['record']))}; revision {accepted['revision']}, candidate {markdown_inline(accepted['freeze'][:16])}."
         )
         if accepted["revision"] != ledger.revision():
             lines.append("It is about an older revision and says nothing about the current one.")

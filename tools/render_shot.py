@@ -235,7 +235,7 @@ def _film_reply(folder: WorldFolder, data: dict[str, Any]) -> ToolReply:
     base = f"worldagent://worlds/{folder.id}"
     size, seconds = data["bytes"], data["duration_s"]
     film = Link("film", f"{base}/film", _FILM_KINDS[data["video"].rpartition(".")[2]], size, f"{seconds:g} s, {data['codec']}")
-    text = f"film of {data['frames']} frames, {seconds:g} s, {data['width']} x {data['height']}, {size / 1e6:.1f} MB"
+    text = f"film of {data['frames']} frames, {seconds:g} s, {data['width']} x {data['height']}, {size / 1e6:.1f} MB; {data.get('says', 'accepted')}"
     then = "the film is the delivery: read it by its link, or from the world folder"
     notes = [data["note"]] if data["note"] else []
     told = answer({**head, **{k: v for k, v in data.items() if k != "note"}}, text, then, notes)

@@ -115,7 +115,7 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
     found = data["counts"]
     text = f"{found['pass']} rows pass, {found['fail']} fail, {found['unverified']} unverified"
     if "verdict" in data:
-        text = f"{data['verdict']}: {text}"
+        text = f"{data.get('says', data['verdict'])}: {text}"
         then = call("render_shot", world=world, kind="final")
         good = data["verdict"] == "accepted"
     else:

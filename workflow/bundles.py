@@ -20,6 +20,7 @@ from ..worlds.folder import WorldFolder, safe_join
 from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec, prompt_digest
+from ..worlds.verdicts import verdict_words
 
 __all__ = ["HEAD", "bundle_world", "candidate_members", "history_of", "judged", "make_bundle", "remember_refuted"]
 
@@ -205,7 +206,8 @@ def make_bundle(
         "world/world.json": canonical_json(spec),
         **{n: p for n, p in files.items() if caches or n not in frames},
     }
-    head = {"about": ABOUT, "caches": "included" if caches else "by digest", **{k: verdict[k] for k in HEAD}}
+    head = {"about": ABOUT, "says": verdict_words(verdict), "caches": "included" if caches else "by digest"}
+    head |= {k: verdict[k] for k in HEAD}
     name = f"{freeze[:16] or 'unsimulated'}.zip"
     return write_bundle(out or folder.acceptance / name, head, members)
 
@@ -226,6 +228,7 @@ def bundle_world(
     written = make_bundle(folder, ledger, record, with_caches=with_caches, out=out)
     return {
         "verdict": record["verdict"],
+        "says": verdict_words(record),
         **({"reason": record["reason"]} if "reason" in record else {}),
         "bundle": str(written.path),
         "digest": written.digest,

@@ -334,7 +334,7 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
     work = _work(payload)
     session, freeze = work.session, work.freeze
-    require_acceptance(session, freeze)
+    accepted = require_acceptance(session, freeze)
     candidate = work.candidate("full")
     for cache in candidate.caches.values():
         digests = cache.digests()
@@ -358,6 +358,7 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     context.check()
     video = write_video(frames, root / "final.webm", session.spec.simulation.fps)
     return {
+        "says": verdict_words(accepted["record"]),
         "picture": film_sheet(session.folder, frames, f"final_{freeze[:8]}.jpg", session.spec.simulation.fps),
         "video": session.folder.relative(video.path),
         "codec": video.codec,

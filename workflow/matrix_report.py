@@ -14,6 +14,7 @@ from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
+from ..worlds.verdicts import verdict_words
 
 __all__ = ["report_world", "write_report"]
 
@@ -36,7 +37,9 @@ def write_report(
     candidate = _candidate(folder, str(record["freeze"]), str(record.get("stage", "full")))
     try:
         pictures = (
-            ReportPictures() if candidate is None else report_pictures(candidate, record["rows"], account=_account(candidate), record=record)
+            ReportPictures()
+            if candidate is None
+            else report_pictures(candidate, record["rows"], account=_account(candidate), record=record)
         )
     except EvidenceError:  # what is damaged cannot be drawn; its rows say so
         pictures = ReportPictures()
@@ -72,6 +75,7 @@ def report_world(root: Path, out: Path) -> dict[str, Any]:
     write_report(out, folder, record)
     return {
         "verdict": record["verdict"],
+        "says": verdict_words(record),
         "report": str(out),
         "rows": counts(Row.model_validate(r) for r in record["rows"]),
         **({"reason": record["reason"]} if "reason" in record else {}),

@@ -12,6 +12,7 @@ from typing import Any
 
 from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
+from ..worlds.verdicts import prompt_told, verdict_words
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
 from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, line, ranked
@@ -119,6 +120,7 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
     world, plan = session.folder.id, session.spec.simulation
     rows = session.ledger.rows()
     latest = session.ledger.acceptance()
+    says = "" if latest is None else verdict_words(latest["record"])
     left = [r.id for r in ranked(rows, only=OPEN) if r.mandatory]
     page, place = paged(left, offset, limit)
     prompt = session.spec.prompt
@@ -135,7 +137,7 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
         "matrix": counts(rows),
         "open_rows": page,
         **{f"open_{k}": v for k, v in place.items()},
-        "last_verdict": None if latest is None else {"verdict": latest["verdict"], "revision": latest["revision"]},
+        "last_verdict": None if latest is None else {k: latest[k] for k in ("verdict", "revision")} | {"says": says},
         "jobs_running": jobs,
     }
     accepted = latest is not None and latest["verdict"] == "accepted" and latest["revision"] == session.revision
@@ -148,7 +150,7 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
         mend = call("inspect_world", world=world, part="matrix", status="open")
         # A landscape is built before the audit passes.
         then = mend if failed - {"audit"} else to_build(session) or (mend if failed else _coming(session))
-    verdict = "never judged" if latest is None else f"last verdict {latest['verdict']} at revision {latest['revision']}"
+    verdict = "never judged" if latest is None else f"last verdict at revision {latest['revision']}: {says}"
     return answer(data, f"{session.spec.title!r}, revision {session.revision}: {len(left)} mandatory rows open, {verdict}", then)
 
 
@@ -343,9 +345,10 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     if latest is None:
         return answer({"acceptance": None}, "never judged", call("run_checks", world=world, scope="acceptance"))
     record = latest["record"]
-    keys = ("verdict", "says", "prompt", "clauses", "weakenings", "versions", "spec_digest", "cache_digest", "seed")
+    keys = ("verdict", "clauses", "weakenings", "versions", "spec_digest", "cache_digest", "seed")
     listed, place = paged(record.get("approximations") or [], offset, limit, room=3000)
-    told = {k: record.get(k) for k in keys} | {"revision": latest["revision"], "approximations": listed}
+    says, judged = verdict_words(record), prompt_told(record) if "prompt" in record else {}
+    told = {"says": says, **{k: record.get(k) for k in keys}, **judged, "revision": latest["revision"], "approximations": listed}
     data: dict[str, Any] = {"acceptance": told, **{f"approximations_{k}": v for k, v in place.items()}}
     kinds = {"report": "html", **({"bundle": "zip"} if latest["verdict"] == "accepted" else {})}
     files = {name: session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for name, kind in kinds.items()}
@@ -357,5 +360,5 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
         else call("inspect_world", world=world)
     )
     warnings = [] if current else [f"the world is at revision {session.revision} now: this verdict is not about it"]
-    text = f"{latest['verdict']} at revision {latest['revision']}, {len(record.get('approximations') or [])} approximations"
+    text = f"{says}: revision {latest['revision']}, {len(record.get('approximations') or [])} approximations"
     return answer(data, text, _on(world, "acceptance", place, then), warnings)

@@ -83,7 +83,7 @@ def verify_bundle(path: Path, *, seed: int, intervals: int, report: Path | None 
         bundle = open_bundle(path)
         found = Verification(bundle, _mapping(bundle.json("verdict.json"), "verdict.json"))
     except EvidenceError as error:
-        return {"verdict": "refused", "bundle": path.name, "problems": [str(error)], "seed": seed}
+        return {"verdict": "refused", "says": "refused", "bundle": path.name, "problems": [str(error)], "seed": seed}
     with tempfile.TemporaryDirectory(prefix="worldagent-") as temporary:
         try:
             root = bundle.extract(Path(temporary))
@@ -181,6 +181,8 @@ def _check_inside(found: Verification, folder: WorldFolder, spec: WorldSpec) -> 
     for key in HEAD:
         if manifest.get(key) != record.get(key):
             say(f"manifest and verdict differ in {key}")
+    if manifest.get("says", verdict_words(record)) != verdict_words(record):
+        say("the manifest says another verdict in words than the record")
     if (
         hashlib.sha256(folder.spec_path.read_bytes()).hexdigest() != record["spec_digest"]
         or spec_digest(spec) != record["spec_digest"]

@@ -81,7 +81,7 @@ def verify_folder(
     wrong = _untrue(world, record)
     found = {**_report(record), "seed": drawn, "problems": wrong, "differences": _recorded_otherwise(world, record)}
     if wrong:
-        found["verdict"] = "incomplete"
+        found |= {"verdict": "incomplete", "says": "incomplete"}
     if report is not None:
         write_report(report, world, {**record, "verdict": found["verdict"]}, problems=wrong)
     return found
@@ -136,7 +136,13 @@ def recompute_folder(folder: Path) -> dict[str, Any]:
     session.check_static()
     probed = run_inline("worldagent.workflow.jobs:probe", payload)
     if not probed["passed"]:
-        return {"verdict": "incomplete", "rows": probed["counts"], "failing": probed["open_rows"], "stage": "probe"}
+        return {
+            "verdict": "incomplete",
+            "says": "incomplete",
+            "rows": probed["counts"],
+            "failing": probed["open_rows"],
+            "stage": "probe",
+        }
     run_inline("worldagent.workflow.jobs:bake", payload)
     record = judge_fresh(root, seed=secrets.randbelow(2**31))
     return _report(record)

@@ -184,7 +184,9 @@ def _made_with(record: Mapping[str, Any]) -> str:
         "verifiers (SHA-256)": record.get("verifier_source"),
         "replayed intervals chosen by seed": record.get("seed"),
     }
-    return table(("", ""), ((cell(escaped(k)), cell(tag("code", escaped(v)))) for k, v in facts.items() if v not in (None, "")))
+    return table(
+        ("what", "value"), ((cell(escaped(k)), cell(tag("code", escaped(v)))) for k, v in facts.items() if v not in (None, ""))
+    )
 
 
 def _section(title: str, inner: str) -> str:

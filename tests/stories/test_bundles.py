@@ -20,6 +20,7 @@ from worldagent.workflow.bundles import bundle_world
 from worldagent.workflow.verify_folder import verify_folder
 from worldagent.worlds.cache import digest_arrays, read_container, write_container
 from worldagent.worlds.limits import CAPS, Cap
+from worldagent.worlds.verdicts import verdict_words
 
 
 @pytest.fixture(scope="session")
@@ -75,6 +76,7 @@ def test_the_manifest_tells_what_the_bundle_is_about(bundle: Path) -> None:
     assert (head["format"], head["format_version"], head["verdict"], head["caches"]) == (
         "worldagent-bundle", 1, "accepted", "included",
     )  # fmt: skip
+    assert head["says"] == verdict_words(json.loads(made.members["verdict.json"]))
     assert hashlib.sha256(made.members["world/world.json"]).hexdigest() == head["spec_digest"]
     assert {"python", "device", "worldagent"} <= set(head["environment"])
     assert head["versions"]["mujoco"]

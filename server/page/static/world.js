@@ -121,6 +121,7 @@ function film(state, world) {
     "Film",
     found.state === "done" ? null : h("p", null, status("stale"), `: ${found.note || words(found.state)}`),
     h("video", { controls: true, preload: "metadata", playsinline: true, "data-src": state.source.filmPath(world.id, found.at), "aria-label": `Film of ${world.title}` }),
+    found.state === "done" && world.verdict ? h("p", null, status(world.verdict.verdict, world.verdict.says)) : null,
     h("p", { class: "quiet facts" }, `${bytes(found.bytes)}, rendered `, clock(found.at)),
   );
 }

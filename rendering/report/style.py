@@ -20,7 +20,7 @@ blockquote{margin:.6rem 0;padding:.5rem 1rem;border-left:4px solid var(--line);b
 .read:not(:has(mark:hover,mark:focus)) .first{display:block}
 mark{background:hsl(var(--hue,0) var(--full,0%) var(--tint));color:var(--ink);border-radius:.2rem;padding:.05em .15em;text-decoration:underline .12em;text-decoration-skip-ink:none;text-underline-offset:.22em;box-decoration-break:clone;-webkit-box-decoration-break:clone}
 mark[tabindex]{cursor:help}mark:focus-visible{outline:2px solid var(--ink);outline-offset:2px}
-mark[data-sign]::after{content:attr(data-sign);font-size:.6em;vertical-align:super;margin-inline-start:.35em;unicode-bidi:isolate;direction:ltr;white-space:nowrap}
+mark[data-sign]::after{content:attr(data-sign);font-size:.6em;vertical-align:super;margin-inline:.25em;unicode-bidi:isolate;direction:ltr;white-space:nowrap}
 .s-pass{text-decoration-color:var(--pass)}.s-fail{text-decoration-style:wavy;text-decoration-color:var(--fail)}
 .s-unverified{text-decoration-style:dashed;text-decoration-color:var(--open)}.s-reading{text-decoration-style:dotted;text-decoration-color:var(--dim)}
 .s-waived{text-decoration-style:double;text-decoration-color:var(--dim)}

@@ -6,18 +6,26 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 from ...worlds.spec import (
+    Box,
+    DetachDriver,
     Entity,
     ForceDriver,
+    HingeJoint,
     Material,
+    Part,
     PathDriver,
     PathKey,
     Pose,
     ReleaseDriver,
     RigidSettings,
+    Rope,
+    SpringJoint,
+    WeldJoint,
     WorldSpec,
 )
+from ...worlds.spec.fields import FieldDriver, WindField
 from ...worlds.vocabulary import SpecModel
-from .small_worlds import ball, box, ground, world
+from .small_worlds import ball, box, entity, ground, pose, world
 
 __all__ = ["EVENT_WORLDS", "event_world"]
 
@@ -153,6 +161,198 @@ def spin() -> WorldSpec:
     return _world({"box": disc.model_copy(update={"physics": physics})}, gravity=(0.0, 0.0, 0.0))
 
 
+def swing() -> WorldSpec:
+    """A box on a rod of no mass swings about a point of the ceiling."""
+    lean = math.radians(40.0)
+    bob = box(0.1, 0.1, 0.1, motion="dynamic", at=(math.sin(lean), 0, 2.0 - math.cos(lean)))
+    return _world({"bob": bob}, frames=72, joints={"pin": HingeJoint(child="bob", anchor=(0, 0, 2.0), axis=(0, 1, 0))})
+
+
+def hang() -> WorldSpec:
+    """A box on such a rod hangs straight down throughout."""
+    bob = box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 1.0))
+    return _world({"bob": bob}, joints={"pin": HingeJoint(child="bob", anchor=(0, 0, 2.0), axis=(0, 1, 0))})
+
+
+def waved() -> WorldSpec:
+    """A hand on a path carries a box to and fro."""
+    keys = [(0.0, (0, 0, 0.5)), (0.5, (0.3, 0, 0.5)), (1.0, (-0.3, 0, 0.5)), (1.5, (0.3, 0, 0.5))]
+    return _world(
+        {
+            "hand": box(0.4, 0.4, 0.05, motion="kinematic", at=(0, 0, 0.5)),
+            "box": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.576)),
+        },
+        drivers={"path": _path("hand", keys)},
+        materials=GRIPPY,
+    )
+
+
+def jump() -> WorldSpec:
+    """A loaded spring below a box sends it off the floor."""
+    spring = SpringJoint(
+        parent="floor",
+        child="box",
+        parent_point=(0, 0, 0),
+        child_point=(0, 0, 0.101),
+        stiffness=4000.0,
+        rest_length=0.2,
+        damping=5.0,
+    )
+    return _world(
+        {"box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101))},
+        joints={"leg": spring},
+        drivers={"latch": ReleaseDriver(entity="box", time=0.3), "cut": DetachDriver(joint="leg", time=0.36)},
+    )
+
+
+def toss() -> WorldSpec:
+    """A platform on a path carries a box up, faster and faster, and stops: the box flies on."""
+    platform = box(0.4, 0.4, 0.05, motion="kinematic", at=(0, 0, 0.2))
+    keys = [(0.0, (0, 0, 0.2)), (0.15, (0, 0, 0.26)), (0.35, (0, 0, 0.8)), (0.4, (0, 0, 0.81)), (1.4, (0, 0, 0.81))]
+    return _world(
+        {"hand": platform, "box": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.276))}, drivers={"path": _path("hand", keys)}
+    )
+
+
+def drift() -> WorldSpec:
+    """A light ball without weight goes slowly along with the wind."""
+    light = {"wood": Material(density=20.0, friction=0.4, restitution=0.0, substance="foam")}
+    wind = FieldDriver(field=WindField(velocity=(0.4, 0.0, 0.0)))
+    return _world(
+        {"ball": ball(0.1, motion="dynamic", at=(0, 0, 1.0))},
+        frames=72,
+        gravity=(0, 0, 0),
+        materials=light,
+        drivers={"wind": wind},
+    )
+
+
+def glide() -> WorldSpec:
+    """A ball without weight goes on slowly by itself."""
+    return _world({"ball": ball(0.1, motion="dynamic", at=(0, 0, 1.0), velocity=(0.2, 0, 0))}, frames=72, gravity=(0, 0, 0))
+
+
+def pull() -> WorldSpec:
+    """A hand on a path pulls a box along the floor by a rope."""
+    rope = SpringJoint(
+        parent="hand",
+        child="box",
+        parent_point=(0.6, 0, 0.101),
+        child_point=(0.1, 0, 0.101),
+        stiffness=2000.0,
+        damping=20.0,
+        rope=True,
+    )
+    return _world(
+        {
+            "hand": box(0.1, 0.1, 0.1, motion="kinematic", at=(0.6, 0, 0.101)),
+            "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101)),
+        },
+        joints={"rope": rope},
+        drivers={"path": _path("hand", [(0.0, (0.6, 0, 0.101)), (0.3, (0.65, 0, 0.101)), (1.4, (1.3, 0, 0.101))])},
+    )
+
+
+def towed() -> WorldSpec:
+    """A hand on a path pulls a box along the floor by a rope of many pieces."""
+    line = entity(
+        motion="dynamic",
+        at=(0, 0, 0),
+        rope=Rope(points=[(0.1, 0, 0.15), (0.55, 0, 0.15)], radius=0.01, segments=6, attach_start="box", attach_end="hand"),
+    )
+    return _world(
+        {
+            "hand": box(0.1, 0.1, 0.1, motion="kinematic", at=(0.6, 0, 0.15)),
+            "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101)),
+            "line": line,
+        },
+        drivers={"path": _path("hand", [(0.0, (0.6, 0, 0.15)), (0.3, (0.65, 0, 0.15)), (1.4, (1.3, 0, 0.15))])},
+    )
+
+
+def uphill() -> WorldSpec:
+    """A ball rolls up a ramp."""
+    lean = math.radians(20.0)
+    ramp = box(4.0, 1.0, 0.1, at=(2.0 * math.cos(lean), 0, 2.0 * math.sin(lean)), euler=(0, -lean, 0))
+    off = 0.05 + 0.101
+    start = ball(
+        0.1, motion="dynamic", at=(0.5 * math.cos(lean) - off * math.sin(lean), 0, 0.5 * math.sin(lean) + off * math.cos(lean))
+    )
+    speed = 2.5
+    physics = start.physics.model_copy(
+        update={
+            "linear_velocity": (speed * math.cos(lean), 0.0, speed * math.sin(lean)),
+            "angular_velocity": (0.0, speed / 0.1, 0.0),
+        }
+    )
+    return _world({"ramp": ramp, "ball": start.model_copy(update={"physics": physics})}, frames=20, materials=GRIPPY)
+
+
+def loose() -> WorldSpec:
+    """A box that is welded to a beam comes off it and falls."""
+    return _world(
+        {"beam": box(1.0, 0.1, 0.1, at=(0, 0, 2.0)), "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 1.85))},
+        joints={"weld": WeldJoint(parent="beam", child="box", anchor=(0, 0, 1.95))},
+        drivers={"cut": DetachDriver(joint="weld", time=0.5)},
+    )
+
+
+def fixed() -> WorldSpec:
+    """A box stays welded to a beam throughout."""
+    spec = loose()
+    return spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"drivers": {}})})
+
+
+def _door(start: float, spin: float) -> WorldSpec:
+    posts = [Part(shape=Box(size=(0.1, 0.1, 2.0)), pose=pose((x, 0, 0))) for x in (-0.06, 0.92)]
+    frame = entity(*posts, at=(0, 0, 1.0))
+    leaf = box(0.84, 0.04, 1.8, motion="dynamic", at=(0.43 * math.cos(start), 0.43 * math.sin(start), 1.0), euler=(0, 0, start))
+    push = ForceDriver(entity="door", torque=(0.0, 0.0, 60.0 * spin), start=0.0, end=0.15)
+    hinge = HingeJoint(
+        parent="frame", child="door", anchor=(0.0, 0.0, 1.0), axis=(0, 0, 1), friction=2.0, range=(-start, 1.6 - start)
+    )
+    return _world({"frame": frame, "door": leaf}, joints={"hinge": hinge}, drivers={"push": push})
+
+
+def door_opens() -> WorldSpec:
+    """A door that lies against its frame is given a turn and opens."""
+    return _door(0.0, 1.5)
+
+
+def door_closes() -> WorldSpec:
+    """A door that stands open is given a turn and falls shut."""
+    return _door(1.2, -2.0)
+
+
+def door_moves() -> WorldSpec:
+    """A door that stands half open opens a little farther."""
+    return _door(0.7, 0.6)
+
+
+def lean() -> WorldSpec:
+    """A plank stands with its lower edge on the floor and its upper edge against a wall."""
+    tilt = math.radians(20.0)
+    wall = box(0.2, 2.0, 2.0, at=(0.1, 0, 1.0))
+    low = (0.5 * math.sin(tilt) + 0.02 * math.cos(tilt), 0.5 * math.cos(tilt) + 0.02 * math.sin(tilt))
+    plank = box(0.04, 0.2, 1.0, motion="dynamic", at=(-low[0] - 0.0011, 0, low[1] + 0.0011), euler=(0, tilt, 0))
+    return _world({"wall": wall, "plank": plank}, frames=30, materials=GRIPPY)
+
+
+def beside() -> WorldSpec:
+    """A box stands beside a wall that it touches, and would stay without it."""
+    wall = box(0.2, 2.0, 2.0, at=(0.1, 0, 1.0))
+    return _world({"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(-0.101, 0, 0.101))}, frames=30)
+
+
+def jam() -> WorldSpec:
+    """A force drives a box along the floor against a wall that holds it."""
+    wall = box(0.2, 2.0, 0.5, at=(0.6, 0, 0.25))
+    push = ForceDriver(entity="box", force=(40.0, 0.0, 0.0), start=0.1, end=10.0)
+    return _world(
+        {"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101))}, frames=48, drivers={"wind": push}
+    )
+
+
 EVENT_WORLDS: Mapping[str, Callable[[], WorldSpec]] = {
     make.__name__: make
     for make in (
@@ -172,6 +372,24 @@ EVENT_WORLDS: Mapping[str, Callable[[], WorldSpec]] = {
         shove,
         held,
         spin,
+        swing,
+        hang,
+        waved,
+        jump,
+        toss,
+        drift,
+        glide,
+        pull,
+        towed,
+        uphill,
+        loose,
+        fixed,
+        door_opens,
+        door_closes,
+        door_moves,
+        lean,
+        beside,
+        jam,
     )
 }
 """By name."""

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "d3bac5660ad19670aa321320d2318aef4262a855ae49037c43179fa22972ad31"
+SCHEMA = "f9110f1eadf0d294cc96e27b9ee9ebf155559ad79694c1d9589b655d5c631bd1"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -18,7 +18,7 @@ from ..categories.fracture import predicates as fracture
 from ..categories.liquid import floating
 from ..categories.liquid import predicates as liquid
 from ..categories.particles import predicates as particle
-from . import combine, kinematic, landscape, touching
+from . import combine, comparing, kinematic, landscape, touching
 from .events import EVENTS
 from .outcome import Outcome, Truth, missing
 from .scope import Beats, Evaluator, Scope
@@ -44,6 +44,7 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "separation": touching.separation,
     "joint_angle": kinematic.joint_angle,
     **EVENTS,
+    "compares": comparing.compares,
     "deflection": elastic.deflection,
     "strain": elastic.strain,
     "landscape_water": landscape.landscape_water,

@@ -16,9 +16,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Moves", "atoms", "beat_moves", "moves_of", "spoken_of", "support_interval"]
 
-MOVING_KINDS = frozenset({"topples", "tilts", "displacement", "reaches", "crosses", *(info.kind for info in BODY_EVENTS)})
+STAYING = frozenset({"rests_against", "jams"})
+"""Events in which nothing leaves its place."""
+MOVING_KINDS = (
+    frozenset({"topples", "tilts", "displacement", "reaches", "crosses", *(info.kind for info in BODY_EVENTS)}) - STAYING
+)
 """Predicates that say that an entity leaves its place."""
-MOVED_BY = frozenset({"pushes"})
+MOVED_BY = frozenset({"pushes", "pulls", "lifts", "lowers", "throws"})
 """Events of which `other` leaves its place."""
 
 

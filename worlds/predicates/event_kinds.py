@@ -63,6 +63,39 @@ BODY_EVENTS = (
         channels=_MOTION,
     ),
     _event(
+        "slows",
+        "1",
+        "It loses at least 0.5 of its speed without a break over at least 0.2 s, no more than 0.5 of the loss between two frames.",
+        _OWN + "half of the speed is seen; a blow is another event",
+        channels=_MOTION,
+    ),
+    _event(
+        "swings",
+        "1",
+        "It goes to and fro about a hinge, a ball joint or a rope: at least one turning point between turns of at least 0.05 rad, at which "
+        "contacts and drivers give no more than 0.2 of its change of momentum and before which it has slowed to 0.5 of its rate; half periods differ by no more than a factor of 2.0.",
+        "mechanics: a pendulum is turned back by its weight or spring, in even time; the shares are own choices",
+        "flies",
+    ),
+    _event(
+        "jumps",
+        "m",
+        "It leaves what carried it and rises by at least its half-size, having come down no faster than 0.2 of the speed with which it leaves; "
+        "drivers, fields, liquids and contacts of others that move give no more than 0.2 of that momentum: the rest is from springs, from "
+        "its own joints, or from the ground that stays.",
+        "mechanics: still ground gives momentum and no energy; records do not tell the work of a body's own joints from that of others",
+        "flies",
+    ),
+    _event(
+        "drifts",
+        "m",
+        "It goes a level way of at least its half-size, no faster than 4.0 half-sizes per second, and air, liquid or a field gives at least 0.5 "
+        "of the work that drives it along.",
+        _OWN + "the share and the pace at which things drift",
+        "flies",
+        "blows",
+    ),
+    _event(
         "rolls",
         "rad",
         "It turns by at least 3.14 rad about an axis across the direction in which it moves while it touches; the point of contact slips by "
@@ -97,6 +130,45 @@ BODY_EVENTS = (
         "flies",
     ),
     _event(
+        "bounces",
+        "m",
+        "It closes in on what it touches at least as fast as a fall from 0.01 of its half-size and 0.02 m/s, the contact turns that round to at "
+        "least 0.1 of it, ends, and it comes off by at least 0.2 of its half-size before it touches again.",
+        "impact mechanics: the normal velocity changes its sign; the shares are own choices",
+        "flies",
+        "falls",
+    ),
+    _event(
+        "goes_uphill",
+        "m",
+        "Its centre goes up without a break by at least its half-size while something carries it that itself rises by no more than 0.5 of that, "
+        "along a level way of at least 0.5 of the rise; by whose work is measured and told.",
+        _OWN + "the shares; what lifts rises too, and walls are steeper",
+        "flies",
+    ),
+    _event(
+        "comes_loose",
+        "m",
+        "A joint, weld, spring or rope that held it is opened, and it moves at least 0.5 of its half-size against the other end. Bonds that break "
+        "are told by `broken` and `debris`.",
+        _OWN + "the way",
+        "falls",
+    ),
+    _event(
+        "opens",
+        "1",
+        "On its hinge its free edge was within 0.05 of its reach from `other` (default: what it is hinged to) and comes off by at least 0.25 of it.",
+        _OWN + "through 15 degrees one sees; slides are asked by `joint_angle`, since surfaces do not tell what they cover",
+        channels=POSE,
+    ),
+    _event(
+        "closes",
+        "1",
+        "On its hinge its free edge was at least 0.25 of its reach off `other` (default: what it is hinged to) and comes to within 0.05 of it.",
+        _OWN + "as for `opens`",
+        channels=POSE,
+    ),
+    _event(
         "hits",
         "N s",
         "A contact with `other` begins at a closing speed of at least that of a fall from 0.01 of the smaller half-size and 0.02 m/s, of which its own "
@@ -113,6 +185,56 @@ BODY_EVENTS = (
         "over a way of at least 0.5 of the other's half-size.",
         "work is force along a way; the time, longer than blows last, and the way are own choices",
         "blows",
+        directed=True,
+    ),
+    _event(
+        "pulls",
+        "m",
+        "By contact, spring, rope or joint it works on `other` for at least 0.1 s on end, over a way of at least 0.5 of the other's half-size, the "
+        "impulse within 60 degrees (cosine 0.5) of the way and of the direction to its own centre.",
+        "work is force along a way; the directions are own choices",
+        directed=True,
+    ),
+    _event(
+        "lifts",
+        "m",
+        "`other` rises without a break by at least its half-size, and this one, which moves, works on it by contact, spring, rope or joint at least 0.5 of "
+        "its weight times that height; by contact alone, it rises by at least 0.5 of that too.",
+        "energy: lifting is work against gravity; a slope that stays works on nothing",
+        "flies",
+        directed=True,
+    ),
+    _event(
+        "lowers",
+        "m",
+        "`other` goes down without a break by at least its half-size while this one, which moves, bears at least 0.5 of its weight and takes at least "
+        "0.5 of the potential energy that it loses; by contact alone, it goes down by at least 0.5 of that too.",
+        "energy: what is lowered gives its energy to what bears it",
+        directed=True,
+    ),
+    _event(
+        "throws",
+        "m",
+        "It works on `other` for at least 0.1 s on end, at least 0.5 of the energy of motion with which that leaves, faster than a fall from 0.5 of the "
+        "other's half-size; then the other flies at least 2.0 of its half-size, carried by less than 0.5 of its weight.",
+        _OWN + "longer than a blow, faster than what is dropped",
+        "flies",
+        directed=True,
+    ),
+    _event(
+        "rests_against",
+        "s",
+        "It is still for at least 0.25 s on end, touches `other` from the side, and without that contact the others could not hold it.",
+        "statics: forces within the cones of friction that balance its weight (Erdmann 1994, doi:10.1177/027836499401300306)",
+        directed=True,
+        channels=POSE,
+    ),
+    _event(
+        "jams",
+        "s",
+        "It is still for at least 0.25 s on end while drivers, fields, springs or bodies on paths press it with at least 0.1 of its weight, of which "
+        "`other` holds at least 0.5. The torque of motors is in no record.",
+        "statics; the shares are own choices",
         directed=True,
     ),
 )  # fmt: skip

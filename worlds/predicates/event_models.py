@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from ..predicate_base import Subject
+from ..predicate_base import Subject, When
 from ..vocabulary import Positive, SpecModel
 
-__all__ = ["BodyEvent", "PairEvent", "TouchEvent"]
+__all__ = ["BodyEvent", "Compares", "PairEvent", "TouchEvent"]
 
 
 class _Event(SpecModel):
@@ -24,20 +24,42 @@ class _Event(SpecModel):
 
 
 class BodyEvent(_Event):
-    """Something happens to the entity: it falls, rises, tips, spins, comes to rest."""
+    """Something happens to the entity: it falls, rises, spins, swings, jumps, drifts, slows, comes to rest."""
 
-    kind: Literal["falls", "rises", "spins", "stops"]
+    kind: Literal["falls", "rises", "spins", "stops", "slows", "swings", "jumps", "drifts"]
 
 
 class TouchEvent(_Event):
-    """Something happens to the entity in contact with `other`, or with whatever it touches."""
+    """Something happens to the entity at `other`: what it touches, or what holds it."""
 
-    kind: Literal["rolls", "slides", "tips", "lands"]
-    other: Subject | None = Field(default=None, description="default: anything that it touches")
+    kind: Literal["rolls", "slides", "tips", "lands", "bounces", "goes_uphill", "comes_loose", "opens", "closes"]
+    other: Subject | None = Field(default=None, description="default: anything that it touches, or that held it")
 
 
 class PairEvent(_Event):
     """The entity does something to `other`; the two exchanged are another event."""
 
-    kind: Literal["hits", "pushes"]
+    kind: Literal["hits", "pushes", "pulls", "lifts", "lowers", "throws", "rests_against", "jams"]
     other: Subject
+
+
+class Compares(SpecModel):
+    """A quantity of `a` less that of `b`, at one frame: at least `margin` more, at least `margin` less, or the same within it."""
+
+    kind: Literal["compares"] = "compares"
+    a: Subject
+    b: Subject
+    quantity: Literal["height", "speed", "tilt", "size", "mass", "distance_to"] = Field(
+        description="of the centre, against gravity [m]; [m/s]; of the own z axis against frame 0 [rad]; largest extent [m]; [kg]; "
+        "of the centre from that of `of` [m]"
+    )
+    relation: Literal["more", "less", "same"]
+    margin: Positive = Field(description="least difference, of `same` the largest one; in the quantity's unit")
+    of: Subject | None = Field(default=None, description="`distance_to` alone: from whom")
+    when: When = "eventually"
+
+    @model_validator(mode="after")
+    def _from_somebody(self) -> Compares:
+        if (self.of is None) == (self.quantity == "distance_to"):
+            raise ValueError("give `of` for distance_to, and for no other quantity")
+        return self

@@ -42,7 +42,7 @@ from ..vocabulary import (
     SpecModel,
     Vec3,
 )
-from .event_models import BodyEvent, PairEvent, TouchEvent
+from .event_models import BodyEvent, Compares, PairEvent, TouchEvent
 from .landscape import LandscapeField, LandscapeWater
 
 __all__ = [
@@ -54,6 +54,7 @@ __all__ = [
     "BodyEvent",
     "Breach",
     "Broken",
+    "Compares",
     "Contact",
     "Count",
     "Crosses",
@@ -304,6 +305,7 @@ Atom = (
     | BodyEvent
     | TouchEvent
     | PairEvent
+    | Compares
     | Deflection
     | Strain
     | LandscapeWater

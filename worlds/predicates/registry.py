@@ -67,6 +67,7 @@ _GENERAL = (
     PredicateInfo("displacement", "m", POSE, BAND, bodily=True, tells=("falls", "flies", "blows")),
     PredicateInfo("separation", "m", POSE, BAND, bodily=True, tells=("falls", "flies", "blows")),
     PredicateInfo("joint_angle", "rad", ("joint",), BAND, least={"min": 0.005}, tells=("falls", "flies", "blows")),
+    PredicateInfo("compares", "1", POSE, {"margin": "none"}, bodily=True),
     PredicateInfo(
         "landscape_water",
         "1",

@@ -12,9 +12,10 @@ from worldagent.testing.worlds.event_worlds import event_world
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.predicates import Outcome
 from worldagent.verifiers.predicates.events import EVENTS, bounds
-from worldagent.worlds.predicates import BodyEvent, PairEvent, TouchEvent
+from worldagent.worlds.predicates import BodyEvent, Compares, PairEvent, TouchEvent
 from worldagent.worlds.predicates.event_kinds import BODY_EVENTS
 from worldagent.worlds.predicates.events import EVENT_KINDS, event_atoms
+from worldagent.worlds.spec import SlideJoint
 
 MODELS = (BodyEvent, TouchEvent, PairEvent)
 
@@ -29,6 +30,21 @@ TRUE: dict[str, list[tuple[str, ...]]] = {
     "lands": [("drop", "ball"), ("drop", "ball", "floor")],
     "hits": [("hit", "hitter", "box"), ("drop", "ball", "floor"), ("bounce", "ball", "floor")],
     "pushes": [("push", "hand", "box"), ("lifted", "hand", "box")],
+    "slows": [("slide", "box"), ("uphill", "ball")],
+    "swings": [("swing", "bob")],
+    "jumps": [("jump", "box")],
+    "drifts": [("drift", "ball")],
+    "bounces": [("bounce", "ball"), ("bounce", "ball", "floor")],
+    "goes_uphill": [("uphill", "ball"), ("uphill", "ball", "ramp")],
+    "comes_loose": [("loose", "box"), ("loose", "box", "beam")],
+    "opens": [("door_opens", "door"), ("door_opens", "door", "frame")],
+    "closes": [("door_closes", "door")],
+    "pulls": [("pull", "hand", "box")],
+    "lifts": [("lifted", "hand", "box"), ("toss", "hand", "box")],
+    "lowers": [("lowered", "hand", "box")],
+    "throws": [("toss", "hand", "box")],
+    "rests_against": [("lean", "plank", "wall")],
+    "jams": [("jam", "box", "wall")],
 }
 """World, entity and other of each kind where it happens."""
 FALSE: dict[str, list[tuple[str, ...]]] = {
@@ -65,6 +81,71 @@ FALSE: dict[str, list[tuple[str, ...]]] = {
         ("lowered", "hand", "box"),
         ("rest", "box", "lower"),
         ("shove", "floor", "box"),
+    ],
+    # A blow takes the speed, rest, an even roll.
+    "slows": [("drop", "ball"), ("roll", "ball"), ("rest", "box"), ("hang", "bob")],
+    # Hangs still, is carried to and fro by a hand, is turned back by a stop, falls.
+    "swings": [
+        ("hang", "bob"),
+        ("waved", "box"),
+        ("waved", "hand"),
+        ("door_closes", "door"),
+        ("topple", "slab"),
+        ("rest", "box"),
+    ],
+    # Bounces, is lifted or tossed by a hand, is sent off by a blow, was never on the ground.
+    "jumps": [("bounce", "ball"), ("lifted", "box"), ("toss", "box"), ("drop", "ball"), ("uphill", "ball"), ("rest", "box")],
+    # Goes by itself, is pushed by a force, is blown away fast, rests.
+    "drifts": [("glide", "ball"), ("shove", "box"), ("roll", "ball"), ("rest", "box")],
+    # Lands and stays, falls, slides, rests.
+    "bounces": [("drop", "ball"), ("slide", "box"), ("rest", "box"), ("held", "ball")],
+    # Is lifted, bounces up, rolls on the level.
+    "goes_uphill": [("lifted", "box"), ("bounce", "ball"), ("roll", "ball"), ("rest", "box")],
+    # Stays fixed, fell without ever being held by a joint.
+    "comes_loose": [("fixed", "box"), ("drop", "ball"), ("loose", "box", "floor"), ("rest", "box")],
+    # Closes, opens farther from half open, has no hinge.
+    "opens": [("door_closes", "door"), ("door_moves", "door"), ("slide", "box"), ("rest", "box")],
+    "closes": [("door_opens", "door"), ("door_moves", "door"), ("slide", "box"), ("rest", "box")],
+    # Pushes, is pulled, stands on the floor.
+    "pulls": [
+        ("push", "hand", "box"),
+        ("pull", "box", "hand"),
+        ("pull", "floor", "box"),
+        ("lifted", "hand", "box"),
+        ("rest", "box", "lower"),
+    ],
+    # Lowers, is lifted, is a slope, is what it bounces on.
+    "lifts": [
+        ("lowered", "hand", "box"),
+        ("lifted", "box", "hand"),
+        ("uphill", "ramp", "ball"),
+        ("bounce", "floor", "ball"),
+        ("rest", "lower", "box"),
+    ],
+    "lowers": [
+        ("lifted", "hand", "box"),
+        ("lowered", "box", "hand"),
+        ("drop", "floor", "ball"),
+        ("toss", "hand", "box"),
+        ("rest", "lower", "box"),
+    ],
+    # Lifts, hits, is thrown, bounces it off.
+    "throws": [
+        ("lowered", "hand", "box"),
+        ("hit", "hitter", "box"),
+        ("toss", "box", "hand"),
+        ("bounce", "floor", "ball"),
+        ("rest", "lower", "box"),
+    ],
+    # Touches and would stay without it, has it lean on itself, lies on it, moves along it.
+    "rests_against": [("beside", "box", "wall"), ("lean", "wall", "plank"), ("lean", "plank", "floor"), ("rest", "box", "lower")],
+    # Still and driven by nothing, driven and not held by it, held by friction alone, roles exchanged.
+    "jams": [
+        ("beside", "box", "wall"),
+        ("shove", "box", "floor"),
+        ("jam", "box", "floor"),
+        ("jam", "wall", "box"),
+        ("rest", "box", "lower"),
     ],
 }
 """The same where it does not, and something near it is true."""
@@ -118,7 +199,7 @@ def test_a_kind_is_not_met_by_something_near_it(judged: Any, kind: str, world: s
 def test_every_kind_has_a_world_in_which_it_is_true_and_two_in_which_it_is_not(kind: str) -> None:
     assert TRUE[kind]
     assert len(FALSE[kind]) >= 2
-    assert {c[0] for c in FALSE[kind]} & {"rest", "held"}, "a body that rests throughout"
+    assert {c[0] for c in FALSE[kind]} & {"rest", "held", "hang"}, "a body that rests throughout"
 
 
 @pytest.mark.parametrize("kind", [info.kind for info in BODY_EVENTS if info.directed])
@@ -180,6 +261,50 @@ def test_what_is_not_known_is_not_judged(judged: Any) -> None:
     assert judged("drop", "falls", "nobody").status == "unverified"
     assert judged("drop", "hits", "ball", "nobody").status == "unverified"
     assert judged("drop", "hits", "ball", "ball").status == "unverified"
+
+
+COMPARED = [
+    ({"a": "ball", "b": "floor", "quantity": "height", "relation": "more", "margin": 1.0}, "pass", 1.2),
+    ({"a": "floor", "b": "ball", "quantity": "height", "relation": "more", "margin": 1.0}, "fail", -0.2),
+    ({"a": "floor", "b": "ball", "quantity": "height", "relation": "less", "margin": 1.0}, "pass", -1.2),
+    ({"a": "ball", "b": "floor", "quantity": "speed", "relation": "more", "margin": 4.0}, "pass", 4.3),
+    ({"a": "ball", "b": "floor", "quantity": "tilt", "relation": "same", "margin": 0.1}, "pass", 0.0),
+    ({"a": "floor", "b": "ball", "quantity": "size", "relation": "more", "margin": 1.0}, "pass", 19.8),
+    ({"a": "ball", "b": "floor", "quantity": "mass", "relation": "less", "margin": 1.0}, "pass", -48000.0),
+    ({"a": "ball", "b": "floor", "quantity": "distance_to", "of": "floor", "relation": "more", "margin": 1.0}, "pass", 1.2),
+]
+
+
+@pytest.mark.parametrize(("asked", "status", "value"), COMPARED)
+def test_two_measurements_are_compared_with_a_margin(tmp_path: Any, asked: dict[str, Any], status: str, value: float) -> None:
+    outcome = evaluate(copied(film("drop")).candidate(tmp_path), Compares(**asked), (0, 35))
+    assert outcome.status == status, outcome.explanation
+    assert outcome.value == pytest.approx(value, rel=0.05, abs=0.02)
+
+
+def test_a_comparison_says_from_whom_a_distance_is_and_not_with_itself(tmp_path: Any) -> None:
+    same: dict[str, Any] = {"a": "ball", "b": "ball", "quantity": "height", "relation": "more", "margin": 1.0}
+    assert evaluate(copied(film("drop")).candidate(tmp_path), Compares(**same), (0, 35)).status == "unverified"
+    for wrong in ({"quantity": "distance_to"}, {"of": "floor"}):
+        with pytest.raises(ValueError, match="give `of`"):
+            Compares(**{**same, **wrong})
+
+
+def test_what_a_slide_opens_is_not_told_by_surfaces(tmp_path: Any) -> None:
+    base = event_world("door_opens")
+    slide = SlideJoint(parent="frame", child="door", anchor=(0, 0, 1), axis=(1, 0, 0))
+    spec = base.model_copy(update={"simulation": base.simulation.model_copy(update={"joints": {"slide": slide}})})
+    outcome = evaluate(copied(film_of(spec)).candidate(tmp_path), event("opens", "door"), (0, 35))
+    assert outcome.status == "unverified"
+    assert "joint_angle" in outcome.explanation
+
+
+def test_a_body_that_a_rope_entity_holds_is_pulled_through_it(tmp_path: Any) -> None:
+    candidate = copied(film("towed")).candidate(tmp_path)
+    outcome = evaluate(candidate, event("pulls", "hand", "box"), (0, candidate.last_frame))
+    assert outcome.status == "pass", outcome.explanation
+    assert outcome.details["by"] == ["joint"]
+    assert evaluate(candidate, event("rolls", "line"), (0, candidate.last_frame)).status == "unverified", "a rope is many bodies"
 
 
 def test_events_are_found_within_a_predicate_but_not_below_a_not() -> None:

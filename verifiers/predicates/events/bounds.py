@@ -46,3 +46,57 @@ PUSH_WAY = 0.5
 """[1] of the other's half-size. Own choice: less is leaning against it."""
 PUSH_ALONG = 0.5
 """[1] Own choice: cosine of 60 degrees between the impulse and the way: what lies on a moving cart is carried, not pushed."""
+BOUNCE_BACK = 0.1
+"""[1] of the closing speed. Own choice: a tenth of the speed is a hundredth of the energy; less is a rattle."""
+BOUNCE_WAY = 0.2
+"""[1] of the half-size. Own choice: so far it comes off what it bounced on."""
+LIFT_WORK = 0.5
+"""[1] of the other's weight times its way up or down. Own choice: the greater part of that energy goes through the lifter."""
+WITH = 0.5
+"""[1] of the other's way up or down. Own choice: what lifts or lowers by contact alone goes with it, and is not what it lands on."""
+PULL_TOWARD = 0.5
+"""[1] Own choice: cosine of 60 degrees between the impulse and the direction from the other's centre to the puller's."""
+THROW_WORK = 0.5
+"""[1] of the energy of motion with which the other leaves. Own choice: the greater part of it is the thrower's work."""
+THROW_SPEED = 0.5
+"""[1] of the half-size, as a height of free flight. Own choice: slower it was dropped."""
+THROW_WAY = 2.0
+"""[1] of the half-size. Own choice: it flies at least its own smallest extent."""
+SLOW_SHARE = 0.5
+"""[1] of the speed that is lost. Own choice: half is seen."""
+SLOW_TIME = 0.2
+"""[s] Own choice: shorter is a blow."""
+SLOW_BLOW = 0.5
+"""[1] of the lost speed within one interval. Own choice: more is a blow."""
+DRIFT_SPEED = 4.0
+"""[1] half-sizes per second. Own choice: what comes its own smallest extent in half a second is carried away, it does not drift."""
+DRIFT_WORK = 0.5
+"""[1] of all work that drives it. Own choice: the greater part is the medium's or the field's."""
+SWING_TURN = 0.05
+"""[rad] Own choice: 3 degrees; less is a tremble."""
+SWING_BLOW = 0.2
+"""[1] of the change of momentum at the turning point. Own choice: what others' contacts give there is no more, else it was struck back."""
+SWING_SLOW = 0.5
+"""[1] of the greatest rate of the half swing. Own choice: weight or a spring has slowed it so far by the frame before it turns; a stop has not."""
+SWING_EVEN = 2.0
+"""[1] Own choice: half periods one after the other differ by no more than this factor; a pendulum's period depends little on amplitude."""
+JUMP_OUTSIDE = 0.2
+"""[1] of the momentum with which it leaves. Own choice: others that move, drivers and fields give no more than that."""
+JUMP_REST = 0.2
+"""[1] of the speed with which it leaves. Own choice: faster on its way down before, it bounced."""
+UPHILL_SLOPE = 0.5
+"""[1] of the rise. Own choice: level way by rise of a slope of 63 degrees; steeper, it climbs a wall or is lifted."""
+UPHILL_STILL = 0.5
+"""[1] of the rise. Own choice: what carries it rises by less itself."""
+REST_TIME = 0.25
+"""[s] Own choice: as STOP_TIME."""
+JAM_DRIVE = 0.1
+"""[1] of the weight. Own choice: less than a tenth of its weight hardly drives it."""
+JAM_HOLD = 0.5
+"""[1] of the drive. Own choice: the greater part of the drive is held by the one that it jams against."""
+LOOSE_WAY = 0.5
+"""[1] of the half-size. Own choice: so far it moves past what held it, or away from it."""
+OPEN_GAP = 0.25
+"""[1] of the reach from the hinge. Own choice: about 15 degrees, through which one sees."""
+SHUT_GAP = 0.05
+"""[1] of the reach from the hinge. Own choice: 3 degrees; what is farther from its frame is ajar."""

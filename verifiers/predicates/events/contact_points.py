@@ -19,7 +19,7 @@ from .course import Course, between, course_of
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
 
-__all__ = ["Meeting", "meeting_of"]
+__all__ = ["Meeting", "meeting_of", "single"]
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,18 @@ class Meeting:
     """Way of the point of contact over the entity, in its own frame, across its axis of turning [m], shape (F - 1,)."""
 
 
+def single(course: Course) -> None:
+    """Hold that an entity is of one body.
+
+    Raises:
+        EvidenceError: it is of several.
+    """
+    if len(course.candidate.entity(course.entity).bodies) != 1:
+        raise EvidenceError(
+            f"{course.entity!r} is of several bodies, which roll, slide and tip each by itself; ask this of a single body"
+        )
+
+
 def meeting_of(candidate: Candidate, entity: str, other: str, span: slice) -> Meeting:
     """Contact of an entity of one body with another entity over the intervals of a span; arrays are of that length.
 
@@ -50,10 +62,7 @@ def meeting_of(candidate: Candidate, entity: str, other: str, span: slice) -> Me
 
 
 def _meeting(candidate: Candidate, entity: str, other: str, span: slice) -> Meeting:
-    if len(candidate.entity(entity).bodies) != 1:
-        raise EvidenceError(
-            f"{entity!r} is of several bodies, which roll, slide and tip each by itself; ask this of a single body"
-        )
+    single(course_of(candidate, entity))
     course, partner = course_of(candidate, entity), course_of(candidate, other)
     logged = between(candidate, other, entity).touched[span]
     frames = np.arange(span.start, span.stop + 1)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 from ..outcome import Outcome
-from .bounds import CARRIED, HALF_SIZE, LAND_SPEED, LAND_TIME
+from .bounds import CARRIED, HALF_SIZE, LAND_SPEED, LAND_TIME, UPHILL_SLOPE, UPHILL_STILL
 from .course import Course, between, course_of
 from .measures import happened, onset, run_sums, span_of
 from .turning import tips_of
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...ledgers.origins import Origin
     from ..scope import Scope
 
-__all__ = ["falls", "lands", "rises"]
+__all__ = ["falls", "goes_uphill", "lands", "rises"]
 
 NOTHING = 1e-12
 """[N s] Keeps a bound above zero where there is no gravity."""
@@ -131,6 +131,37 @@ def rises(scope: Scope, p: BodyEvent) -> Outcome:
     return happened(scope, p.entity, height, least, "m", tell, detail)
 
 
+def goes_uphill(scope: Scope, p: TouchEvent) -> Outcome:
+    """Measured: how far its centre goes up without a break while something that does not rise with it carries it along [m]."""
+    course, span = course_of(scope.candidate, p.entity), span_of(scope)
+    gains = -_drops(course, span)
+    level = np.diff(course.centers[span.start : span.stop + 1], axis=0)
+    level = np.linalg.norm(level - (level @ course.up)[:, None] * course.up, axis=1)
+    best, on, run, holds = np.zeros(len(gains)), "", np.zeros(len(gains), dtype=bool), np.zeros(len(gains), dtype=bool)
+    for other in course.partners if p.other is None else (p.other,):
+        borne = between(scope.candidate, other, p.entity).impulse[span] @ course.up
+        partner = course_of(scope.candidate, other)
+        still = scope.candidate.spec.entities[other].motion == "static"
+        rise = np.zeros(len(gains)) if still else np.diff(partner.heights[span.start : span.stop + 1])
+        up = (gains > 0.0) & (borne > 0.0) & (rise <= UPHILL_STILL * gains)
+        height = run_sums(up, gains)
+        if height.max(initial=0.0) > best.max(initial=0.0):
+            best, on, run, holds = height, other, up, run_sums(up, level) >= UPHILL_SLOPE * height
+    least = max(HALF_SIZE * course.size, p.min or 0.0)
+
+    def tell(i: int) -> str:
+        if best[i] <= 0.0:
+            return f"{p.entity} does not go uphill in frames {scope.frames[0]}..{scope.frames[1]}"
+        start = span.start + onset(run, i)
+        return f"{p.entity} goes {best[i]:.3g} m up on {on} from frame {start} to {span.start + i + 1} (needed {least:.3g})"
+
+    def detail(i: int) -> dict[str, Any]:
+        start = span.start + onset(run, i)
+        return {"onset": start, "other": on or None, "by": _raised_by(course, start, span.start + i + 1)}
+
+    return happened(scope, p.entity, best, least, "m", tell, detail, holds=holds)
+
+
 def _raised_by(course: Course, first: int, last: int) -> dict[str, float]:
     """Works against gravity between two frames by who did them [J], greatest first; what its own motion gave stands as `its own motion`."""
     found = {_named(course, o): float(g.work[first:last].sum()) for o, g in course.origins.items() if o.kind != "gravity"}
@@ -166,10 +197,12 @@ def _landings(course: Course, span: slice, asked: str | None) -> tuple[F64, list
     light, drops = course.carried < CARRIED, -np.diff(course.heights)
     sinking = -(course.velocities @ course.up)
     pushed = {n: between(course.candidate, n, course.entity).impulse @ course.up for n in course.partners if asked in (None, n)}
-    fallen, since = 0.0, -1
+    fallen, since, landed = 0.0, -1, False
     for k in range(span.start, span.stop):
         if light[k] and drops[k] > 0.0:
-            fallen, since = max(0.0, float(sinking[k + 1])) * course.mass, k + 1
+            # Small bounces belong to the fall that they follow.
+            fallen, since = (0.0, k + 1) if landed or since < 0 else (fallen, since)
+            fallen, landed = max(fallen, float(sinking[k + 1]) * course.mass), False
         if since < 0 or k - since < hold - 1:
             continue
         stays = slice(k + 1 - hold, k + 1)
@@ -178,5 +211,5 @@ def _landings(course: Course, span: slice, asked: str | None) -> tuple[F64, list
             taken = {n: float(j[since : k + 1].sum()) for n, j in pushed.items()}
             below = max(taken, key=lambda n: taken[n], default=None)
             if below is not None and taken[below] > 0.0:
-                value[k - span.start], who[k - span.start] = fallen, below
+                value[k - span.start], who[k - span.start], landed = fallen, below, True
     return value, who

@@ -23,7 +23,7 @@ from .bounds import (
     TIP_TURN,
     TURN_TO_ROLL,
 )
-from .contact_points import Meeting, meeting_of
+from .contact_points import Meeting, meeting_of, single
 from .course import Course, between, course_of
 from .measures import happened, onset, run_sums, span_of
 
@@ -44,6 +44,7 @@ class _Best(NamedTuple):
 
 
 def _partners(course: Course, asked: str | None) -> tuple[str, ...]:
+    single(course)
     return course.partners if asked is None else (asked,)
 
 

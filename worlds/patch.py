@@ -11,13 +11,18 @@ from pydantic import ValidationError
 
 from .bounds import check_document, extent, shown
 from .categories.registry import CATEGORIES
-from .directions import way_of
 from .errors import SpecError
 from .hints import patch_problem, spec_problem
 from .limits import CAPS, check_cap
 from .predicates.registry import PREDICATES, interval_tightens
 from .spec import WorldSpec
-from .weakened import claim_weakenings, physical_weakenings, relation_weakenings, surface_weakenings
+from .weakened import (
+    claim_weakenings,
+    directed_weakenings,
+    physical_weakenings,
+    relation_weakenings,
+    surface_weakenings,
+)
 
 __all__ = ["apply_patch", "differences", "parse_spec", "weakenings"]
 
@@ -223,23 +228,15 @@ def _margin_weakenings(old: Mapping[str, Any], beat: Mapping[str, Any], place: s
 
 
 def _robustness_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
-    """Fewer or smaller trials, other draws, or a lower bound; `min_fraction` and `factor` are harder upwards, `frames` is not."""
+    """Fewer beats or other draws; how many and how large trials are is a matter of `directed_weakenings`."""
     for key, item in old.items():
         place, now = f"/story/robustness/{key}", new.get(key)
         if now is None or now["kind"] != item["kind"]:
             yield f"{place} removed"
             continue
-        for field in {**item, **now}:
+        for field in ("beats", "seed", "entities"):
             before, after = item.get(field), now.get(field)
-            if before == after:
-                continue
-            if field == "beats":
-                weaker = not set(before) <= set(after)
-            elif field in ("seed", "entities"):
-                weaker = True
-            else:
-                weaker = after > before if field == "frames" else after < before
-            if weaker:
+            if not set(before) <= set(after) if field == "beats" else before != after:
                 yield f"{place}/{field} {before} -> {after}"
 
 
@@ -259,18 +256,6 @@ def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterato
             yield f"/graph/regions/{key} changed"
 
 
-def _limit_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
-    for key, value in old.items():
-        now = new[key]
-        way = way_of(f"/simulation/limits/{key}")
-        if way is not None and way.direction == "either":
-            weaker = now[0] < value[0] or now[1] > value[1]  # a range
-        else:
-            weaker = now < value if way is not None and way.direction == "harder_up" else now > value
-        if weaker:
-            yield f"/simulation/limits/{key} {value} -> {now}"
-
-
 def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     for key, entity in old.items():
         if key not in new:
@@ -282,13 +267,8 @@ def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterat
         if now.get("afloat") and not entity.get("afloat"):
             yield f"/entities/{key}/afloat: said to float in the air: {now['afloat']}"
         category, place = CATEGORIES[entity["physics"]["category"]], f"/entities/{key}/physics"
-        for bound in category.allowances:
-            if now["physics"].get(bound, math.inf) > entity["physics"][bound]:
-                yield f"{place}/{bound} {entity['physics'][bound]} -> {now['physics'].get(bound, 'none')}"
         yield from category.weakenings(place, entity["physics"], now["physics"])
-        if now["dimensions"]["tolerance"] > entity["dimensions"]["tolerance"]:
-            yield f"/entities/{key}/dimensions/tolerance widened"
-        elif "nominal_diagonal" in entity and new[key].get("nominal_diagonal") != entity["nominal_diagonal"]:
+        if "nominal_diagonal" in entity and new[key].get("nominal_diagonal") != entity["nominal_diagonal"]:
             yield f"/entities/{key}/nominal_diagonal changed"
 
 
@@ -334,14 +314,12 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     found += _beat_weakenings(_asked(old["story"]["requirements"]), _asked(new["story"]["requirements"]), "/story/requirements")
     found += _robustness_weakenings(old["story"]["robustness"], new["story"]["robustness"])
     found += _graph_weakenings(old["graph"], new["graph"])
-    found += _limit_weakenings(old["simulation"]["limits"], new["simulation"]["limits"])
     found += _entity_weakenings(old["entities"], new["entities"])
     found += surface_weakenings(old["entities"], new["entities"], judged)
-    places = differences(before.model_dump(mode="json"), after.model_dump(mode="json"))
+    places = list(differences(before.model_dump(mode="json"), after.model_dump(mode="json")))
+    found += directed_weakenings(old, new, places)
     found += physical_weakenings(before, after, old, new, places)
     found += _shot_weakenings(old["shots"], new["shots"])
     found += _clause_weakenings(old.get("clauses", {}), new.get("clauses", {}))
     found += claim_weakenings(old.get("claims", {}), new.get("claims", {}))
-    if new["simulation"]["frames"] < old["simulation"]["frames"]:
-        found.append(f"/simulation/frames {old['simulation']['frames']} -> {new['simulation']['frames']}")
     return found

@@ -18,7 +18,13 @@ from .directions import field_of, way_of
 from .slices import physical_materials
 from .spec import WorldSpec
 
-__all__ = ["claim_weakenings", "physical_weakenings", "relation_weakenings", "surface_weakenings"]
+__all__ = [
+    "claim_weakenings",
+    "directed_weakenings",
+    "physical_weakenings",
+    "relation_weakenings",
+    "surface_weakenings",
+]
 
 Document = Mapping[str, Any]
 MOST_NAMED = 4
@@ -26,6 +32,8 @@ MOST_NAMED = 4
 _GRAVITY = "/simulation/gravity"
 """A law of the world: any value but its default has left it."""
 _PAIR = "/simulation/contacts/*"
+_SIDES = ("harder_up", "harder_down")
+_RANGE = "/simulation/limits/scale_ratio"
 _REQUIRED = object()
 """Stands for the default of a field that has none."""
 
@@ -134,8 +142,6 @@ def _other_matter(before: WorldSpec, after: WorldSpec, place: str) -> bool:
 
 
 def _plan(old: Document, new: Document) -> Iterator[str]:
-    if new["fps"] < old["fps"]:
-        yield f"/simulation/fps {old['fps']} -> {new['fps']}: rows ask at fewer frames of a second"
     lasts = [(plan["frames"] - 1) / plan["fps"] for plan in (old, new)]
     if new["fps"] > old["fps"] and new["frames"] >= old["frames"] and lasts[1] < lasts[0] * (1.0 - 1e-9):
         yield f"/simulation/fps {old['fps']} -> {new['fps']}: the sequence lasts {lasts[1]:.3g} s, before {lasts[0]:.3g} s"
@@ -231,22 +237,36 @@ def surface_weakenings(old: Document, new: Document, judged: Collection[str]) ->
 
 
 def relation_weakenings(place: str, old: Document, new: Document) -> Iterator[str]:
-    """Fields of a relation that ask for less than before, or may."""
+    """Fields of a relation that make it another one; those with a harder side are a matter of `directed_weakenings`."""
     for field in sorted({*old, *new} - {"text"}):
         was, now = old.get(field), new.get(field)
-        if was == now:
-            continue
         way = way_of(f"{place}/{field}")
-        up = way is not None and way.direction == "harder_up"
-        if (
-            way is not None
-            and way.direction in ("harder_up", "harder_down")
-            and was is not None
-            and now is not None
-            and ((now > was) == up)
-        ):
+        if was != now and (way is None or way.direction not in _SIDES):
+            yield f"{place}/{field} {'default' if was is None else was} -> {'default' if now is None else now}"
+
+
+def directed_weakenings(old: Document, new: Document, places: Iterable[str]) -> Iterator[str]:
+    """Fields that moved against the side on which they are harder, and ranges of limits that grew.
+
+    Bounds of predicates are compared by their kind, in `patch.py`.
+
+    Args:
+        old: the specification before the edit, as JSON without nulls.
+        new: the one after it.
+        places: JSON pointers at which they differ.
+    """
+    for place in places:
+        way = None if "/predicate/" in place else way_of(place)
+        path = place.split("/")[1:]
+        was, now = (reduce(lambda node, token: node.get(token, {}), path, document) for document in (old, new))
+        if place == _RANGE:
+            weaker = now[0] < was[0] or now[1] > was[1]
+        elif way is not None and way.direction in _SIDES and {} not in (was, now):
+            weaker = now < was if way.direction == "harder_up" else now > was
+        else:
             continue
-        yield f"{place}/{field} {'default' if was is None else was} -> {'default' if now is None else now}"
+        if weaker:
+            yield f"{place} {was} -> {now}"
 
 
 def claim_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:

@@ -14,6 +14,7 @@ from worldagent.worlds.groups import GROUPS, group_of
 from worldagent.worlds.predicates.registry import PREDICATES
 from worldagent.worlds.spec import Material, WorldSpec
 from worldagent.worlds.vocabulary import SpecModel
+from worldagent.worlds.weakened import directed_weakenings
 
 
 def _walk(node: dict[str, Any], place: str, known: dict[str, Any], found: set[str]) -> None:
@@ -172,3 +173,26 @@ def _models() -> dict[str, type[BaseModel]]:
                 found[model.__name__] = model
                 todo.append(model)
     return found
+
+
+SIDED = {
+    p.pointer.replace("*", "x"): p.way.direction
+    for p in (*directions.FIELDS, *PARAMETERS.values())
+    if p.way.direction in ("harder_up", "harder_down")
+}
+
+
+@pytest.mark.parametrize("place", SIDED)
+def test_a_field_with_a_harder_side_is_a_weakening_the_other_way_alone(place: str) -> None:
+    def holding(value: float) -> dict[str, Any]:
+        found: Any = value
+        for token in reversed(place.split("/")[1:]):
+            found = {token: found}
+        return dict(found)
+
+    low, high = holding(1.0), holding(2.0)
+    harder, easier = (high, low) if SIDED[place] == "harder_up" else (low, high)
+    (line,) = directed_weakenings(harder, easier, [place])
+    assert line.startswith(f"{place} ")
+    assert list(directed_weakenings(easier, harder, [place])) == []
+    assert list(directed_weakenings(holding(1.0), {}, [place])) == []

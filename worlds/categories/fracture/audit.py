@@ -56,7 +56,7 @@ def usual_crumble(entity: Entity) -> float:
 
 
 def eased(name: str, old: Entity, new: Entity) -> Iterator[str]:
-    """Pieces that an edit lets lie deeper in one another, in words.
+    """Pieces that an edit lets lie deeper in one another than by default, in words.
 
     Args:
         name: of the entity.
@@ -66,9 +66,8 @@ def eased(name: str, old: Entity, new: Entity) -> Iterator[str]:
     if old.breakable is None or new.breakable is None:
         return
     was, now = old.breakable.bond.crumble, new.breakable.bond.crumble
-    if now is not None and now != was and now > (usual_crumble(old) if was is None else was):
-        before = "the default" if was is None else f"{was:g} m"
-        yield f"/entities/{name}/breakable/bond/crumble {before} -> {now:g} m: pieces may lie deeper in one another"
+    if was is None and now is not None and now > usual_crumble(old):
+        yield f"/entities/{name}/breakable/bond/crumble the default -> {now:g} m: pieces may lie deeper in one another"
 
 
 def _least_piece(entity: Entity, breakable: Breakable) -> float:

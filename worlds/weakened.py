@@ -245,6 +245,14 @@ def relation_weakenings(place: str, old: Document, new: Document) -> Iterator[st
             yield f"{place}/{field} {'default' if was is None else was} -> {'default' if now is None else now}"
 
 
+def _at(document: Document, path: Sequence[str]) -> Any:
+    """Value at a path; an empty mapping where there is none."""
+    at: Any = document
+    for token in path:
+        at = at.get(token, {})
+    return at
+
+
 def directed_weakenings(old: Document, new: Document, places: Iterable[str]) -> Iterator[str]:
     """Fields that moved against the side on which they are harder, and ranges of limits that grew.
 
@@ -258,7 +266,7 @@ def directed_weakenings(old: Document, new: Document, places: Iterable[str]) -> 
     for place in places:
         way = None if "/predicate/" in place else way_of(place)
         path = place.split("/")[1:]
-        was, now = (reduce(lambda node, token: node.get(token, {}), path, document) for document in (old, new))
+        was, now = (_at(document, path) for document in (old, new))
         if place == _RANGE:
             weaker = now[0] < was[0] or now[1] > was[1]
         elif way is not None and way.direction in _SIDES and {} not in (was, now):

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from typing import Any
 
-__all__ = ["SHOWN_CHARACTERS", "json_visible", "markdown_inline", "quoted", "shown", "visible"]
+__all__ = ["SHOWN_CHARACTERS", "json_visible", "listed", "markdown_inline", "quoted", "shown", "visible"]
 
 SHOWN_CHARACTERS = 20_000
 """Longest single text in a reply: as long as a prompt may be."""
@@ -61,6 +62,11 @@ def shown(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [shown(item) for item in value]
     return value
+
+
+def listed(names: Sequence[str], most: int) -> str:
+    """At most so many names in a line, and how many more there are."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 def json_visible(document: str) -> str:

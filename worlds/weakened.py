@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from .bound_fields import Bound, binders_of, bound_fields
 from .categories.registry import CATEGORIES
 from .directions import field_of, way_of
+from .quoting import listed
 from .slices import physical_materials
 from .spec import WorldSpec
 
@@ -89,7 +90,7 @@ def _changed(place: str, was: _Held, now: _Held, binders: Sequence[str]) -> Iter
         return  # two materials that differ in their look alone
     has, back = now.default is not _REQUIRED, now.value == now.default
     if binders and (not back or any(who.startswith("claim ") for who in binders)):
-        yield f"{place} {was.said} -> {now.said}, bound by {_names(binders)}"
+        yield f"{place} {was.said} -> {now.said}, bound by {listed(binders, MOST_NAMED)}"
     elif has and not back and (was.value == was.default or place == _GRAVITY):
         yield f"{place} {was.said} -> {now.said}, which leaves its default"
 
@@ -104,12 +105,7 @@ def _pair(place: str, before: WorldSpec, after: WorldSpec, bound: Bound) -> Iter
         own = ", ".join(
             f"{k} {v:g}" for k, v in (("friction", pair.friction), ("restitution", pair.restitution)) if v is not None
         )
-        yield f"{place} {'added' if was is None else 'removed'}: {own} of {pair.a} and {pair.b}, bound by {_names([*binders])}"
-
-
-def _names(binders: Sequence[str]) -> str:
-    more = f" and {len(binders) - MOST_NAMED} more" if len(binders) > MOST_NAMED else ""
-    return ", ".join(binders[:MOST_NAMED]) + more
+        yield f"{place} {'added' if was is None else 'removed'}: {own} of {pair.a} and {pair.b}, bound by {listed([*binders], MOST_NAMED)}"
 
 
 def _held(spec: WorldSpec, place: str) -> _Held:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...worlds.errors import EvidenceError
+from ...worlds.quoting import listed
 from .causes import driver_lines, gravity_words, joint_lines, start_lines
 from .courses import MOVING, TIPPED, TURNED, Course
 from .meetings import Meeting, endings, meetings, ruptures
@@ -130,7 +131,7 @@ def _motions(
             course = group.courses[member]
             touched = sorted({label(o) for o in ended.get(member, ())})
             at = f"{seconds(course.first or 0.0)} to {seconds(end if course.rest is None else course.rest)} s"
-            last = f"ends at {place(course.end)}" + (f" touching {_listed(touched)}" if touched else "")
+            last = f"ends at {place(course.end)}" + (f" touching {listed(touched, TOUCHED)}" if touched else "")
             if course.rest is None:
                 last += f", still moving with {number(course.end_speed)} m/s"
             deeds = ", ".join(_deeds(course, upright=group.form.word != "ball"))
@@ -138,11 +139,6 @@ def _motions(
     still = [g.title for g in groups if not g.moves and any(candidate.spec.entities[m].motion == "dynamic" for m in g.members)]
     if still and candidate.stage != "static":
         yield _Line("Time line", end, f"all the time: {', '.join(still)} {'stay' if len(still) > 1 else 'stays'} in place")
-
-
-def _listed(names: Sequence[str]) -> str:
-    more = f" and {len(names) - TOUCHED} more" if len(names) > TOUCHED else ""
-    return ", ".join(names[:TOUCHED]) + more
 
 
 def _deeds(course: Course, *, upright: bool) -> Iterator[str]:

@@ -21,6 +21,7 @@ from ...worlds.predicates import (
     describe_predicate,
     entities_of,
 )
+from ...worlds.quoting import listed
 from .outcome import Comparison, Outcome, Truth, Verdict, missing
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def count(scope: Scope, p: Count) -> Outcome:
     below = p.min is not None and (p.max is None or len(passed) - low <= high - len(passed))
     bound, comparison = (float(low), ">=") if below else (float(high), "<=")
     culprits = failed if below else passed
-    named = ", ".join(culprits[:SHOWN]) + (f" and {len(culprits) - SHOWN} more" if len(culprits) > SHOWN else "")
+    named = listed(culprits, SHOWN)
     text = f"{len(passed)} of {len(results)} satisfy {describe_predicate(p.predicate)}"
     if status == "fail":
         text += f"; {'not' if below else 'too many:'} {named}"

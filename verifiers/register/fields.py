@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...worlds.fields import acting_on, field_drivers
+from ...worlds.quoting import listed
 from ..categories.registry import JUDGES, judged
 
 if TYPE_CHECKING:
@@ -22,8 +23,7 @@ def _airless(spec: WorldSpec) -> list[dict[str, str]]:
     bare = sorted(n for n, e in spec.entities.items() if e.motion == "dynamic" and n not in aired)
     if not bare:
         return []
-    more = f" and {len(bare) - NAMED} more" if len(bare) > NAMED else ""
-    whom = f" for {', '.join(bare[:NAMED])}{more}" if aired else ": no field declares a medium"
+    whom = f" for {listed(bare, NAMED)}" if aired else ": no field declares a medium"
     return [
         {"what": f"no air{whom}", "effect": "nothing slows what falls, flies or swings but the damping that is declared for it"}
     ]

@@ -16,6 +16,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.drivers import acts_from
+from ...worlds.quoting import listed
 from ..categories.registry import judge_of_instance
 
 if TYPE_CHECKING:
@@ -102,6 +103,5 @@ def _told(candidate: Candidate, span: int, kinetic: float, feeding: dict[str, tu
         driver = next((d for d, acted in feeding.items() if name in acted), None)
         ways.setdefault(f"is driven on by {driver}" if driver else way, []).append(name)
     return "; ".join(
-        f"{', '.join(names[:NAMED])}{f' and {len(names) - NAMED} more' if len(names) > NAMED else ''} {way}"
-        for way, names in ways.items()
+        f"{listed(names, NAMED)} {way}" for way, names in ways.items()
     ) or "nothing that counts"  # fmt: skip

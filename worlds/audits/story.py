@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 from ..categories.registry import CATEGORIES
 from ..channels import names_written
@@ -38,14 +37,7 @@ def story_problems(spec: WorldSpec) -> list[Problem]:
     plan, beats, problems = spec.simulation, spec.story.beats, []
     for name, beat in beats.items():
         place = f"/story/beats/{name}"
-        if beat.frames[1] > _last(spec):
-            problems.append(
-                Problem(
-                    f"{place}/frames",
-                    f"frames {list(beat.frames)} end after the last frame {_last(spec)}",
-                    _clip(spec, f"{place}/frames", beat.frames),
-                )
-            )
+        problems += _ends_late(spec, place, beat.frames)
         members = plan.solvers[beat.owner].members if beat.owner in plan.solvers else None
         driver = plan.drivers.get(beat.owner)
         if members is not None and beat.subject not in members:
@@ -206,14 +198,8 @@ def graph_problems(spec: WorldSpec) -> list[Problem]:
         if isinstance(relation, Supports):
             below.setdefault(relation.b, []).append(relation.a)
         frames = getattr(relation, "frames", None)
-        if frames is not None and frames[1] > _last(spec):
-            problems.append(
-                Problem(
-                    f"{place}/frames",
-                    f"frames {list(frames)} end after the last frame {_last(spec)}",
-                    _clip(spec, f"{place}/frames", frames),
-                )
-            )
+        if frames is not None:
+            problems += _ends_late(spec, place, frames)
     cycle = cycle_in(below)
     if cycle:
         problems.append(
@@ -230,14 +216,7 @@ def shot_problems(spec: WorldSpec, coverage: Mapping[str, tuple[str, ...]]) -> l
     problems = []
     for name, shot in spec.shots.items():
         place = f"/shots/{name}"
-        if shot.frames[1] > _last(spec):
-            problems.append(
-                Problem(
-                    f"{place}/frames",
-                    f"frames {list(shot.frames)} end after the last frame {_last(spec)}",
-                    _clip(spec, f"{place}/frames", shot.frames),
-                )
-            )
+        problems += _ends_late(spec, place, shot.frames)
         if not shot.covers and not shot.subjects:
             problems.append(Problem(f"{place}/covers", "the shot covers no beat and names no subject"))
         for key, camera in shot.keys.items():
@@ -269,6 +248,10 @@ def _last(spec: WorldSpec) -> int:
     return spec.simulation.frames - 1
 
 
-def _clip(spec: WorldSpec, pointer: str, frames: tuple[int, int]) -> dict[str, Any] | None:
-    """The edit that ends an interval with the sequence; None when it lies wholly beyond."""
-    return replaced(pointer, [frames[0], _last(spec)]) if frames[0] <= _last(spec) else None
+def _ends_late(spec: WorldSpec, place: str, frames: tuple[int, int]) -> list[Problem]:
+    """The problem of an interval that ends after the sequence, with the edit that ends it there unless it lies wholly beyond."""
+    last, pointer = _last(spec), f"{place}/frames"
+    if frames[1] <= last:
+        return []
+    clip = replaced(pointer, [frames[0], last]) if frames[0] <= last else None
+    return [Problem(pointer, f"frames {list(frames)} end after the last frame {last}", clip)]

@@ -15,6 +15,7 @@ from ..worlds.errors import InputError, RefusedError
 
 if TYPE_CHECKING:
     from ..execution import Job
+    from ..workflow.session import Session
 
 __all__ = ["run_checks", "verdict_reply"]
 
@@ -38,10 +39,10 @@ def run_checks(
     context: ToolContext,
     world: WorldId,
     scope: Annotated[
-        Literal["audit", "static", "probe", "full", "acceptance"],
+        Literal["audit", "static", "probe", "full", "review", "acceptance"],
         Field(
             description="audit: the specification; static: geometry at frame 0; probe / full: the motion that was probed / baked; "
-            "acceptance: a fresh read-only process judges the whole candidate and replays random intervals"
+            "review: somebody who did not make the world reads its baked motion; acceptance: a fresh read-only process judges the whole candidate and replays random intervals"
         ),
     ],
     only: Annotated[list[Check] | None, Field(description="For probe and full: only these checks")] = None,
@@ -54,12 +55,12 @@ def run_checks(
     the shots (no new simulation is needed: scope probe or full), and for acceptance: a fresh read-only process judges the
     whole candidate and replays random intervals of its bake. Refused without a complete bake of exactly these settings.
     Returns: counts and the open rows: measured value, bound, first failing entity and frame, what to do; for acceptance the
-    verdict, the approximation register, and links to a report and a bundle. Statuses: pass, fail, unverified (no evidence,
+    verdict, the approximation register, and links to a report and a bundle. review asks the model that the server's owner named
+    whether the bake shows what the prompt says, part by part; without one a person can answer on the page. Statuses: pass, fail, unverified (no evidence,
     never a pass), not_applicable (proven). No call can set one.
     Not for: reading known rows (inspect_world(part='matrix')). Next: after acceptance render_shot(kind='final'); after
     failures edit_spec.
     """
-    from ..workflow.measurements import latest_candidate
     from ..workflow.rows import summary
     from ..workflow.session import Session
     from ..workflow.waiting import start_and_wait
@@ -73,23 +74,28 @@ def run_checks(
         session.require_audit("static checks")
         rows, changed, fresh = session.check_static()
         data = {"scope": scope, "built": fresh, "changed_rows": len(changed), **summary(rows, static=True)}
-    elif scope == "acceptance":
-        session.require_audit("acceptance")
-        if only:
-            raise InputError("acceptance runs every check; leave only out")
+    else:
+        kind, payload, key = _job_of(session, scope, only)
+        payload |= {"revision": session.revision, "detail": detail}
+        data = start_and_wait(context, session, kind, payload, wait_s=wait_s, key=f"{key}:{session.revision}", reuse=False)
+    return _reply(world, session.revision, data, detail, only or ())
+
+
+def _job_of(session: Session, scope: str, only: list[Check] | None) -> tuple[str, dict[str, Any], str]:
+    """Kind, own payload and key of the job that judges a scope, where everything that it needs is there."""
+    from ..workflow.measurements import latest_candidate
+
+    session.require_audit({"acceptance": "acceptance", "review": "a review"}.get(scope, f"{scope} checks"))
+    if only and scope in ("acceptance", "review"):
+        raise InputError(f"{scope} is about the whole world; leave only out")
+    if scope == "acceptance":
         if session.ledger.bake(session.freeze()) is None:
             raise RefusedError("acceptance needs a complete bake of exactly these settings; call probe_sim and bake_sim first")
-        judged = {"revision": session.revision, "detail": detail}
-        data = start_and_wait(context, session, "accept", judged, wait_s=wait_s, key=f"accept:{session.revision}", reuse=False)
-    else:
-        session.require_audit(f"{scope} checks")
-        latest_candidate(session, scope)
-        payload = {"scope": scope, "only": only, "revision": session.revision, "detail": detail}
-        which = "+".join(only or ("all",))
-        data = start_and_wait(
-            context, session, "check", payload, wait_s=wait_s, key=f"check:{scope}:{which}:{session.revision}", reuse=False
-        )
-    return _reply(world, session.revision, data, detail, only or ())
+        return "accept", {}, "accept"
+    latest_candidate(session, "full" if scope == "review" else scope)
+    if scope == "review":
+        return "review", {}, "review"
+    return "check", {"scope": scope, "only": only}, f"check:{scope}:{'+'.join(only or ('all',))}"
 
 
 def verdict_reply(job: Job) -> ToolReply:
@@ -125,9 +131,12 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
             "static": call("probe_sim", world=world),
             "probe": call("bake_sim", world=world),
             "full": call("run_checks", world=world, scope="acceptance"),
+            "review": call("run_checks", world=world, scope="acceptance"),
         }[data["scope"]]
         later = data.get("waiting_for_motion", 0) if data["scope"] == "static" else 0
         good = found["mandatory_open"] <= later
+        if data["scope"] == "review":
+            text = f"{text}; read by {data['read_by']}"
         if only:
             text = f"{text} (only {', '.join(only)})"
             then = call("run_checks", world=world, scope=data["scope"])

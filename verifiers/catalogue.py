@@ -16,6 +16,7 @@ from .claims import questions as claims
 from .contact import questions as contact
 from .delivery import questions as delivery
 from .land import questions as land
+from .review import questions as review
 from .routes import questions as routes
 from .rows.questions import Question
 from .scene import questions as scene
@@ -34,6 +35,7 @@ TABLES: tuple[ModuleType, ...] = (
     story,
     claims,
     shots,
+    review,
     delivery,
     categories,
     rigid,

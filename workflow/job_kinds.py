@@ -44,6 +44,7 @@ KINDS: dict[str, JobKind] = {
     ),
     "probe": JobKind(NORMAL, 6 * HOUR_S, "probe_sim", ("coarser",)),
     "accept": JobKind(NORMAL, 12 * HOUR_S, "run_checks", fixed={"scope": "acceptance"}),
+    "review": JobKind(NORMAL, HOUR_S, "run_checks", fixed={"scope": "review"}, keeps="keeps answers that are recorded"),
     "bake": JobKind(BULK, 48 * HOUR_S, "bake_sim", keeps="goes on from the last checkpoint of the bake"),
     "final": JobKind(
         BULK,

@@ -12,7 +12,6 @@ from ..execution import JobContext, Part
 from ..worlds.canonical import spec_digest
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
-from ..worlds.requirements import Row
 from ..worlds.verdicts import prompt_told, verdict_words
 from .estimates import Pace
 from .gates import require_acceptance, require_probe, stored_rows
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.candidate import Candidate
 
-__all__ = ["accept", "bake", "check", "final", "probe", "terrain"]
+__all__ = ["accept", "bake", "check", "final", "probe", "review", "terrain"]
 
 WARM = (
     "cv2",
@@ -251,12 +250,22 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     return {"scope": stage, "changed_rows": len(changed), **summary(rows)}
 
 
+def review(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Have the bake read by the model that the server's owner named; without one, write what a reader needs."""
+    from .review.conduct import read_world
+
+    work = _work(payload)
+    context.progress(0, 1, "account, pictures, and the reader's answers")
+    return read_world(work.session, work.candidate("full"), context.check, ask=payload.get("ask", True))
+
+
 def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Have a fresh process judge the present candidate; record its verdict."""
     import secrets
 
     from ..verifiers.acceptance import judge_fresh
     from .bundles import remember_refuted
+    from .review.verdict import reviewed
 
     session, freeze, built = _work(payload)
     if session.ledger.bake(freeze) is None:
@@ -266,7 +275,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, 0.0, JUDGED))
     if record["spec_digest"] != spec_digest(session.spec):
         raise RefusedError("the world was edited before it was judged; call run_checks(scope='acceptance') again")
-    rows = [Row.model_validate(r) for r in record["rows"]]
+    rows = reviewed(session, built, freeze, record)
     weakenings = [w for w in session.ledger.weakenings() if w["revision"] <= session.revision]
     record |= {"weakenings": weakenings, "stage": "full"}
     with session.ledger.together():
@@ -285,6 +294,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         **summary(rows),
         "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),
         **prompt_told(record),
+        "read_by": record["read_by"],
         "weakenings": record["weakenings"],
         "approximations": record["approximations"][:20],
         **proof,

@@ -123,6 +123,7 @@ def _report(found: Verification, seed: int) -> dict[str, Any]:
         **prompt_told(own),
         "weakenings": found.record.get("weakenings", []),
         "approximations": own.get("approximations", []),
+        "reviews": found.record.get("reviews", []),
         "replayed": next((r["evidence"].get("intervals") for r in rows if r["id"] == "delivery:replay"), []),
         "seed": seed,
     }
@@ -298,9 +299,10 @@ def _freeze_here(folder: WorldFolder, spec: WorldSpec) -> str:
 def _compare_verdicts(found: Verification, *, exact: bool) -> None:
     from ..verifiers.delivery.bounds import NOISE, OTHER_MACHINE
     from ..verifiers.delivery.bundle import compare_rows, unequal
+    from .review.verdict import not_of_reviews
 
     record, own = found.record, found.own or {}
-    found.differences += compare_rows(record["rows"], own["rows"], exact=exact)
+    found.differences += compare_rows(not_of_reviews(record["rows"]), own["rows"], exact=exact)
     for key in (*(EXACT if exact else ELSEWHERE), "prompt"):
         theirs, ours = (_replayed(r, key) for r in (record, own))
         if unequal(theirs, ours, relative=NOISE) is not None:

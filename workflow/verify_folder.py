@@ -6,7 +6,7 @@ import secrets
 from pathlib import Path
 from typing import Any
 
-from ..worlds.errors import InputError
+from ..worlds.errors import InputError, WorldAgentError
 from ..worlds.folder import WorldFolder
 from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
@@ -80,6 +80,7 @@ def verify_folder(
     record = judge_fresh(world.root, replay=replay, seed=drawn, intervals=many)
     wrong = _untrue(world, record)
     found = {**_report(record), "seed": drawn, "problems": wrong, "differences": _recorded_otherwise(world, record)}
+    found["reviews"] = _reviews(world, record)
     if wrong:
         found |= {"verdict": "incomplete", "says": "incomplete"}
     if report is not None:
@@ -94,6 +95,23 @@ def _untrue(world: WorldFolder, record: dict[str, Any]) -> list[str]:
     return [f"the built geometry of {name!r} is not what the specification gives" for name in wrong]
 
 
+def _reviews(world: WorldFolder, record: dict[str, Any]) -> list[dict[str, Any]]:
+    """Reviews that the folder's own ledger holds, with what their digests say here; they decide nothing."""
+    import shutil
+    import sqlite3
+    import tempfile
+
+    from .review.verdict import shown_reviews
+
+    if not world.ledger_path.is_file():
+        return []
+    try:
+        with tempfile.TemporaryDirectory(prefix="worldagent-") as temporary:
+            return shown_reviews(world, Ledger(Path(shutil.copy(world.ledger_path, temporary))), record["freeze"])
+    except (sqlite3.Error, ValueError, TypeError, WorldAgentError) as error:
+        return [{"ledger": f"cannot be read: {error}"}]
+
+
 def _recorded_otherwise(world: WorldFolder, record: dict[str, Any]) -> list[dict[str, Any]]:
     """Rows that the folder's own ledger tells otherwise; the ledger is no evidence, so that these decide nothing."""
     import shutil
@@ -102,6 +120,7 @@ def _recorded_otherwise(world: WorldFolder, record: dict[str, Any]) -> list[dict
 
     from ..verifiers.checks import rerun_ids
     from ..verifiers.delivery.bundle import compare_rows
+    from .review.verdict import not_of_reviews
 
     if not world.ledger_path.is_file():
         return []
@@ -114,7 +133,7 @@ def _recorded_otherwise(world: WorldFolder, record: dict[str, Any]) -> list[dict
         return [{"ledger": f"cannot be read: {error}"}]
     if known is None:
         return []
-    theirs = known["record"]["rows"]
+    theirs = not_of_reviews(known["record"]["rows"])
     if not record["replayed"]:
         again = {"delivery:replay", *rerun_ids(parse_spec(world.read_json(world.spec_path)))}
         theirs = [r for r in theirs if r["id"] not in again]

@@ -9,8 +9,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from .baked import refuted_texts
-from .ledger_file import LedgerFile, check_seal, matrix_texts, put_seal
+from .ledger_file import check_seal, matrix_texts, put_seal
 from .requirements import Attempt, Outcome, Row, fail_closed, outcome_of
+from .reviews import ReviewLedger
 
 __all__ = ["Ledger"]
 
@@ -21,7 +22,7 @@ _TESTED, _JUDGED = 1, 2
 """States of a motion that was looked at without a verdict: another was judged since; it was judged itself."""
 
 
-class Ledger(LedgerFile):
+class Ledger(ReviewLedger):
     """Outcomes of one world. Append-only but for the matrix, whose changes are kept in `history`."""
 
     # ---------------------------------------------------------------- revisions

@@ -40,6 +40,7 @@ _TABLES = {
     "acceptances": """
         n INTEGER PRIMARY KEY AUTOINCREMENT, freeze TEXT NOT NULL, revision INTEGER NOT NULL, subject TEXT NOT NULL,
         verdict TEXT NOT NULL, record TEXT NOT NULL, at REAL NOT NULL""",
+    "reviews": "n INTEGER PRIMARY KEY AUTOINCREMENT, digest TEXT NOT NULL, record TEXT NOT NULL",
 }
 _BUSY_S = 60.0
 """Longest wait for others [s]: an edit holds the file while its rules are judged, and the end of a bake must not be lost for that."""

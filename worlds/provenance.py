@@ -137,6 +137,7 @@ _BY_ARTIFACT = {
     "support": ("story",),
     "navigability": ("story",),
     "shots": ("shots",),
+    "review": ("final",),
     "delivery": ("acceptance",),
 }
 

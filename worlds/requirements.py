@@ -37,6 +37,7 @@ Check = Literal[
     "claim",
     "robustness",
     "shots",
+    "review",
     "delivery",
 ]
 RowClass = Literal["scene", "solver", "shot", "story", "text"]

@@ -119,7 +119,6 @@ WEAKER: list[dict[str, Any]] = [
     {"op": "replace", "path": "/clauses/c2", "value": {"unmet": "too hard"}},
     {"op": "replace", "path": "/simulation/frames", "value": 30},
     {"op": "replace", "path": "/materials/wood/substance", "value": "other"},
-    {"op": "replace", "path": "/materials/wood/friction", "value": 0.4},
     {"op": "replace", "path": f"{BEATS}/push/owner", "value": "nobody"},
 ]  # fmt: skip
 
@@ -136,6 +135,7 @@ def test_what_the_skill_calls_weakening_is_weakening(operation: dict[str, Any]) 
         {"op": "replace", "path": f"{BEATS}/push/predicate/min", "value": 0.1},
         {"op": "add", "path": "/simulation/limits/contact_gap", "value": 0.002},
         {"op": "replace", "path": "/entities/wooden_block/pose/position", "value": [-0.1, 0, 0.051]},
+        {"op": "replace", "path": "/materials/wood/friction", "value": 0.4},
         {"op": "replace", "path": "/entities/wooden_block/parts/body/shape/size", "value": [0.1, 0.1, 0.12]},
     ],
     ids=lambda o: str(o["path"]),

@@ -187,6 +187,7 @@ ROWS = {
     "beat": ["beat:b", "beat:vacuous:b", "beat:driven:b", "requirement:r", "probe:phases"],
     "claim": [f"claim:{n}:ball" for n in ("thing", "event", "order", "negation")],
     "shots": [f"shots:{n}:x" for n in ("cover", "visible", "framed", "inside", "motion")] + ["shots:tiling"],
+    "review": ["review", "review:c1"],
     "delivery": ["delivery:replay", "delivery:complete:rigid"],
 }
 

@@ -55,8 +55,8 @@ FREEZE = Question(
     "<=",
     "0",
 )
-NEEDED: frozenset[Check] = frozenset(get_args(Check)) - {"terrain", "relations", "robustness", "claim"}
-"""Checks that must have judged something (R119): all but those of what a world need not have."""
+NEEDED: frozenset[Check] = frozenset(get_args(Check)) - {"terrain", "relations", "robustness", "claim", "review"}
+"""Checks that must have judged something (R119): all but those of what a world need not have, a reader among them."""
 UNJUDGED: Mapping[Check, Question] = {
     check: Question(f"{check}:none", f"{check} has judged at least one requirement", matrix_group=GROUP_OF.get(check, "spatial"))
     for check in sorted(NEEDED)

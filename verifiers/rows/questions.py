@@ -19,6 +19,7 @@ GROUP_OF: Mapping[Check, Group] = {
     **dict.fromkeys(("category", "numerical", "contact"), "physical"),
     **dict.fromkeys(("beat", "causal", "claim", "robustness"), "temporal"),
     "shots": "observational",
+    "review": "observational",
     "delivery": "delivery",
 }
 """Group of the matrix to which the rows of a check belong."""

@@ -1,0 +1,1 @@
+"""Rows from what somebody who did not make the world answered about its prompt."""

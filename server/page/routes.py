@@ -20,12 +20,13 @@ from starlette.routing import BaseRoute, Route
 from ... import __version__
 from ...execution import JobStore
 from ...workflow.standing import film_of
-from ...worlds.errors import EvidenceError, InputError, LimitError, WorldAgentError
+from ...worlds.errors import EvidenceError, InputError, LimitError, RefusedError, WorldAgentError
 from ...worlds.folder import WorldFolder, safe_join
 from ...worlds.quoting import shown
 from .data import MAX_PAGE, PageData, QueryError, job_view
 from .events import MOST_LISTENERS, EventHub
 from .pictures import PICTURE_TYPES, picture_path, thumbnail
+from .reviews import Reading
 
 __all__ = ["STATIC", "page_routes"]
 
@@ -49,6 +50,7 @@ class Page:
     def __init__(self, workspace: Path, jobs: Callable[[], JobStore]) -> None:
         self.data = PageData(workspace, jobs)
         self.events = EventHub(self.data)
+        self.reading = Reading(workspace, jobs)
         self._jobs = jobs
         self._readers: anyio.CapacityLimiter | None = None
         self._thumbnail = lru_cache(maxsize=KEPT_THUMBNAILS)(lambda path, stamp: thumbnail(path))
@@ -73,11 +75,9 @@ class Page:
 
     async def cancel(self, request: Request) -> Response:
         """Ask a job to end."""
-        if not _may_write(request):
-            return _problem(403, "this token only reads; cancelling needs one of scope 'write'")
-        # No form of another site can send this type unasked.
-        if request.headers.get("content-type", "").partition(";")[0].strip() != "application/json":
-            return _problem(415, "send Content-Type: application/json")
+        refused = _unasked(request, "cancelling")
+        if refused is not None:
+            return refused
         if self.data.store() is None:
             raise InputError("this workspace has no jobs")
         name = request.path_params["job"]
@@ -127,6 +127,19 @@ class Page:
         saved = f"{folder.id}_{path.name}" if path.suffix == ".zip" else None
         return FileResponse(path, media_type=PROOF_TYPES[path.suffix], headers=headers, filename=saved)
 
+    async def review_picture(self, request: Request) -> Response:
+        """A picture that readers are asked about."""
+        path = await self.read(lambda: self.reading.picture(request))
+        return FileResponse(path, media_type=f"image/{path.suffix[1:]}", headers=FRESH)
+
+    async def review(self, request: Request) -> Response:
+        """Answers of a person."""
+        refused = _unasked(request, "answering")
+        if refused is not None:
+            return refused
+        body = await request.body()
+        return _json(await self.read(lambda: self.reading.answer(request, body)))
+
     def _folder(self, request: Request) -> WorldFolder:
         return WorldFolder.of(self.data.workspace, request.path_params["world"])
 
@@ -168,6 +181,9 @@ def page_routes(workspace: Path, jobs: Callable[[], JobStore]) -> list[BaseRoute
         get(f"{world}/revisions", lambda r: data.revisions(name(r), **_slice(r, 25))),
         get(f"{world}/pictures", lambda r: data.pictures(name(r), **_slice(r, 24))),
         get(f"{world}/charts", lambda r: data.charts(name(r))),
+        get(f"{world}/review", page.reading.questions),
+        Route(f"{world}/review", _told(page.review), methods=["POST"]),
+        Route(f"{world}/review/pictures/{{number}}", _told(page.review_picture), methods=["GET"]),
         Route(f"{world}/pictures/{{name}}", _told(page.picture), methods=["GET"]),
         Route(f"{world}/film", _told(page.film), methods=["GET"]),
         Route(f"{world}/proof/{{name}}", _told(page.proof), methods=["GET"]),
@@ -202,6 +218,16 @@ def _may_write(request: Request) -> bool:
     return not _has_token(request) or "write" in request.scope["user"].scopes
 
 
+def _unasked(request: Request, deed: str) -> Response | None:
+    """Refusal of a request that changes something, where the token only reads or a form of another site may have sent it."""
+    if not _may_write(request):
+        return _problem(403, f"this token only reads; {deed} needs one of scope 'write'")
+    # No form of another site can send this type unasked.
+    if request.headers.get("content-type", "").partition(";")[0].strip() != "application/json":
+        return _problem(415, "send Content-Type: application/json")
+    return None
+
+
 def _told(endpoint: Endpoint) -> Endpoint:
     """Errors of the package as JSON with their own text."""
 
@@ -214,7 +240,7 @@ def _told(endpoint: Endpoint) -> Endpoint:
             return _problem(400, str(error))
         except InputError as error:  # a world, job or file that is not there
             return _problem(404, str(error))
-        except EvidenceError as error:
+        except (EvidenceError, RefusedError) as error:
             return _problem(409, str(error))
         except WorldAgentError as error:
             return _problem(500, str(error))

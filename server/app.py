@@ -31,6 +31,7 @@ from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
 from .arguments import Arguments
 from .calls import error_result, error_text, run_in_thread
+from .client_review import with_client
 from .extensions.skills import Skills
 from .extensions.tasks import HANDOVER, Tasks
 from .icons import SERVER_ICON, icon_of
@@ -145,7 +146,13 @@ class WorldServer(MCPServer[Any]):
                 await context.report_progress(done, total, message)
 
         limiter = self._waiting if parsed.get("wait_s", 0.0) > 0 and _waits(name, parsed) else self._quick
-        return await run_in_thread(binding, parsed, self._context_of, send, limiter)
+
+        async def run() -> CallToolResult:
+            return await run_in_thread(binding, parsed, self._context_of, send, limiter)
+
+        if context is not None and name == "run_checks" and parsed.get("scope") == "review":
+            return await with_client(context, self.workspace, str(parsed["world"]), run)
+        return await run()
 
     async def get_prompt(
         self, name: str, arguments: dict[str, Any] | None = None, context: Context[Any, Any] | None = None

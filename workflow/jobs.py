@@ -295,6 +295,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),
         **prompt_told(record),
         "read_by": record["read_by"],
+        **({"earlier_contradictions": n} if (n := record["earlier_contradictions"]) else {}),
         "weakenings": record["weakenings"],
         "approximations": record["approximations"][:20],
         **proof,

@@ -133,6 +133,7 @@ def test_an_edit_of_a_look_makes_the_answers_stale_and_a_review_of_other_picture
         assert rows_of(accepted)["review:c2"] == ("unverified", True)
         verdict = accepted.call("run_checks", world="w", scope="acceptance")
         assert verdict["read_by"] == "nobody"
+        assert verdict["earlier_contradictions"] == 1
         told = accepted.call("run_checks", world="w", scope="review")
     assert told["earlier_reviews"] == 1
     assert len(fake.calls) == 4

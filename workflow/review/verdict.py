@@ -30,16 +30,20 @@ def reviewed(session: Session, built: Mapping[str, BuiltEntity], freeze: str, re
     from ...worlds.candidate import open_candidate
 
     rows = [Row.model_validate(r) for r in record["rows"]]
-    record |= {"read_by": "nobody", "reviews": []}
+    record |= {"read_by": "nobody", "reviews": [], "earlier_contradictions": 0}
+    known = session.ledger.reviews()
     found = current(session.folder, session.spec, record["cache_digest"])
     if found is not None:
         candidate = open_candidate(session.folder, freeze, "full", built)
         rows += rows_of_reviews(session, candidate, found)
         reviews, reader = readers_of(session, found)
         record |= {"read_by": reader, "reviews": summary(reviews)}
+        known = [r for r in known if r.digest != found.questions.digest]
         record["rows"] = [r.model_dump(mode="json") for r in rows]
         if record["verdict"] == "accepted":
             record["verdict"] = verdict_of(rows)
+    # Of other pictures, motions or words: who edits until a reader is content leaves these behind.
+    record["earlier_contradictions"] = sum("contradicted" in r.answers.values() for r in known)
     if "prompt" in record:
         record["prompt"]["read_by"] = record["read_by"]
     return rows

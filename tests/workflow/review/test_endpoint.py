@@ -149,6 +149,16 @@ def test_a_redirect_is_not_followed_and_the_key_goes_nowhere_else(tmp_path: Path
     assert elsewhere.calls == []
 
 
+def test_a_model_on_this_machine_is_reached_without_the_proxy_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    with serving(always(openai("proxied"))) as proxy, serving(always(openai("direct"))) as fake:
+        for name in ("http_proxy", "HTTP_PROXY", "all_proxy"):
+            monkeypatch.setenv(name, proxy.url)
+        for name in ("no_proxy", "NO_PROXY"):
+            monkeypatch.delenv(name, raising=False)
+        assert say(named(fake.url), "x", [PICTURE]) == "direct"
+    assert proxy.calls == []
+
+
 @pytest.mark.parametrize(
     ("reply", "api", "words"),
     [

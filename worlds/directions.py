@@ -137,7 +137,7 @@ FIELDS: tuple[Parameter, ...] = (
 
 _QUESTION = (
     "kind entity entities a b on other joint beat region zone terrain field water liquid target pin by over measure when frames axis normal "
-    "point center base direction size radius ends_in relative_to"
+    "quantity relation margin point center base direction size radius ends_in relative_to"
 )
 """Fields of predicates that say what is asked, of whom, where and when."""
 _HOLDERS = ("predicate", "hold", "goal", "of")
@@ -147,6 +147,7 @@ PREDICATE: dict[str, Way] = {
         name: Way("harder_up" if up == "up" else "harder_down", "a bound; inside a `not` the other way about")
         for info in PREDICATES.values()
         for name, up in info.tightens.items()
+        if up != "none"
     },
     **{name: Way("either", "another question is asked") for name in _QUESTION.split()},
     **{name: Way("either", "what it holds is compared") for name in _HOLDERS},

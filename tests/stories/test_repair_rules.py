@@ -240,7 +240,9 @@ def test_what_must_happen_sooner_and_other_surfaces_are_no_weakening(failed: Any
     assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=drawn, hypothesis=WHY)
 
 
-def test_density_of_what_no_beat_names_and_friction_are_repairs_and_density_of_a_beats_body_says_who_binds_it(failed: Any) -> None:
+def test_density_of_what_no_beat_names_and_friction_are_repairs_and_density_of_a_beats_body_says_who_binds_it(
+    failed: Any,
+) -> None:
     stone = [{"op": "replace", "path": "/materials/stone/density", "value": 2500}]
     assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=stone, hypothesis=WHY)
     failed.call("probe_sim", world="w")

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "f9110f1eadf0d294cc96e27b9ee9ebf155559ad79694c1d9589b655d5c631bd1"
+SCHEMA = "4c7a4d55bedbf049275941e8e87a279361449b76989fa2642528cd25dfce9558"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -26,11 +26,11 @@ def compares(scope: Scope, p: Compares) -> Outcome:
     """Measured: the quantity of `a` less that of `b`."""
     if p.a == p.b:
         raise EvidenceError(f"{p.a!r} cannot be compared with itself")
-    one, two = (_quantity(scope, name, p.quantity, p.of)[scope.window] for name in (p.a, p.b))
+    one, two = (_quantity(scope, name, p.quantity, p.target)[scope.window] for name in (p.a, p.b))
     value = one - two
     low, high = {"more": (p.margin, None), "less": (None, -p.margin), "same": (-p.margin, p.margin)}[p.relation]
     margin, side = band(value, low, high)
-    unit, what = UNITS[p.quantity], f"distance to {p.of}" if p.quantity == "distance_to" else p.quantity
+    unit, what = UNITS[p.quantity], f"distance to {p.target}" if p.quantity == "distance_to" else p.quantity
 
     def tell(i: int) -> str:
         frame = scope.frames[0] + i

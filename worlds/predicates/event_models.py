@@ -51,15 +51,15 @@ class Compares(SpecModel):
     b: Subject
     quantity: Literal["height", "speed", "tilt", "size", "mass", "distance_to"] = Field(
         description="of the centre, against gravity [m]; [m/s]; of the own z axis against frame 0 [rad]; largest extent [m]; [kg]; "
-        "of the centre from that of `of` [m]"
+        "of the centre from that of `target` [m]"
     )
     relation: Literal["more", "less", "same"]
     margin: Positive = Field(description="least difference, of `same` the largest one; in the quantity's unit")
-    of: Subject | None = Field(default=None, description="`distance_to` alone: from whom")
+    target: Subject | None = Field(default=None, description="`distance_to` alone: from whom")
     when: When = "eventually"
 
     @model_validator(mode="after")
     def _from_somebody(self) -> Compares:
-        if (self.of is None) == (self.quantity == "distance_to"):
-            raise ValueError("give `of` for distance_to, and for no other quantity")
+        if (self.target is None) == (self.quantity == "distance_to"):
+            raise ValueError("give target for distance_to, and for no other quantity")
         return self

@@ -271,7 +271,7 @@ COMPARED = [
     ({"a": "ball", "b": "floor", "quantity": "tilt", "relation": "same", "margin": 0.1}, "pass", 0.0),
     ({"a": "floor", "b": "ball", "quantity": "size", "relation": "more", "margin": 1.0}, "pass", 19.8),
     ({"a": "ball", "b": "floor", "quantity": "mass", "relation": "less", "margin": 1.0}, "pass", -48000.0),
-    ({"a": "ball", "b": "floor", "quantity": "distance_to", "of": "floor", "relation": "more", "margin": 1.0}, "pass", 1.2),
+    ({"a": "ball", "b": "floor", "quantity": "distance_to", "target": "floor", "relation": "more", "margin": 1.0}, "pass", 1.2),
 ]
 
 
@@ -285,8 +285,8 @@ def test_two_measurements_are_compared_with_a_margin(tmp_path: Any, asked: dict[
 def test_a_comparison_says_from_whom_a_distance_is_and_not_with_itself(tmp_path: Any) -> None:
     same: dict[str, Any] = {"a": "ball", "b": "ball", "quantity": "height", "relation": "more", "margin": 1.0}
     assert evaluate(copied(film("drop")).candidate(tmp_path), Compares(**same), (0, 35)).status == "unverified"
-    for wrong in ({"quantity": "distance_to"}, {"of": "floor"}):
-        with pytest.raises(ValueError, match="give `of`"):
+    for wrong in ({"quantity": "distance_to"}, {"target": "floor"}):
+        with pytest.raises(ValueError, match="give target"):
             Compares(**{**same, **wrong})
 
 

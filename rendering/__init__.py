@@ -1,6 +1,6 @@
 """Floor 5: pictures of a candidate. Importing this loads no renderer, no OpenCV and no engine."""
 
-from .frames import FrameRenderer, frame_path, frame_recipe, render_frame, render_sequence
+from .frames import FrameRenderer, frame_path, frame_recipe, render_frame, render_sequence, renderer_versions
 from .highlight import highlight
 from .land.field_map import field_map, hillshade
 from .plan import plan_view, section_view
@@ -45,6 +45,7 @@ __all__ = [
     "preview",
     "render_frame",
     "render_sequence",
+    "renderer_versions",
     "report_pictures",
     "section_view",
     "shot_of",

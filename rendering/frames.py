@@ -6,21 +6,25 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..geometry.camera import Camera
 from ..worlds.arrays import U8
 from ..worlds.candidate import Candidate
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import EngineError, InputError
+from ..worlds.plates import SEEDS, Plate, View
 from .land.haze import hazed
 from .tracer.denoise import denoise, meter, tonemap
 from .tracer.scene import SceneRenderer
 from .tracer.variant import choose_variant
 from .views import camera_for, shot_of
 
-__all__ = ["FrameRenderer", "frame_path", "frame_recipe", "render_frame", "render_sequence"]
+__all__ = ["FrameRenderer", "frame_path", "frame_recipe", "render_frame", "render_sequence", "renderer_versions"]
 
 METER_WIDTH = 160
 METER_SAMPLES = 8
@@ -94,9 +98,42 @@ class FrameRenderer:
         radiance = self._scene.radiance(view, samples, seed=SEED)
         if denoise:
             radiance = _denoised(radiance, self._scene, view)
+        return self._developed(view, radiance, gain, SEED)
+
+    def _developed(self, view: Camera, radiance: Any, gain: float, seed: int) -> U8:
         if self._scene.outdoors:
-            radiance = hazed(self._scene, view, radiance, seed=SEED)
+            radiance = hazed(self._scene, view, radiance, seed=seed)
         return tonemap(radiance, gain=gain)
+
+    def plate(self, view: View, *, size: tuple[int, int], samples: int) -> Plate:
+        """The pictures of a view with and without its subject, exposed and denoised like the film's, each from two seeds.
+
+        Raises:
+            InputError: there is no such frame or shot, or the subject is drawn with its landscape.
+        """
+        _check_frame(self.candidate, view.frame)
+        if not self._scene.draws(view.subject):
+            raise InputError(f"{view.subject!r} is drawn with its landscape and can't be left out of a picture")
+        camera = camera_for(self.candidate, view.frame, shot=view.shot, width=size[0], height=size[1])
+        gain = self._gain(view.shot, view.frame, None)
+        pictures = []
+        for without in (None, view.subject):
+            self._scene.pose(view.frame, without)
+            features = self._scene.features(camera)
+            for seed in range(SEED, SEED + SEEDS):
+                radiance = denoise(self._scene.radiance(camera, samples, seed=seed), features)
+                pictures.append(self._developed(camera, radiance, gain, seed))
+        self._scene.pose(view.frame)
+        return Plate(np.stack(pictures[:SEEDS]), np.stack(pictures[SEEDS:]))
+
+
+def renderer_versions() -> dict[str, str]:
+    """Versions of everything that decides a picture of the same scene."""
+    return {
+        "source": source_digest(Path(__file__).parent),
+        "variant": choose_variant().name,
+        **{name: version(name) for name in ("mitsuba", "pyoidn")},
+    }
 
 
 def _denoised(radiance: Any, scene: SceneRenderer, view: Camera) -> Any:

@@ -51,9 +51,10 @@ def run_checks(
 ) -> ToolReply:
     """Judge again and return requirement rows, or ask for acceptance.
 
-    Every tool that changes or simulates something runs the checks it affects already. Use this after editing the story or
-    the shots (no new simulation is needed: scope probe or full), and for acceptance: a fresh read-only process judges the
-    whole candidate and replays random intervals of its bake. Refused without a complete bake of exactly these settings.
+    Every tool that changes or simulates something runs the checks it affects already. Use this after editing the story or the
+    shots (no new simulation is needed: scope probe or full), after editing the look (scope full: small pictures are rendered in
+    which every subject must be seen), and for acceptance: a fresh read-only process judges the whole candidate and replays
+    random intervals of its bake. Refused without a complete bake of exactly these settings.
     Returns: counts and the open rows: measured value, bound, first failing entity and frame, what to do; for acceptance the
     verdict, the approximation register, and links to a report and a bundle. review asks the model that the server's owner named
     whether the bake shows what the prompt says, part by part; without one a person can answer on the page. Statuses: pass, fail, unverified (no evidence,

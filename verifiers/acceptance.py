@@ -129,7 +129,7 @@ def judge(
     tell = progress or silent
     judged = judging_share(spec, "full", reruns=replay) if replay else 1.0
     rows = [*audit(spec).rows, _freeze_row(candidate, freeze, freeze_hash(spec, candidate.built))]
-    rows += run_checks(candidate, reruns=replay, progress=Part(tell, 0.0, judged))
+    rows += run_checks(candidate, reruns=replay, plates=True, progress=Part(tell, 0.0, judged))
     part = Part(tell, judged, 1.0, alike=len(groups_of(spec))) if replay else None
     rows += _bound_rows(candidate, freeze, seed, intervals, recorded, part)
     rows += [_unjudged(candidate, check) for check in sorted(NEEDED - {r.check for r in rows})]

@@ -20,10 +20,11 @@ from .routes import navigability
 from .rows.seen import only_seen
 from .scene import interpenetration, relations, scale
 from .shots import check as shots
+from .shots import seen
 from .story import beats, causal, counterfactual, phases, robustness
 from .support import check as support
 
-__all__ = ["CHECKS", "CheckBinding", "judging_share", "names_of", "rerun_ids", "run_checks", "silent"]
+__all__ = ["CHECKS", "CheckBinding", "diagnosed", "judging_share", "names_of", "rerun_ids", "run_checks", "silent"]
 
 CHECK_WORK = 0.03
 """Work of a check that simulates nothing, in simulations of the probe; own choice, for progress alone."""
@@ -43,6 +44,8 @@ class CheckBinding:
     stages: tuple[Stage, ...]
     reruns: Callable[[WorldSpec], frozenset[str]] | None = None
     """Ids of its rows, where the check simulates the world again: such a one judges at the probe, and in acceptance."""
+    plates: bool = False
+    """Whether it reads plates: such a one judges where some were made, and in acceptance."""
 
 
 CHECKS: tuple[CheckBinding, ...] = (
@@ -53,6 +56,7 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("support", support.check, ("static", "probe", "full")),
     CheckBinding("navigability", navigability.check, ("static", "full")),
     CheckBinding("shots", shots.check, ("static", "probe", "full")),
+    CheckBinding("shots", seen.check, ("full",), plates=True),
     CheckBinding("numerical", category.check_numerical, ("probe", "full")),
     CheckBinding("contact", contact.check, ("probe", "full")),
     CheckBinding("category", category.check, ("probe", "full")),
@@ -76,10 +80,13 @@ def rerun_ids(spec: WorldSpec) -> frozenset[str]:
     return frozenset().union(*(c.reruns(spec) for c in CHECKS if c.reruns is not None))
 
 
-def _chosen(stage: Stage, only: Iterable[str] | None = None, reruns: bool | None = None) -> list[CheckBinding]:
+def _chosen(
+    stage: Stage, only: Iterable[str] | None = None, reruns: bool | None = None, plates: bool = False
+) -> list[CheckBinding]:
     wanted = None if only is None else set(only)
     again = stage == "probe" if reruns is None else reruns
-    return [c for c in CHECKS if stage in c.stages and (wanted is None or c.name in wanted) and (again or c.reruns is None)]
+    able = [c for c in CHECKS if (again or c.reruns is None) and (plates or not c.plates)]
+    return [c for c in able if stage in c.stages and (wanted is None or c.name in wanted)]
 
 
 def _work(spec: WorldSpec, chosen: Iterable[CheckBinding]) -> list[float]:
@@ -98,6 +105,7 @@ def run_checks(
     *,
     only: Iterable[str] | None = None,
     reruns: bool | None = None,
+    plates: bool | None = None,
     progress: Tell | None = None,
     seconds: dict[str, float] | None = None,
 ) -> list[Row]:
@@ -107,10 +115,11 @@ def run_checks(
         candidate: what is judged.
         only: names of checks; default all.
         reruns: whether to simulate variants of the world for the checks that need them; default at the probe only.
+        plates: whether to judge by plates; default where some were made of this bake.
         progress: told before each check, and from within those that simulate.
         seconds: gets the time that the others took, as `judged`.
     """
-    chosen = _chosen(candidate.stage, only, reruns)
+    chosen = _chosen(candidate.stage, only, reruns, seen.taken(candidate) if plates is None else plates)
     rows: list[Row] = []
     work, took = _work(candidate.spec, chosen), 0.0
     for done, binding in enumerate(chosen):
@@ -118,11 +127,16 @@ def run_checks(
         told = Part(progress or silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
         told(0, 1, f"checking {binding.name}")
         found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _first_failure(rows))
-        rows += [diagnose(only_seen(candidate, fail_closed(r)), candidate.spec) for r in found]
+        rows += diagnosed(candidate, found)
         took += time.monotonic() - began if binding.reruns is None else 0.0
     if seconds is not None:
         seconds["judged"] = took
     return rows
+
+
+def diagnosed(candidate: Candidate, rows: Iterable[Row]) -> list[Row]:
+    """Rows of one check as the matrix has them: no pass over frames that are not there, and what past cases say of each."""
+    return [diagnose(only_seen(candidate, fail_closed(r)), candidate.spec) for r in rows]
 
 
 def _first_failure(rows: Iterable[Row]) -> str | None:

@@ -10,6 +10,7 @@ from ..worlds.spec import WorldSpec
 from .checks import rerun_ids
 from .delivery.questions import CACHE, COMPLETE, DIGESTS, FREEZE, INDEPENDENT, NEEDED, REPLAY
 from .scene.questions import OVERLAP_SCENE, RATIO, SCALE_SCENE, SIZE
+from .shots.seen import seen_ids
 from .story.questions import BEAT
 
 __all__ = ["demanded", "demanded_of_motion", "open_in_matrix", "open_in_probe", "unmet"]
@@ -21,13 +22,17 @@ _ONCE = (FREEZE, CACHE, REPLAY, INDEPENDENT, SCALE_SCENE, OVERLAP_SCENE)
 def demanded(spec: WorldSpec) -> frozenset[str]:
     """Ids of rows that an acceptance of this specification must hold, as far as the specification alone tells them.
 
-    Those of the audit, one per entity, relation, beat, declared cause and sample of robustness, the frames of every instance, and
+    Those of the audit, one per entity, relation, beat, declared cause, sample of robustness and beat to be seen, the frames of every instance, and
     what binds the verdict to them. Pairs that touch and supports are found by measurement: no specification lists them.
     """
     instances = spec.simulation.solvers
     found = {row.id for row in audit(spec).rows} | {q.row_id(()) for q in _ONCE} | demanded_of_motion(spec)
     found |= {q.row_id((name,)) for q in (COMPLETE, DIGESTS) for name in instances}
-    found |= {SIZE.row_id((name,)) for name in spec.entities} | {RATIO.row_id((name,)) for name in spec.graph.relations}
+    found |= (
+        seen_ids(spec)
+        | {SIZE.row_id((name,)) for name in spec.entities}
+        | {RATIO.row_id((name,)) for name in spec.graph.relations}
+    )
     return frozenset(found)
 
 

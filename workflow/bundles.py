@@ -19,6 +19,7 @@ from ..worlds.errors import EvidenceError, RefusedError
 from ..worlds.folder import WorldFolder, safe_join
 from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
+from ..worlds.plates import files_of
 from ..worlds.spec import WorldSpec, prompt_digest
 from ..worlds.verdicts import verdict_words
 
@@ -38,7 +39,9 @@ def judged(folder: WorldFolder, ledger: Ledger, *, seed: int | None = None) -> d
         EvidenceError: `world.json` itself cannot be read.
     """
     from ..verifiers.acceptance import judge_fresh
+    from .plates import plates_anywhere
 
+    plates_anywhere(folder.root)
     try:
         record = judge_fresh(folder.root, seed=secrets.randbelow(2**31) if seed is None else seed)
         record["stage"] = "full"
@@ -156,6 +159,7 @@ def candidate_members(
             chosen += [cache.path(k) for k in range(frames)] if with_caches else []
             if with_caches and name in spec.simulation.liquid:
                 chosen += _beside(cache)
+        chosen += files_of(folder / "plates") if stage == "full" else []
     return {f"world/{p.resolve().relative_to(root.resolve()).as_posix()}": p for p in chosen}
 
 
@@ -195,7 +199,7 @@ def make_bundle(
     missing = [name for name, path in files.items() if not path.is_file()]
     if missing:
         raise EvidenceError(f"{missing[:5]} are missing from the world folder; call bake_sim, then judge again")
-    frames = {n: p for n, p in files.items() if p.suffix == ".npz"}
+    frames = {n: p for n, p in files.items() if p.suffix == ".npz" and p.parent.name != "plates"}
     caches = sum(p.stat().st_size for p in frames.values()) <= INLINE_BYTES if with_caches is None else with_caches
     verdict = {**record, "stage": stage, "weakenings": [w for w in ledger.weakenings() if w["revision"] <= last]}
     events = verdict.pop("events", None)

@@ -52,6 +52,8 @@ WARM = (
 )
 """Modules that a process that waits for these jobs has imported. Nothing that starts a thread or takes a device while it loads:
 no Mitsuba (Dr.Jit starts a thread)."""
+LOOKING = 0.2
+"""Part of a judgement that its plates take, for progress alone."""
 JUDGED = 1.0 - 1e-9
 """Part of an acceptance that is the judgement; the report takes a moment."""
 
@@ -178,6 +180,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..simulation.bake import run_bake
     from ..simulation.schedule import stretch_count
     from ..verifiers.checks import judging_share, names_of, rerun_ids, run_checks
+    from ..verifiers.shots.seen import seen_ids
     from ..verifiers.stored import open_in_probe
     from ..worlds.baked import frame_digests
     from .measurements import refuted
@@ -192,15 +195,16 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
     split = 1.0 - judging_share(session.spec, "full")
     part = Part(context.progress, 0.0, split, alike=stretch_count(session.spec))
-    probe = None if forged else _same_probe(work, record["detail"])
+    probe, began = None if forged else _same_probe(work, record["detail"]), time.monotonic()
     candidate = run_bake(session.folder, freeze, built=built, progress=part, check=context.check, reuse=not forged, probe=probe)
-    rows = run_checks(candidate, progress=Part(context.progress, split, 1.0))
+    seconds = round(time.monotonic() - began, 2)
+    rows = run_checks(candidate, plates=False, progress=Part(context.progress, split, 1.0))
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
     rows = session.cited(rows)
-    changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec))
+    changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec) | seen_ids(session.spec))
     open_rows = [r.id for r in open_in_probe(rows, candidate.last_frame)]
-    content = {"frames": total, "failing": open_rows, "frame_digests": frame_digests(candidate.caches)}
+    content = {"frames": total, "failing": open_rows, "frame_digests": frame_digests(candidate.caches), "seconds": seconds}
     session.ledger.put_bake(freeze, session.revision, candidate.digest, content)
     picture = motion_sheet(candidate, session.folder, f"bake_{freeze[:8]}.jpg")
     return {
@@ -228,8 +232,11 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     candidate = work.candidate(stage)
     if stage == "probe":
         candidate = _keeping(candidate, session.folder, freeze)
-    rows = run_checks(candidate, only=payload.get("only"), progress=Part(context.progress))
     done = names_of(stage) if payload.get("only") is None else payload["only"]
+    looking = LOOKING if stage == "full" and "shots" in done else 0.0
+    if looking:
+        plates_of(work, context)
+    rows = run_checks(candidate, only=payload.get("only"), plates=bool(looking), progress=Part(context.progress, looking, 1.0))
     if stage == "full" and "delivery" in done:
         rows.append(cache_row(candidate, bake_record(session.folder.ledger_path, freeze)))
     whole = stage == "probe" and payload.get("only") is None
@@ -259,6 +266,15 @@ def review(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     return read_world(work.session, work.candidate("full"), context.check, ask=payload.get("ask", True))
 
 
+def plates_of(work: _Work, context: JobContext, *, distrust: bool = False) -> None:
+    """Render the plates of a bake that are missing or stale; `distrust` as in `make_plates`."""
+    from .plates import allowed_seconds, make_plates
+
+    candidate, seconds = work.candidate("full"), allowed_seconds(work.session.ledger.bake(work.freeze))
+    told = Part(context.progress, 0.0, LOOKING)
+    make_plates(candidate, seconds=seconds, progress=told, check=context.check, distrust=distrust)
+
+
 def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Have a fresh process judge the present candidate; record its verdict."""
     import secrets
@@ -267,12 +283,14 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .bundles import remember_refuted
     from .review.verdict import reviewed
 
-    session, freeze, built = _work(payload)
+    work = _work(payload)
+    session, freeze, built = work
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
     require_true_geometry(session, built)
-    context.progress(0, 1, "a fresh process judges the candidate")
-    record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, 0.0, JUDGED))
+    plates_of(work, context, distrust=True)
+    context.progress(LOOKING, 1, "a fresh process judges the candidate")
+    record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, LOOKING, JUDGED))
     if record["spec_digest"] != spec_digest(session.spec):
         raise RefusedError("the world was edited before it was judged; call run_checks(scope='acceptance') again")
     rows = reviewed(session, built, freeze, record)
@@ -342,6 +360,7 @@ def require_true_geometry(session: Session, built: Mapping[str, BuiltEntity]) ->
 def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Render the final sequence of an accepted candidate to frames and a video."""
     from ..rendering import render_sequence, write_video
+    from .plates import require_seen
 
     work = _work(payload)
     session, freeze = work.session, work.freeze
@@ -354,6 +373,8 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             raise EvidenceError(
                 f"frame {altered} was altered since acceptance; call bake_sim, then run_checks(scope='acceptance')"
             )
+    context.progress(0, 1, "are the subjects seen in this light?")
+    require_seen(session, freeze, candidate, context.check)
     root = session.folder.candidate(freeze) / "final"
     width, height, samples = (payload.get(k) for k in ("width", "height", "samples"))
     pace = Pace(context.progress)

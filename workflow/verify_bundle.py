@@ -22,13 +22,15 @@ from ..worlds.bundle import Bundle, open_bundle
 from ..worlds.candidate import open_candidate, recorded_inputs
 from ..worlds.canonical import spec_digest
 from ..worlds.environment import environment
-from ..worlds.errors import EvidenceError, WorldAgentError
+from ..worlds.errors import EngineError, EvidenceError, WorldAgentError
 from ..worlds.folder import WorldFolder
 from ..worlds.limits import check_limits
 from ..worlds.patch import parse_spec
+from ..worlds.plates import Plates, plates_folder
 from ..worlds.spec import WorldSpec
 from ..worlds.verdicts import prompt_told, verdict_words
 from .bundles import HEAD, candidate_members
+from .plates import depart, plates_anywhere
 
 __all__ = ["REPLAY_TOLERANCE", "Verification", "untrue_geometry", "verify_bundle"]
 
@@ -163,6 +165,7 @@ def _check(found: Verification, root: Path, *, seed: int, intervals: int) -> Non
             found.problems.append(f"the built geometry of {name!r} is not what the specification gives")
         if found.bundle.manifest["caches"] == "by digest":
             _bake_again(found, folder, str(record["freeze"]))
+        _look_again(found, folder, str(record["freeze"]), seed)
     else:
         if found.bundle.manifest["caches"] == "included":
             _replay_elsewhere(found, folder, str(record["freeze"]), seed, intervals)
@@ -288,6 +291,23 @@ def _make_anew(folder: WorldFolder, spec: WorldSpec) -> None:
     built, _ = build_world(folder, spec)
     freeze = open_freeze(folder, spec, built, built_paths(folder, spec), revision=0)
     run_frames(spec, built, folder.candidate(freeze) / "bake", frames=spec.simulation.frames, reuse=False)
+    plates_anywhere(folder.root)
+
+
+def _look_again(found: Verification, folder: WorldFolder, freeze: str, seed: int) -> None:
+    """Render one of the bundled plates here: a painted picture has a right digest too."""
+    import numpy as np
+
+    candidate = open_candidate(folder, freeze, "full")
+    plates = Plates.open(plates_folder(candidate))
+    if plates is None or not plates.views or plates.cache != candidate.digest:  # the rows say so
+        return
+    view = plates.views[int(np.random.default_rng(seed).integers(len(plates.views)))]
+    try:
+        if depart(candidate, plates, view):
+            found.problems.append(f"the plate of {view.subject!r} at frame {view.frame}, rendered here, is another picture")
+    except EngineError as error:
+        found.problems.append(f"no plate can be rendered here, so that none is proven: {error}")
 
 
 def _freeze_here(folder: WorldFolder, spec: WorldSpec) -> str:

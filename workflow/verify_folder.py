@@ -147,6 +147,7 @@ def recompute_folder(folder: Path) -> dict[str, Any]:
     """
     from ..execution import run_inline
     from ..verifiers.acceptance import judge_fresh
+    from .plates import plates_anywhere
 
     root = folder.resolve()
     session = Session.at(WorldFolder.at(root))
@@ -163,5 +164,6 @@ def recompute_folder(folder: Path) -> dict[str, Any]:
             "stage": "probe",
         }
     run_inline("worldagent.workflow.jobs:bake", payload)
+    plates_anywhere(root)
     record = judge_fresh(root, seed=secrets.randbelow(2**31))
     return _report(record)

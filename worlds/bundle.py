@@ -6,7 +6,7 @@
 | `verdict.json` | the record of the fresh process: rows with evidence, clauses, approximations, versions, seed |
 | `history.json` | every revision with its specification, patch, hypothesis, weakenings and reason; iterations of repair |
 | `events.json` | contact beginnings, and the first true frame of every beat |
-| `world/` | a world folder: `world.json` (RFC 8785), the mesh files it names, built geometry, the candidate's record, digests and checkpoints of its caches, and their frames unless they are held by digest only |
+| `world/` | a world folder: `world.json` (RFC 8785), the mesh files it names, built geometry, the candidate's record, digests and checkpoints of its caches, its plates, and the frames of its caches unless they are held by digest only |
 
 Its bytes depend only on the content (and on the version of zlib). The digest of a bundle is the SHA-256 of its manifest.
 """
@@ -39,7 +39,7 @@ _WORLD = re.compile(
     r"world/(world\.json"
     r"|assets/[A-Za-z0-9_.-]+(/[A-Za-z0-9_.-]+)*"
     r"|built/[A-Za-z0-9_-]+\.[0-9a-f]{16}\.zip"
-    r"|candidates/[0-9a-f]{16}/(candidate\.json"
+    r"|candidates/[0-9a-f]{16}/(candidate\.json|plates/(index\.json|frame_\d{6}\.npz)"
     r"|(bake|probe)/[A-Za-z0-9_-]+/(index\.json|digests\.txt|frame_\d{6}\.npz|checkpoints/\d{6}\.bin"
     r"|(surface|wet)/(index\.json|digests\.txt|frame_\d{6}\.npz|surface\.json|wet\.json|texels\.npz))))"
 )

@@ -4,7 +4,7 @@ world.json             current specification
 ledger.sqlite          revisions, matrix, iterations, freezes, acceptances
 assets/                mesh files that the specification names
 built/                 one file per built entity and recipe
-candidates/<id>/       candidate.json, probe/<solver>/, bake/<solver>/, final/
+candidates/<id>/       candidate.json, probe/<solver>/, bake/<solver>/, plates/, final/
 acceptance/            <id>.zip: bundle of a judged candidate; <id>.html: its matrix report
 pictures/              previews, contact sheets, plots
 """

@@ -3,7 +3,7 @@
 Artifacts: `terrain:<id>`, `built:<entity>`, `static:<entity>` (evidence at frame 0), `liquid:<instance>` (frames of a liquid, which
 are taken over from an earlier bake where nothing that reaches its domain changed), `motion` (probe, bake and every verdict over
 them), `contact` and `category` (verdicts over the motion against bounds), `story` and `shots` (verdicts that read
-the story and the shot plan over the same motion), `acceptance`, `final`.
+the story and the shot plan over the same motion), `seen` (plates: pictures of the motion in its light), `acceptance`, `final`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .requirements import Row
 from .slices import geometry_slice, motion_slice
 from .spec import Fastened, WorldSpec
 
-__all__ = ["recipes", "stale_artifacts", "stale_rows"]
+__all__ = ["SEEN", "recipes", "stale_artifacts", "stale_rows"]
 
 
 def landscape_digest(spec: WorldSpec, name: str) -> str:
@@ -98,6 +98,11 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
     found["story"] = digest_of(motion, spec.story, graph, limits, *([floating] if floating else []))
     aspect = spec.look.width / spec.look.height
     found["shots"] = digest_of(motion, spec.shots, spec.story, limits, aspect)
+    appearance = {k: m.appearance.model_dump(mode="json") for k, m in spec.materials.items()}
+    lands = {k: v for k, v in found.items() if k.startswith("terrain:")}
+    light = spec.look.model_dump(mode="json", exclude={"width", "height", "samples"})
+    cameras = {k: s.model_dump(mode="json", exclude={"covers", "subjects", "intent"}) for k, s in spec.shots.items()}
+    found["seen"] = digest_of(motion, cameras, aspect, lands, light, appearance)
     found["acceptance"] = digest_of(
         found["story"],
         found["shots"],
@@ -109,9 +114,9 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
     )
     found["final"] = digest_of(
         found["acceptance"],
-        {k: v for k, v in found.items() if k.startswith("terrain:")},
+        lands,
         spec.look,
-        {k: m.appearance.model_dump(mode="json") for k, m in spec.materials.items()},
+        appearance,
     )
     return found
 
@@ -123,6 +128,8 @@ def stale_artifacts(before: WorldSpec, after: WorldSpec) -> list[str]:
 
 
 _STATIC_CHECKS = ("scale", "interpenetration")
+SEEN = "shots:seen"
+"""Question of the rows that plates answer: the only ones of a verdict that the look of a world decides."""
 _SCENE_CHECKS = ("navigability", "shots")
 """Checks that look at the whole scene even at frame 0: anything may stand in the way."""
 _BY_ARTIFACT = {
@@ -152,6 +159,8 @@ def stale_rows(rows: list[Row], stages: Mapping[str, str], stale: list[str]) -> 
         wanted = {f"static:{e}" for e in row.entities} if row.check in _STATIC_CHECKS or stages.get(row.id) == "static" else set()
         if stages.get(row.id) != "static" or row.check in _SCENE_CHECKS:
             wanted |= set(_BY_ARTIFACT.get(row.check, ()))
+        if row.question == SEEN:
+            wanted.add("seen")
         if row.check == "terrain":
             # Rows of earlier builds do not name theirs: any landscape then makes them stale.
             wanted |= {f"terrain:{row.subject[0]}"} if row.subject else {s for s in changed if s.startswith("terrain:")}

@@ -62,17 +62,23 @@ class Batch:
         """Share of the film of a liquid at every vertex, shape (v,)."""
         return np.concatenate([film_at(wetness, list(links), count, frame, known) for count, links in self.links])
 
-    def placed(self, candidate: Candidate, frame: int) -> tuple[F32, F32]:
-        """World positions and normals at a frame; entities that do not exist then shrink to a point."""
+    @property
+    def entities(self) -> frozenset[str]:
+        """Entities that own vertices."""
+        return frozenset(entity for entity, _ in self.bodies)
+
+    def placed(self, candidate: Candidate, frame: int, without: str | None = None) -> tuple[F32, F32]:
+        """World positions and normals at a frame; entities that do not exist then, and one left out, shrink to a point."""
         poses = [candidate.pose(entity, frame, body) for entity, body in self.bodies]
         turns = rotation_matrix(np.stack([p.quaternion for p in poses]))
-        shown = np.array([active(candidate, entity, frame) for entity, _ in self.bodies], dtype=np.float64)
+        there = {e: e != without and active(candidate, e, frame) for e in self.entities}
+        shown = np.array([there[entity] for entity, _ in self.bodies], dtype=np.float64)
         shifts = np.stack([p.position for p in poses])
         local = self.surface.positions * shown[self.owner, None]
         positions = np.einsum("nij,nj->ni", turns[self.owner], local) + shifts[self.owner]
         normals = np.einsum("nij,nj->ni", turns[self.owner], self.surface.normals)
         for part in self.soft:
-            if active(candidate, part.entity, frame):
+            if there[part.entity]:
                 positions[part.rows], normals[part.rows] = part.placed(candidate, frame)
         return positions.astype(np.float32), normals.astype(np.float32)
 

@@ -26,6 +26,8 @@ __all__ = ["Features", "SceneRenderer"]
 PATH_DEPTH = 5
 """Longest light path in segments; glass needs `GLASS_DEPTH`."""
 GLASS_DEPTH = 9
+LOOSE_SHAPES = ("liquid", "drops", "foam", "grains")
+"""Kinds of shapes of loose matter; a shape is named after its kind and its entity."""
 RAYS_PER_PASS = 4_000_000
 """Camera rays per launch; bounds the memory of the vectorised variants."""
 
@@ -60,6 +62,7 @@ class SceneRenderer:
         self._wetness, known = Wetness(candidate), dict[str, F64]()
         batches = batches_of(candidate, layers, tiles, self._wetness)
         self._moving = [batch for kind, batch in batches.items() if kind.moving]
+        self._still = [batch for kind, batch in batches.items() if not kind.moving]
         self._wet = [batch for kind, batch in batches.items() if kind.wets]
         self._panes = [batch.name for kind, batch in batches.items() if looks[kind.material].transmission >= PANE]
         scene: dict[str, Any] = {"type": "scene", **(light_dicts(mi, candidate) if lights is None else lights)}
@@ -83,17 +86,19 @@ class SceneRenderer:
             scene = {k: mi.load_dict(v) if isinstance(v, dict) else v for k, v in scene.items()}
         self._fixed = scene
         self._frame = frame
+        self._without: str | None = None
         self._glassy = any(look.transmission > 0 for look in looks.values())
         self._load(frame)
         self._aov = mi.load_dict({"type": "aov", "aovs": "albedo:albedo,normal:sh_normal"})
         self._depth = mi.load_dict({"type": "aov", "aovs": "depth:depth"})
 
-    def _load(self, frame: int) -> None:
-        """Load the scene with the loose matter of a frame, and the tracer that knows it."""
+    def _load(self, frame: int, without: str | None = None) -> None:
+        """Load the scene with the loose matter of a frame but of the entity left out, and the tracer that knows it."""
         mi = self.mi
         made = [(layer, layer.traced(mi, frame)) for layer in self._loose]
-        shapes = {name: shape for _, one in made for name, shape in one.shapes.items()}
-        clear = {name: absorbed for _, one in made for name, absorbed in one.clear.items()}
+        away = {f"{kind}-{without}" for kind in LOOSE_SHAPES}
+        shapes = {name: shape for _, one in made for name, shape in one.shapes.items() if name not in away}
+        clear = {name: absorbed for _, one in made for name, absorbed in one.clear.items() if name not in away}
         self.scene = mi.load_dict({**self._fixed, **shapes})
         self._parameters = mi.traverse(self.scene)
         depth = GLASS_DEPTH if self._glassy or clear else PATH_DEPTH
@@ -104,19 +109,21 @@ class SceneRenderer:
         else:
             self._path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": depth})
 
-    def pose(self, frame: int) -> None:
-        """Move every body to where it is at `frame`."""
-        if frame == self._frame:
+    def pose(self, frame: int, without: str | None = None) -> None:
+        """Move every body to where it is at `frame`, and leave one entity out."""
+        if (frame, without) == (self._frame, self._without):
             return
         if self._loose:
-            self._load(frame)
+            self._load(frame, without)
         known: dict[str, F64] = {}
         for batch in self._wet:
             self._parameters[f"{batch.name}.{FILM}"] = batch.film(self._wetness, frame, known)
         if self._wet:
             self._parameters.update()
-        if self._moving:
-            placed = {batch.name: batch.placed(self.candidate, frame) for batch in self._moving}
+        changed = {self._without, without} if without != self._without else set()
+        moved = [*self._moving, *(b for b in self._still if b.entities & changed)]
+        if moved:
+            placed = {batch.name: batch.placed(self.candidate, frame, without) for batch in moved}
             for name, (positions, _) in placed.items():
                 self._parameters[f"{name}.vertex_positions"] = positions.ravel()
             self._parameters.update()
@@ -125,7 +132,11 @@ class SceneRenderer:
             for name, (_, normals) in placed.items():
                 self._parameters[f"{name}.vertex_normals"] = normals.ravel()
             self._parameters.update()
-        self._frame = frame
+        self._frame, self._without = frame, without
+
+    def draws(self, entity: str) -> bool:
+        """Whether an entity is a shape of its own that can be left out; the ground of a landscape is drawn with its land."""
+        return any(entity in b.entities for b in (*self._moving, *self._still)) or any(entity in x.entities for x in self._loose)
 
     def _sensor(self, camera: Camera, samples: int) -> Any:
         mi = self.mi

@@ -20,6 +20,7 @@ from ...construction import build_world, built_paths
 from ...simulation.bake import run_bake
 from ...simulation.freeze import open_freeze
 from ...verifiers.acceptance import judge
+from ...workflow.plates import LEAST_S, make_plates
 from ...worlds.baked import frame_digests
 from ...worlds.errors import RefusedError
 from ...worlds.folder import WorldFolder, write_atomically
@@ -94,6 +95,7 @@ def rejudge(world: str, spec: WorldSpec) -> Rejudged:
         freeze = open_freeze(folder, spec, built, built_paths(folder, spec), 1)
         baked = run_bake(folder, freeze)
         Ledger(folder.ledger_path).put_bake(freeze, 1, baked.digest, {"frame_digests": frame_digests(baked.caches)})
+        make_plates(baked, seconds=LEAST_S)
         start = time.perf_counter()
         record = judge(folder.root)
         return Rejudged(world, tuple(Row.model_validate(r) for r in record["rows"]), time.perf_counter() - start)

@@ -100,7 +100,7 @@ def test_equal_content_gives_equal_bytes(copy: Path, tmp_path: Path) -> None:
 def test_without_caches_the_whole_motion_is_simulated_again(copy: Path, bundle: Path, tmp_path: Path) -> None:
     path = tmp_path / "small.zip"
     assert bundle_world(copy, out=path, with_caches=False)["verdict"] == "accepted"
-    assert not [n for n in Forgery(path).members if n.endswith(".npz")]
+    assert not [n for n in Forgery(path).members if n.endswith(".npz") and "/plates/" not in n]
     assert path.stat().st_size < bundle.stat().st_size
     assert _verify(path)["verdict"] == "accepted"
 

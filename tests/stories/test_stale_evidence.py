@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import small_spec
+from worldagent.workflow.standing import standing
+from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
 
 
@@ -23,7 +25,7 @@ def test_moving_one_block_leaves_what_does_not_depend_on_it(accepted: Any) -> No
     folder = accepted.workspace / "w"
     built, caches = _files(folder / "built"), _files(folder / "candidates")
     data = accepted.edit(("/entities/b3/pose/position/0", 0.2047))
-    assert set(data["stale"]) == {"acceptance", "category", "contact", "final", "motion", "shots", "static:b3", "story"}
+    assert set(data["stale"]) == {"acceptance", "category", "contact", "final", "motion", "seen", "shots", "static:b3", "story"}
     stale = _stale(accepted)
     kept = {r.id for r in Ledger(folder / "ledger.sqlite").rows()} - stale
     assert {"scale:ball", "scale:b1", "interpenetration:b1:b2"} <= kept
@@ -39,22 +41,45 @@ def test_another_shot_keeps_the_bake_and_asks_for_acceptance_again(accepted: Any
     folder = accepted.workspace / "w"
     caches = _files(folder / "candidates")
     data = accepted.edit(("/shots/only/keys/a/position", [0.2, -1.25, 0.5]))
-    assert data["stale"] == ["acceptance", "final", "shots"]
+    assert data["stale"] == ["acceptance", "final", "seen", "shots"]
     assert all(i.startswith(("shots:", "delivery:")) for i in _stale(accepted))
     assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
     assert accepted.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
     after = _files(folder / "candidates")
-    assert {k for k in caches if after[k] != caches[k]} == {k for k in caches if k.endswith("candidate.json")}
+    kept = {k for k in caches if "/plates/" not in k}
+    assert {k for k in kept if after[k] != caches[k]} == {k for k in kept if k.endswith("candidate.json")}
     assert not accepted.call("inspect_world", world="w")["open_rows"]
 
 
-def test_another_look_keeps_the_acceptance_and_stales_only_the_final_pictures(accepted: Any) -> None:
+SEEN = {f"shots:seen:{n}" for n in ("roll", "strike", "fall")}
+
+
+def test_another_look_stales_only_what_is_seen_in_it(accepted: Any) -> None:
+    rows = {r.id: r.status for r in Ledger(accepted.workspace / "w" / "ledger.sqlite").rows() if r.question == "shots:seen"}
+    assert rows == dict.fromkeys(SEEN, "pass")
     data = accepted.edit(("/look/exposure", 0.5), ("/materials/wood/appearance/roughness", 0.9))
-    assert data["stale"] == ["final"]
-    assert data["rows_now_stale"] == 0
+    assert data["stale"] == ["final", "seen"]
+    assert _stale(accepted) == SEEN
+    folder = WorldFolder.of(accepted.workspace, "w")
+    assert standing(folder, Ledger(folder.ledger_path)).step("accepted").state == "done"
     started = accepted.call("render_shot", world="w", kind="final", width=64, height=64, samples=1, wait_s=0)
     assert started["job_id"]
     accepted.call("job", action="cancel", job_id=started["job_id"])
+
+
+@pytest.mark.slow
+def test_a_black_film_is_refused_and_the_rows_own_patch_makes_it_a_film(accepted: Any) -> None:
+    accepted.edit(("/look/exposure", -10))
+    assert _stale(accepted) == SEEN
+    text = accepted.result("render_shot", world="w", kind="final", width=64, height=64, samples=1).content[0].text
+    assert "would not show its story: 3 subjects" in text
+    assert "too dark" in text
+    judged = accepted.call("run_checks", world="w", scope="full", only=["shots"])
+    assert {r["id"] for r in judged["open_rows"]} == SEEN
+    patch = judged["open_rows"][0]["corrections"][0]["patch"]
+    accepted.call("edit_spec", world="w", patch=patch, hypothesis="the film is black")
+    assert accepted.call("render_shot", world="w", kind="final", width=64, height=64, samples=1)["frames"] == 36
+    assert not _stale(accepted)
 
 
 def test_another_picture_shape_asks_for_the_shot_checks_again(accepted: Any) -> None:

@@ -70,6 +70,7 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
     session.ledger.put_bake("f" * 64, 1, "d", {})
     monkeypatch.setattr(jobs, "_work", lambda payload: jobs._Work(session, "f" * 64, {}))
     monkeypatch.setattr(jobs, "require_true_geometry", lambda session, built: None)
+    monkeypatch.setattr(jobs, "plates_of", lambda *_, **__: None)
     monkeypatch.setattr(
         "worldagent.verifiers.acceptance.judge_fresh",
         lambda *_, **__: {"spec_digest": "of another", "rows": [], "verdict": "accepted", "subject": "s", "freeze": "f" * 64},

@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.worlds.patch import apply_patch, parse_spec
-from worldagent.worlds.provenance import recipes, stale_artifacts, stale_rows
+from worldagent.worlds.provenance import SEEN, recipes, stale_artifacts, stale_rows
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.slices import geometry_slice, motion_slice
 from worldagent.worlds.spec import WorldSpec
 
-MOTION = {"motion", "contact", "category", "story", "shots", "acceptance", "final"}
+MOTION = {"motion", "contact", "category", "story", "shots", "seen", "acceptance", "final"}
 JUDGED = {"contact", "category", "story", "shots", "acceptance", "final"}
 ALL_STATIC = {f"static:{n}" for n in small_spec()["entities"]}
 EDITS: dict[str, tuple[str, Any, set[str]]] = {
@@ -24,11 +24,13 @@ EDITS: dict[str, tuple[str, Any, set[str]]] = {
     "a tolerance": ("/entities/b1/dimensions/tolerance", 0.05, {"static:b1", "acceptance", "final"}),
     "a density": ("/materials/steel/density", 7800, MOTION | {"built:ball", "static:ball"}),
     "a friction": ("/materials/steel/friction", 0.4, MOTION),
-    "a colour": ("/materials/steel/appearance/color", [0, 0, 0], {"final"}),
-    "light": ("/look/sky", "overcast", {"final"}),
+    "a colour": ("/materials/steel/appearance/color", [0, 0, 0], {"seen", "final"}),
+    "light": ("/look/sky", "overcast", {"seen", "final"}),
+    "an exposure": ("/look/exposure", 1, {"seen", "final"}),
+    "words of a shot": ("/shots/only/intent", "other", {"shots", "acceptance", "final"}),
     "samples": ("/look/samples", 4, {"final"}),
-    "the shape of the picture": ("/look/width", 128, {"shots", "acceptance", "final"}),
-    "a camera": ("/shots/only/keys/a/fov_deg", 45, {"shots", "acceptance", "final"}),
+    "the shape of the picture": ("/look/width", 128, {"shots", "seen", "acceptance", "final"}),
+    "a camera": ("/shots/only/keys/a/fov_deg", 45, {"shots", "seen", "acceptance", "final"}),
     "a beat": ("/story/beats/fall/predicate/max", -0.2, {"story", "shots", "acceptance", "final"}),
     "a limit": ("/simulation/limits/max_speed", 30, JUDGED | ALL_STATIC),
     "a relation": ("/graph/relations/hits", {"kind": "interacts", "a": "ball", "b": "b2"},
@@ -41,7 +43,7 @@ EDITS: dict[str, tuple[str, Any, set[str]]] = {
     "a clause": ("/clauses/c1/met_by", ["/entities/ball"], {"acceptance", "final"}),
     "a title": ("/title", "other", set()),
     "a role": ("/entities/b1/role", "other", set()),
-    "an unused material": ("/materials/lead", {"density": 11340}, {"final"}),
+    "an unused material": ("/materials/lead", {"density": 11340}, {"seen", "final"}),
 }  # fmt: skip
 
 
@@ -100,6 +102,7 @@ def row(check: str, *entities: str) -> Row:
 ROWS = [
     row("audit"), row("scale", "b1"), row("scale", "b2"), row("interpenetration", "b1", "b2"), row("support", "b1"), row("navigability"),
     row("contact"), row("category"), row("numerical"), row("beat"), row("causal"), row("shots", "b1"), row("delivery"),
+    row("shots", "light").model_copy(update={"question": SEEN}),
 ]  # fmt: skip
 
 
@@ -111,12 +114,24 @@ def lost(name: str, stage: str) -> set[str]:
 
 
 def test_rows_lose_their_evidence_with_what_they_judged() -> None:
-    moving = {"contact", "category", "numerical", "beat", "causal", "shots:b1", "delivery", "support:b1", "navigability"}
+    moving = {
+        "contact",
+        "category",
+        "numerical",
+        "beat",
+        "causal",
+        "shots:b1",
+        "delivery",
+        "support:b1",
+        "navigability",
+        "shots:light",
+    }
     assert lost("a pose", "full") == moving | {"scale:b1", "interpenetration:b1-b2"}
     assert lost("a start velocity", "full") == moving
-    assert lost("a camera", "full") == {"shots:b1", "delivery"}
-    assert lost("a beat", "full") == {"beat", "causal", "support:b1", "navigability", "shots:b1", "delivery"}
-    assert lost("light", "full") == lost("a title", "full") == set()
+    assert lost("a camera", "full") == {"shots:b1", "shots:light", "delivery"}
+    assert lost("a beat", "full") == {"beat", "causal", "support:b1", "navigability", "shots:b1", "shots:light", "delivery"}
+    assert lost("a title", "full") == lost("samples", "full") == set()
+    assert lost("light", "full") == lost("an exposure", "full") == lost("a colour", "full") == {"shots:light"}
     assert lost("a limit", "full") == moving | {"scale:b1", "scale:b2", "interpenetration:b1-b2"}
 
 

@@ -21,13 +21,14 @@ from ..rows.answers import row_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..shots.plan import shots_at
-from ..shots.sight import Sight
+from ..shots.sight import sight_of
 from .questions import EVENT, NEGATION, ORDER, THING
 from .rivals import rivals_of
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row
+    from ..shots.sight import Sight
 
 __all__ = ["check"]
 
@@ -70,7 +71,7 @@ def _thing(candidate: Candidate, name: str) -> Finding:
     entities = list(dict.fromkeys(p.split("/")[2] for p in pointers if p.split("/")[2] in spec.entities))
     if not entities:
         return Finding("not_applicable", "land is in the picture wherever a camera looks; `terrain` and `shots` judge it")
-    sight = candidate.memo(("sight",), partial(Sight, candidate))
+    sight = sight_of(candidate)
     shown = {entity: _most(candidate, sight, entity, least) for entity in entities}
     worst = min(shown, key=lambda n: shown[n])
     quote = spec.claims[name].quote

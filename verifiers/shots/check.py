@@ -26,7 +26,7 @@ from ..rows.findings import Finding
 from .camera_path import inside, moves
 from .plan import outcome_frames, shot_row, unseen_text
 from .questions import COVER, FRAMED, INSIDE, MOTION, OBSERVED, TILING, VISIBLE
-from .sight import Sight
+from .sight import sight_of
 from .views import framed, visible
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ __all__ = ["check"]
 
 def check(candidate: Candidate) -> list[Row]:
     """Rows of the whole plan, of every observed beat and of every shot."""
-    sight = partial(candidate.memo, ("sight",), partial(Sight, candidate))
+    sight = partial(sight_of, candidate)
 
     def seen(judge: Callable[..., Finding], name: str, judged: Beat | Shot) -> Callable[[], Finding]:
         return lambda: judge(sight(), name, judged)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ..rows.questions import Question
-from .bounds import SCREEN_STEP
+from .bounds import SCREEN_STEP, SEEN_NOISE
 
-__all__ = ["COVER", "FRAMED", "INSIDE", "MOTION", "OBSERVED", "QUESTIONS", "TILING", "VISIBLE"]
+__all__ = ["COVER", "FRAMED", "INSIDE", "MOTION", "OBSERVED", "QUESTIONS", "SEEN", "TILING", "VISIBLE"]
 
 TILING = Question(
     "shots:tiling",
@@ -61,5 +61,14 @@ MOTION = Question(
     "SCREEN_STEP",
     ("shot",),
 )
+SEEN = Question(
+    "shots:seen",
+    "in the light of the film, the beat's subject differs from what is behind it",
+    f"share of the subject's pixels whose colour, with and without it, differs by more than {SEEN_NOISE:g} times the noise",
+    "1",
+    ">=",
+    "SEEN_SHARE",
+    ("beat",),
+)
 
-QUESTIONS = (TILING, COVER, OBSERVED, VISIBLE, FRAMED, INSIDE, MOTION)
+QUESTIONS = (TILING, COVER, OBSERVED, VISIBLE, FRAMED, INSIDE, MOTION, SEEN)

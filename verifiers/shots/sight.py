@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,13 @@ from ...worlds.errors import EvidenceError, InputError
 from ..categories.judge import joined
 from ..categories.registry import JUDGES, judge_of
 from ..scene.surfaces import surfaces_of
+from .lattice import lattice, upright
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import CameraKey, Shot
 
-__all__ = ["PIXELS_HIGH", "Seen", "Sight"]
+__all__ = ["PIXELS_HIGH", "Mask", "Seen", "Sight", "sight_of"]
 
 PIXELS_HIGH = 108
 """Own choice: pictures are cast at 192 x 108, where a subject of the default 0.0004 of the picture has 8 pixels."""
@@ -40,8 +41,6 @@ FINE, FINEST = 8, 32
 """How much finer, per side, where no pixel centre hit it, and at most; of particles, whose many small errors level out, no finer than the first."""
 DOUBT = 0.15
 """The same for one whose unoccluded share is within this of the bound."""
-TURN = math.atan(2.0 / (1.0 + math.sqrt(5.0)))
-"""[rad] The finer pixels are turned by this, whose tangent is the golden ratio's: farthest from every simple slope."""
 GLASS = 0.5
 """Own choice: a part of a material with at least this transmission hides nothing."""
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=bool)
@@ -63,6 +62,26 @@ class Seen:
     """Entity in front of most of the hidden pixels."""
     in_picture: bool
     """Whether any pixel would show it if nothing else were there."""
+
+
+class Mask(NamedTuple):
+    """Pixels of one entity in one picture, each array of shape (height, width)."""
+
+    own: NDArray[np.bool_]
+    """That would show it if nothing else were there."""
+    visible: NDArray[np.bool_]
+    """That show it."""
+    hidden_by: str | None
+    """Entity in front of most of the others."""
+
+
+class _Cast(NamedTuple):
+    """One entity in a window of a picture: pixels that would show it, those that do, and instances in front of it."""
+
+    window: tuple[int, int, int, int]
+    hit: NDArray[np.bool_]
+    visible: NDArray[np.bool_]
+    front: NDArray[np.int32]
 
 
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
@@ -248,7 +267,7 @@ class Sight:
             finest = FINE if judge_of(self.candidate.spec, entity).grainy else FINEST
             finer = FINE if found[0] == 0 else min(finest, math.ceil(math.sqrt(FINE_PIXELS / found[0])))
             size = (finer * camera.width, finer * camera.height)
-            found = self._compare(scene, _lattice(camera, size), poses, own, size)
+            found = self._compare(scene, lattice(camera, size), poses, own, size)
             camera = replace(camera, width=size[0], height=size[1])
         expected, shown, hider = found
         return Seen(
@@ -272,27 +291,59 @@ class Sight:
             own: which instances are looked for.
             size: what of a turned view counts: width and height of the upright picture in its middle [pixels].
         """
+        found = self._cast(scene, camera, poses, own, size)
+        if found is None:
+            return 0, 0, None
+        return int(found.hit.sum()), int(found.visible.sum()), _hider(scene, found)
+
+    def mask(self, entity: str, shot_id: str, frame: int, size: tuple[int, int]) -> Mask:
+        """Pixels of `entity` in the shot's picture of a size (width, height) at a frame.
+
+        Raises:
+            EvidenceError: it has no visible geometry, or no finite place.
+        """
+        camera = replace(self.camera(shot_id, frame), width=size[0], height=size[1])
+        scene = self._scene(frame, entity)
+        own = scene.owner == entity
+        if not own.any() and entity not in self._loose:
+            raise EvidenceError(f"entity {entity!r} has no visible geometry")
+        alone, visible = np.zeros((2, size[1], size[0]), dtype=bool)
+        found = self._cast(scene, camera, self.poses(frame, entity), own) if own.any() else None
+        if found is None:
+            return Mask(alone, visible, None)
+        left, right, top, bottom = found.window
+        alone[top:bottom, left:right] = found.hit
+        visible[top:bottom, left:right] = found.visible
+        return Mask(alone, visible, _hider(scene, found))
+
+    def _cast(
+        self,
+        scene: _Scene,
+        camera: Camera,
+        poses: list[RigidPose],
+        own: NDArray[np.bool_],
+        size: tuple[int, int] | None = None,
+    ) -> _Cast | None:
+        """The own instances in a picture, None where no pixel would show them; arguments as `_compare`."""
         rectangle, nearest = _bounds(scene, camera, poses)
         ends = np.array([camera.width, camera.height, camera.width, camera.height])
         limits = np.clip([*np.floor(rectangle[own, :2].min(axis=0)), *np.ceil(rectangle[own, 2:].max(axis=0))], 0, ends)
         left, top, right, bottom = (int(v) for v in limits)
         if left >= right or top >= bottom:
-            return 0, 0, None
+            return None
         window = (left, right, top, bottom)
         alone = scene.caster.cast(camera, poses, only=np.flatnonzero(own).tolist(), window=window)
         hit = alone.ids >= 0
         if size is not None:
-            hit &= _upright(camera, size, window)
+            hit &= upright(camera, size, window)
         if not hit.any():
-            return 0, 0, None
+            return None
         farthest = float(alone.depth[hit].max())
         meets = (rectangle[:, 0] < right) & (rectangle[:, 2] > left) & (rectangle[:, 1] < bottom) & (rectangle[:, 3] > top)
         before = meets & ~own & ~scene.glass & (nearest <= farthest * (1.0 + COPLANAR))
         front = scene.caster.cast(camera, poses, only=np.flatnonzero(before).tolist(), window=window)
         visible = hit & (alone.depth.astype(np.float64) * (1.0 + COPLANAR) < front.depth)
-        hidden = front.ids[hit & ~visible]
-        hider = str(scene.owner[int(np.bincount(hidden).argmax())]) if len(hidden) else None
-        return int(hit.sum()), int(visible.sum()), hider
+        return _Cast(window, hit, visible, front.ids)
 
     def inside(self, point: F64, frame: int) -> str | None:
         """Entity inside whose solid a point lies at a frame; None in the open."""
@@ -305,6 +356,17 @@ class Sight:
             if ((local > part.solid.lower) & (local < part.solid.upper)).all() and contains(part.solid, local)[0]:
                 return part.entity
         return None
+
+
+def sight_of(candidate: Candidate) -> Sight:
+    """The pictures of a candidate that all its judges share."""
+    return candidate.memo(("sight",), lambda: Sight(candidate))
+
+
+def _hider(scene: _Scene, found: _Cast) -> str | None:
+    """Entity in front of most of the pixels that do not show what they would."""
+    hidden = found.front[found.hit & ~found.visible]
+    return str(scene.owner[int(np.bincount(hidden).argmax())]) if len(hidden) else None
 
 
 def _bounds(scene: _Scene, camera: Camera, poses: list[RigidPose]) -> tuple[F64, F64]:
@@ -322,18 +384,3 @@ def _bounds(scene: _Scene, camera: Camera, poses: list[RigidPose]) -> tuple[F64,
     rectangle[~ahead.all(axis=1)] = (-np.inf, -np.inf, np.inf, np.inf)
     rectangle[~ahead.any(axis=1)] = (np.inf, np.inf, -np.inf, -np.inf)
     return rectangle, np.maximum(depth.min(axis=1), 0.0)
-
-
-def _lattice(camera: Camera, size: tuple[int, int]) -> Camera:
-    """The same view with its pixels turned, which no row of bars can line up with; it encloses an upright picture of `size`."""
-    side = math.ceil(math.hypot(*size))
-    tall = side / size[1] * math.tan(math.radians(camera.fov_deg) / 2.0)
-    return Camera(camera.position, camera.target, 2.0 * math.degrees(math.atan(tall)), side, side, TURN)
-
-
-def _upright(camera: Camera, size: tuple[int, int], window: tuple[int, int, int, int]) -> NDArray[np.bool_]:
-    """Which pixels of a window of a turned view lie in the upright picture in its middle, shape (rows, columns)."""
-    x = np.arange(window[0], window[1]) + 0.5 - camera.width / 2
-    y = (camera.height / 2 - 0.5 - np.arange(window[2], window[3]))[:, None]
-    c, s = math.cos(camera.roll), math.sin(camera.roll)
-    return np.asarray((np.abs(c * x - s * y) <= size[0] / 2) & (np.abs(s * x + c * y) <= size[1] / 2))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import Beat, Shot
     from .sight import Seen, Sight
 
-__all__ = ["framed", "visible"]
+__all__ = ["SAMPLES", "framed", "samples", "visible"]
 
 SAMPLES = 48
 """Own choice: frames of a beat that are looked at, all of them in a shorter one; its first true frame among them."""
@@ -47,7 +47,8 @@ class _Looks(NamedTuple):
         return [s for s in self.seen if s.share >= least]
 
 
-def _samples(frames: tuple[int, int], count: int, extra: int | None = None) -> list[int]:
+def samples(frames: tuple[int, int], count: int, extra: int | None = None) -> list[int]:
+    """At most `count` frames of an interval, evenly, and one more where it lies within."""
     picked = {round(f) for f in np.linspace(frames[0], frames[1], min(count, frames[1] - frames[0] + 1))}
     if extra is not None and frames[0] <= extra <= frames[1]:
         picked.add(extra)
@@ -71,12 +72,12 @@ def _look(sight: Sight, beat_id: str, subject: str, frames: list[int]) -> _Looks
 
 def _looks(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> _Looks:
     limits = sight.candidate.spec.simulation.limits
-    found = _look(sight, beat_id, beat.subject, _samples(beat.frames, SAMPLES, first))
+    found = _look(sight, beat_id, beat.subject, samples(beat.frames, SAMPLES, first))
     good = found.good(limits.visible_pixels)
     share = len(good) / len(found.frames)
     open_verdict = not any(s.unoccluded >= limits.visible_share for s in good) or abs(share - limits.beat_seen_frames) <= DOUBT
     if open_verdict and len(found.frames) < beat.frames[1] - beat.frames[0] + 1:
-        found = _look(sight, beat_id, beat.subject, _samples(beat.frames, MOST_SAMPLES, first))
+        found = _look(sight, beat_id, beat.subject, samples(beat.frames, MOST_SAMPLES, first))
     return found
 
 
@@ -91,7 +92,7 @@ def _moment(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> float:
         return 1.0
     limits = candidate.spec.simulation.limits
     # Nearest frames first: the first that shows it decides.
-    nearest = sorted(_samples(own, SAMPLES, first), key=lambda f: abs(f - first))
+    nearest = sorted(samples(own, SAMPLES, first), key=lambda f: abs(f - first))
     best = 0.0
     for frame in nearest:
         for look in _look(sight, beat_id, beat.subject, [frame]).seen:
@@ -196,7 +197,7 @@ def framed(sight: Sight, shot_id: str, shot: Shot) -> Finding:
         text = f"the shot runs to frame {shot.frames[1]}, the {candidate.stage} holds frames 0..{candidate.last_frame}"
         return Finding("unverified", text, entities=tuple(names), frames=shot.frames)
     # The beats' own frames are judged by `shots:visible`; here it is enough to be in the shot at all.
-    frames = _samples(shot.frames, SHOT_SAMPLES)
+    frames = samples(shot.frames, SHOT_SAMPLES)
     looks = {n: [sight.seen(n, shot_id, f) for f in sorted({*frames, *_central(sight, n, shot_id, shot)})] for n in names}
     best = {n: max(found, key=lambda s: s.share) for n, found in looks.items()}
     lost = [n for n, s in best.items() if s.share < limits.visible_pixels]

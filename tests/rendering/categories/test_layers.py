@@ -25,7 +25,7 @@ SIZE = (96, 54)
 BASES = {"solid": PartsLayer, "deforming": DeformingLayer, "loose": LooseLayer}
 
 
-def _candidate(folder: Path, spec: WorldSpec) -> Candidate:
+def candidate_of(folder: Path, spec: WorldSpec) -> Candidate:
     """The world as it is built; particles, which the static stage does not show, have one frame written by hand."""
     built = {name: build_entity(spec, name, folder) for name in spec.entities}
     caches = {}
@@ -48,7 +48,7 @@ def _candidate(folder: Path, spec: WorldSpec) -> Candidate:
 @pytest.mark.parametrize("name", LAYERS)
 def test_a_preview_shows_every_category(name: str, tmp_path: Path) -> None:
     entity, make = SMALL_WORLDS[name]
-    candidate = _candidate(tmp_path, make())
+    candidate = candidate_of(tmp_path, make())
     assert category_of(candidate.spec.entities[entity]) == name
     drawn = PreviewRenderer(candidate)
     assert type(layers_of(candidate).of[entity]) is LAYERS[name]
@@ -82,7 +82,7 @@ def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_th
         "pose": {"position": [0, 0, 0.2]},
         "parts": {"source": {"shape": {"kind": "box", "size": size}}},
     }
-    candidate = _candidate(tmp_path, spec_of(data, "p"))
+    candidate = candidate_of(tmp_path, spec_of(data, "p"))
     layers = layers_of(candidate)
     assert layers.undrawn == {"smoke": "gas"}
     assert "smoke (gas)" in layers.note
@@ -90,7 +90,7 @@ def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_th
     assert "smoke" not in drawn.entities
     assert not drawn.mask(0, camera_for(candidate, 0, width=SIZE[0], height=SIZE[1]), "smoke").any()
     bare = data | {"entities": {k: v for k, v in data["entities"].items() if k != "smoke"}}
-    without = _candidate(tmp_path / "bare", spec_of(bare, "p"))
+    without = candidate_of(tmp_path / "bare", spec_of(bare, "p"))
     camera = camera_for(without, 0, width=640, height=360)
     assert (drawn.cast(0, camera).ids == PreviewRenderer(without).cast(0, camera).ids).all()
     shown, plain = (id_view(one, 0, camera=camera) for one in (candidate, without))
@@ -101,7 +101,7 @@ def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_th
 
 
 def test_no_layer_is_drawn_for_an_entity_of_another_category(tmp_path: Path) -> None:
-    candidate = _candidate(tmp_path, spec_of(sand_spec(), "p"))
+    candidate = candidate_of(tmp_path, spec_of(sand_spec(), "p"))
     layers = layers_of(candidate)
     assert set(layers.of) == set(candidate.spec.entities)
     for entity, layer in layers.of.items():

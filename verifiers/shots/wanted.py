@@ -1,0 +1,69 @@
+"""Which plates a candidate needs: of the subject of each mandatory observed beat, where it is largest while the beat comes true."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from ...worlds.plates import MOST_PLATES, View
+from .plan import outcome_frames, shots_at
+from .sight import sight_of
+from .views import SAMPLES, samples
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+    from ...worlds.spec import WorldSpec
+    from .sight import Seen, Sight
+
+__all__ = ["Wanted", "best_look", "seen_beats", "wanted"]
+
+
+class Wanted(NamedTuple):
+    """Views to be taken, the most important first, and by beat the one that shows its outcome."""
+
+    views: tuple[View, ...]
+    of: Mapping[str, View]
+    left: tuple[str, ...]
+    """Beats whose view is one too many, after `MOST_PLATES` others."""
+
+
+def seen_beats(spec: WorldSpec) -> list[str]:
+    """Beats whose subject must be seen."""
+    return [n for n, b in spec.story.beats.items() if b.mandatory and b.observe]
+
+
+def wanted(candidate: Candidate, sight: Sight | None = None) -> Wanted:
+    """The plates that a candidate needs.
+
+    Every subject has its first beat seen before any has a second; else as the story has them. Beats of one view share its plate. A beat
+    whose subject is in no picture has none.
+
+    Raises:
+        EvidenceError: a camera or a body cannot be placed.
+    """
+    sight = sight or sight_of(candidate)
+    of = {n: v for n in seen_beats(candidate.spec) if (v := _best(sight, n)) is not None}
+    first = {v.subject: v for v in reversed(of.values())}
+    views = list(dict.fromkeys([*(first[v.subject] for v in of.values()), *of.values()]))
+    kept = tuple(views[:MOST_PLATES])
+    return Wanted(kept, of, tuple(n for n, v in of.items() if v not in kept))
+
+
+def _best(sight: Sight, beat_id: str) -> View | None:
+    """The shot and frame that show most of a beat's subject, of those that show its outcome; None where none shows it."""
+    look = best_look(sight, beat_id)
+    subject = sight.candidate.spec.story.beats[beat_id].subject
+    return None if look is None or look.share <= 0.0 else View(subject, look.shot, look.frame)
+
+
+def best_look(sight: Sight, beat_id: str) -> Seen | None:
+    """The look at a beat's subject, of those at its outcome, that shows most of it, or would if nothing stood before it."""
+    candidate = sight.candidate
+    beat = candidate.spec.story.beats[beat_id]
+    first, last = outcome_frames(candidate, beat_id) or beat.frames
+    named = [n for n, s in candidate.spec.shots.items() if beat_id in s.covers]
+    looks = []
+    for frame in samples((first, min(last, candidate.last_frame)), SAMPLES):
+        running = shots_at(candidate, frame)
+        looks += [sight.seen(beat.subject, s, frame) for s in [s for s in running if s in named] or running]
+    return max(looks, key=lambda look: (look.share, look.in_picture), default=None)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...verifiers.shots.bounds import MOMENT, NEAR_PLANE, SCREEN_STEP
 from ...worlds.spec import Box, Cylinder, Limits, Part, Pose, Sphere
+from ._shot_light import LIGHT
 from ._shot_moments import MOMENTS
 from ._shot_worlds import ASPECT, RNG, Rig
 from .cases import Mechanism, Suite, World
@@ -469,5 +470,6 @@ SUITE = Suite(
         Mechanism("cable", "thinner than a pixel, but long", False, _cable, 0.3, 3.0, "pixels"),
         Mechanism("hard-cut", "a cut to a far camera", False, _hard_cut, 1, 1000, "m"),
         *MOMENTS,
+        *LIGHT,
     ),
 )

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "4c7a4d55bedbf049275941e8e87a279361449b76989fa2642528cd25dfce9558"
+SCHEMA = "4cf6abc3219109036a1d4039ff77e8d5240fbd33a1e96fe28a9e6dbf7cfbca18"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -27,3 +27,19 @@ OVERFLOW_SHARE = 0.02
 """[1] Own choice: of the vessel's volume; less is a drip."""
 LEAK_SHARE = 0.02
 """[1] Own choice: of the most that was in the vessel; less is a drip."""
+FLOW_SECONDS = 0.5
+"""[s] Own choice: what passes for less is a surge."""
+FLOW_PARTICLES = 8
+"""[particles] Own choice: as many as make a splash; fewer are drops that nothing resolves."""
+FLOW_ONE_WAY = 0.75
+"""[1] Own choice: of all that passes either way, what passes along the normal on balance: what sloshes to and fro has none."""
+FLOW_CARRIED = 0.5
+"""[1] Own choice: of what passes, what rides along with a body that moves about it."""
+RIDES = 0.5
+"""[1] Own choice: of its way in a frame, how far off a particle is from where the body about it would have taken it, and rides along."""
+SPREAD = 1.5
+"""[1] Own choice: area covered over that at the start; sloshing and settling change it by a tenth."""
+SPREAD_BORNE = 0.5
+"""[1] Own choice: share of its weight that is borne, by its mean acceleration: none in free fall, all at rest."""
+SPREAD_CELL = 2.0
+"""[particles] Own choice: side of the squares of which the covered ones are counted."""

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import PREDICATES
-from ..categories import vessels
+from ..categories import flows, vessels
 from ..categories.cloth import events as cloth_events
 from ..categories.cloth import flutter
 from ..categories.cloth import predicates as cloth
 from ..categories.elastic import predicates as elastic
 from ..categories.fracture import events as fracture_events
 from ..categories.fracture import predicates as fracture
-from ..categories.liquid import floating
+from ..categories.liquid import floating, splashing
 from ..categories.liquid import predicates as liquid
 from ..categories.particles import predicates as particle
 from . import combine, comparing, kinematic, landscape, touching
@@ -64,6 +64,9 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "fills": vessels.fills,
     "overflows": vessels.overflows,
     "leaks": vessels.leaks,
+    "splashes": splashing.splashes,
+    "flows": flows.flows,
+    "spreads": flows.spreads,
     "particle_count_in": particle.particle_count_in,
     "particle_volume_in": particle.particle_volume_in,
     "pile_height": particle.pile_height,

@@ -14,10 +14,10 @@ from pydantic import Field
 from ..categories.cloth.events import TearEvent
 from ..categories.cloth.predicates import Drape, Flutters, Pinned, Torn
 from ..categories.elastic.predicates import Deflection, Strain
-from ..categories.event import VesselEvent
+from ..categories.event import FlowEvent, SpreadEvent, VesselEvent
 from ..categories.fracture.events import FractureEvent
 from ..categories.fracture.predicates import Breach, Broken, Debris
-from ..categories.liquid.events import BuoyancyEvent
+from ..categories.liquid.events import BuoyancyEvent, SplashEvent
 from ..categories.liquid.predicates import (
     LiquidArrives,
     LiquidFluxThrough,
@@ -321,6 +321,9 @@ Atom = (
     | LiquidTemperature
     | BuoyancyEvent
     | VesselEvent
+    | SplashEvent
+    | FlowEvent
+    | SpreadEvent
     | ParticleCountIn
     | ParticleVolumeIn
     | ParticlesSettled

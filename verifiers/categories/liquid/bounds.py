@@ -197,3 +197,16 @@ SINK_OTHERS = 0.2
 """[1] Own choice: share of its weight by which contacts, ropes and drivers may help or hinder, as `FLOAT_OTHERS`."""
 SINK_LANDED = 0.5
 """[1] Own choice: a solid bears this share of its weight in the liquid where it has come to the bottom."""
+
+SPLASH_SECONDS = 0.5
+"""[s] Own choice: a crown and the jet after it stand within half a second of a small body's impact."""
+SPLASH_HEIGHT = 1.0
+"""[1] Own choice: of the body's half-size, how high the liquid is thrown over its surface."""
+SPLASH_SPACINGS = 2.0
+"""[spacings] Own choice: and at least so high, above the roughness of the surface."""
+SPLASH_SPEED = 0.5
+"""[1] Speed of the impact over that which throws so high, sqrt(2 g h): jets rise higher than what fell (`JET`)."""
+SPLASH_CREST = 8
+"""[particles] Own choice: as for `splash_height`."""
+SPLASH_ABOUT = 2.0
+"""[1] Own choice: of the body's greatest extent, how far off it the liquid about it is looked at."""

@@ -9,7 +9,7 @@ from pydantic import Field
 from ...predicate_base import PredicateInfo, Subject
 from ..event import MatterEvent
 
-__all__ = ["EVENTS", "BuoyancyEvent"]
+__all__ = ["EVENTS", "BuoyancyEvent", "SplashEvent"]
 
 
 class BuoyancyEvent(MatterEvent):
@@ -17,6 +17,13 @@ class BuoyancyEvent(MatterEvent):
 
     kind: Literal["floats", "sinks"]
     other: Subject = Field(description="the liquid")
+
+
+class SplashEvent(MatterEvent):
+    """A body throws a liquid up."""
+
+    kind: Literal["splashes"]
+    other: Subject = Field(description="the body that strikes it")
 
 
 _PUSHES = ("origin", "particle/position", "particle/fluid", "particle/volume", "exchange/impulse")
@@ -78,5 +85,40 @@ EVENTS = (
         "leaks",
         "It leaves `other` lower than the rim and than the surface inside, on ways that meet no wall: at least 0.02 of the most that was in it.",
         "own choice: an opening below the surface; what went through a wall is a defect and not counted",
+    ),
+    PredicateInfo(
+        "splashes",
+        "1",
+        (*_PUSHES, "particle/id"),
+        {"min": "up"},
+        frames="narrower",
+        event=True,
+        directed=True,
+        gloss="Within 0.5 s after `other` strikes it, at a speed against it of at least 0.5 of what throws so high, eight particles from below its "
+        "surface about there stand above that by at least the body's half-size and two spacings.",
+        source="energy: v^2 = 2 g h; what a crown or jet gains over that is an own choice, as are height and time",
+    ),
+    PredicateInfo(
+        "flows",
+        "m^3/s",
+        _LOOSE,
+        {"min": "up"},
+        frames="narrower",
+        placed=True,
+        event=True,
+        gloss="Over 0.5 s on end it passes the disc along its normal, eight particles at least, 0.75 of what passes in all, and no more than 0.5 of "
+        "it rides along with a moving body.",
+        source="flux through a section; what sloshes comes back, and what a bucket carries does not flow: the shares are own choices",
+    ),
+    PredicateInfo(
+        "spreads",
+        "1",
+        _LOOSE,
+        {"min": "up"},
+        frames="narrower",
+        event=True,
+        adds_up=True,
+        gloss="Seen from above it covers at least 1.5 of the area that it covered when the interval began, while at least 0.5 of its weight is borne.",
+        source="own choice; what falls apart in the air is not borne",
     ),
 )

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..worlds.errors import RefusedError
+from ..worlds.built import BuiltEntity
+from ..worlds.errors import EvidenceError, RefusedError
 from ..worlds.requirements import Row
 from .session import Session
 
-__all__ = ["require_acceptance", "require_probe", "stored_rows"]
+__all__ = ["require_acceptance", "require_probe", "require_true_geometry", "stored_rows"]
 
 _NAMED = 8
 """Open rows that a refusal names."""
@@ -85,3 +86,22 @@ def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
             + more
         )
     return found
+
+
+def require_true_geometry(session: Session, built: Mapping[str, BuiltEntity]) -> None:
+    """Build every entity again and compare: a built file that was replaced before the probe hashes like any other.
+
+    Raises:
+        EvidenceError: one differs from what the specification gives; it is moved aside.
+    """
+    from ..construction import build_entity, built_paths
+
+    files = built_paths(session.folder, session.spec)
+    for name, found in built.items():
+        if build_entity(session.spec, name, session.folder.assets).digest() != found.digest():
+            path = session.folder.root / files[name]
+            path.replace(path.with_suffix(".altered"))
+            raise EvidenceError(
+                f"the built geometry of {name!r} is not what the specification gives; it was moved aside to "
+                f"{path.with_suffix('.altered').name}. Call place_object, probe_sim and bake_sim again"
+            )

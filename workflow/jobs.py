@@ -14,7 +14,7 @@ from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
 from ..worlds.verdicts import prompt_told, verdict_words
 from .estimates import Pace
-from .gates import require_acceptance, require_probe, stored_rows
+from .gates import require_acceptance, require_probe, require_true_geometry, stored_rows
 from .landscapes import terrain
 from .pictures import film_sheet, motion_sheet
 from .rows import summary
@@ -336,25 +336,6 @@ def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:
     except LimitError as error:  # the verdict stands without it
         return {**found, "bundle_note": str(error)}
     return {**found, "bundle": folder.relative(written.path), "bundle_digest": written.digest}
-
-
-def require_true_geometry(session: Session, built: Mapping[str, BuiltEntity]) -> None:
-    """Build every entity again and compare: a built file that was replaced before the probe hashes like any other.
-
-    Raises:
-        EvidenceError: one differs from what the specification gives; it is moved aside.
-    """
-    from ..construction import build_entity, built_paths
-
-    files = built_paths(session.folder, session.spec)
-    for name, found in built.items():
-        if build_entity(session.spec, name, session.folder.assets).digest() != found.digest():
-            path = session.folder.root / files[name]
-            path.replace(path.with_suffix(".altered"))
-            raise EvidenceError(
-                f"the built geometry of {name!r} is not what the specification gives; it was moved aside to "
-                f"{path.with_suffix('.altered').name}. Call place_object, probe_sim and bake_sim again"
-            )
 
 
 def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:

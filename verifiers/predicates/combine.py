@@ -41,7 +41,7 @@ def substitute(predicate: SpecModel, entity: str) -> SpecModel:
     changes: dict[str, Any] = {}
     for name in type(predicate).model_fields:
         value = getattr(predicate, name)
-        if value == "each" and name in {"entity", "a", "b", "on", "other", "of"}:
+        if value == "each" and name in {"entity", "a", "b", "on", "other", "target"}:
             changes[name] = entity
         elif isinstance(predicate, Count):
             continue

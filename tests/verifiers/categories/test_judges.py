@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -14,9 +15,11 @@ from worldagent.verifiers.categories.check import check, check_numerical
 from worldagent.verifiers.categories.judge import Judge
 from worldagent.verifiers.categories.registry import JUDGES, judge_of
 from worldagent.verifiers.ledgers.origins import Origin
+from worldagent.verifiers.predicates import evaluate
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.categories.registry import CATEGORIES
+from worldagent.worlds.predicates import BodyEvent, PairEvent, TouchEvent
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import MOVED
 
@@ -144,3 +147,24 @@ def test_the_register_has_lines_that_say_what_is_simplified_and_what_follows(jud
     lines, told = list(judge.lines(candidate)), approximations(candidate)
     assert lines
     assert [line for line in lines if line not in told or not (line["what"] and line["effect"])] == []
+
+
+def test_every_kind_of_event_is_asked_of_every_entity_and_of_none_that_never_moves_is_it_true(
+    judged: tuple[Judge, Candidate, str],
+) -> None:
+    """A question that cannot be judged is `unverified`; nothing raises, and no static thing does anything."""
+    _, candidate, about = judged
+    spec, last = candidate.spec, candidate.last_frame
+    asked = []
+    for name in spec.entities:
+        others = [about if name != about else next(n for n in spec.entities if n != about)]
+        models: list[BodyEvent | TouchEvent | PairEvent] = [BodyEvent(kind=k, entity=name) for k in _kinds(BodyEvent)]
+        models += [TouchEvent(kind=k, entity=name) for k in _kinds(TouchEvent)]
+        models += [PairEvent(kind=k, entity=name, other=o) for k in _kinds(PairEvent) for o in others]
+        asked += [(spec.entities[name].motion, m, evaluate(candidate, m, (0, last))) for m in models]
+    assert {o.status for _, _, o in asked} <= {"pass", "fail", "unverified"}
+    assert [(m, o.explanation) for motion, m, o in asked if motion == "static" and o.status == "pass"] == []
+
+
+def _kinds(model: type[BodyEvent | TouchEvent | PairEvent]) -> tuple[Any, ...]:
+    return get_args(model.model_fields["kind"].annotation)

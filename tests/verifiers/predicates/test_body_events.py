@@ -11,6 +11,7 @@ from worldagent.testing.defects._films import Film, copied, film_of
 from worldagent.testing.worlds.event_worlds import event_world
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.combine import substitute
 from worldagent.verifiers.predicates.events import EVENTS, bounds
 from worldagent.worlds.predicates import BodyEvent, Compares, PairEvent, TouchEvent
 from worldagent.worlds.predicates.event_kinds import BODY_EVENTS
@@ -314,3 +315,10 @@ def test_events_are_found_within_a_predicate_but_not_below_a_not() -> None:
     held = And(of=[Count(entities=["a", "b"], min=2, predicate=falls), Speed(entity="a", min=1.0)])
     assert event_atoms(Eventually(predicate=held)) == [falls]
     assert event_atoms(Not(predicate=falls)) == []
+
+
+def test_each_of_a_count_stands_for_whom_a_comparison_is_about_and_to_whom() -> None:
+    asked: dict[str, Any] = {"quantity": "distance_to", "relation": "more", "margin": 1.0}
+    made = substitute(Compares(a="ball", b="each", target="each", **asked), "box")
+    assert made == Compares(a="ball", b="box", target="box", **asked)
+    assert substitute(event("hits", "hand", "each"), "box") == event("hits", "hand", "box")

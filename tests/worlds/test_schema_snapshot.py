@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "4cf6abc3219109036a1d4039ff77e8d5240fbd33a1e96fe28a9e6dbf7cfbca18"
+SCHEMA = "52f06f48cefc010fa44cb804f694b7e09dc784ca8ba29373fd56b84fe19a5bb1"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

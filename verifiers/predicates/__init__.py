@@ -12,6 +12,7 @@ from ..categories import flows, vessels
 from ..categories.cloth import events as cloth_events
 from ..categories.cloth import flutter
 from ..categories.cloth import predicates as cloth
+from ..categories.elastic import events as elastic_events
 from ..categories.elastic import predicates as elastic
 from ..categories.fracture import events as fracture_events
 from ..categories.fracture import predicates as fracture
@@ -47,6 +48,9 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "compares": comparing.compares,
     "deflection": elastic.deflection,
     "strain": elastic.strain,
+    "bends": elastic_events.bends,
+    "stretches": elastic_events.stretches,
+    "wobbles": elastic_events.wobbles,
     "landscape_water": landscape.landscape_water,
     "landscape_field": landscape.landscape_field,
     "liquid_volume_in": liquid.liquid_volume_in,

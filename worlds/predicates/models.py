@@ -13,6 +13,7 @@ from pydantic import Field
 
 from ..categories.cloth.events import TearEvent
 from ..categories.cloth.predicates import Drape, Flutters, Pinned, Torn
+from ..categories.elastic.events import DeformEvent
 from ..categories.elastic.predicates import Deflection, Strain
 from ..categories.event import FlowEvent, SpreadEvent, VesselEvent
 from ..categories.fracture.events import FractureEvent
@@ -308,6 +309,7 @@ Atom = (
     | Compares
     | Deflection
     | Strain
+    | DeformEvent
     | LandscapeWater
     | LandscapeField
     | LiquidVolumeIn

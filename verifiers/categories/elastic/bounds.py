@@ -35,3 +35,14 @@ LEAST = 1e-12
 FIELD = 0.1
 """[1] Own choice: of the largest impulse in a frame that a field should give, what recorded ones may differ by: masses
 at nodes and at vertices part what is pinned differently."""
+
+LINE_PARTS = 8
+"""[slices] Own choice: across the longest extent, whose centres are the middle line."""
+BEND_SHARE = 0.02
+"""[1] Own choice: of its length, how far its middle line bends: a beam at a fiftieth of its length is seen to."""
+STRETCH_SHARE = 0.05
+"""[1] Own choice: growth of the middle line; stiff bodies that break at a thousandth never stretch so that one sees it."""
+WOBBLE_SHARE = 0.01
+"""[1] Own choice: of its length, between two turning points."""
+TURNS = 2.0
+"""[1] Turning points of one period."""

@@ -9,6 +9,7 @@ from ..category import Audit, CategorySpec
 from ..shared import DAMPING, ELASTIC_MODULI, LINEAR_VELOCITY, PINS, RESOLUTION
 from .audit import elastic_problems
 from .channels import CHANNELS, DIMENSIONS, writers
+from .events import EVENTS
 from .models import ElasticPhysics
 from .predicates import PREDICATES
 
@@ -20,7 +21,7 @@ ELASTIC = CategorySpec(
     noun="an elastic body",
     covers="elastic bodies on lattices of quadratic cells, pinned or free, two-way contact with rigid and elastic bodies, yielding",
     physics=ElasticPhysics,
-    predicates=PREDICATES,
+    predicates=(*PREDICATES, *EVENTS),
     groups=(GroupInfo("stiffness", "solver", "elastic constants and yield strain of deforming bodies"),),
     parameters=(
         *(replace(p, eases=("deflection", "strain")) if p.pointer.endswith("young_modulus") else p for p in ELASTIC_MODULI),

@@ -260,12 +260,6 @@ def _place_of(before: Word | None) -> str:
     return "start"
 
 
-def _may_follow(word: Word, before: Word | None) -> bool:
-    """False of a noun after `that`, and of an adjective after `to`, which stand before verbs and before nouns alike."""
-    rivals = {"that": "n", "to": "a"}
-    return before is None or before.text not in rivals or word.of("v") >= word.of(rivals[before.text])
-
-
 def _after_be(word: Word, nominal: bool) -> str:
     if word.ends_as_verb in ("ing", "ed") and word.of("v") >= LEAST_VERB:
         return "m" if nominal and word.of("a") > word.of("v") else "v"

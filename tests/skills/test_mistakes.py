@@ -119,6 +119,7 @@ WEAKER: list[dict[str, Any]] = [
     {"op": "replace", "path": "/clauses/c2", "value": {"unmet": "too hard"}},
     {"op": "replace", "path": "/simulation/frames", "value": 30},
     {"op": "replace", "path": "/materials/wood/substance", "value": "other"},
+    {"op": "replace", "path": "/materials/wood/density", "value": 500},
     {"op": "replace", "path": f"{BEATS}/push/owner", "value": "nobody"},
 ]  # fmt: skip
 

@@ -81,7 +81,7 @@ function acceptance(state, world) {
     h("h3", null, "Weakened on the way"),
     weakenings(found.weakenings),
     proofs(state, world, found.files),
-    state.source.keepsFiles ? null : h("p", null, h("a", { href: `/static/review.html#${encodeURIComponent(world.id)}` }, "Read it yourself"), h("span", { class: "quiet" }, " and say whether it shows what the prompt says.")),
+    state.source.keepsFiles ? null : h("p", { class: "files" }, h("a", { class: "file", href: `/static/review.html#${encodeURIComponent(world.id)}` }, "Read it yourself"), h("span", { class: "quiet" }, " and say whether it shows what the prompt says.")),
   );
 }
 

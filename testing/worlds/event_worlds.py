@@ -253,6 +253,15 @@ def pull() -> WorldSpec:
     )
 
 
+def downhill() -> WorldSpec:
+    """A marble, let go on a ramp, rolls down it."""
+    lean, radius = math.radians(20.0), 0.014
+    ramp = box(4.0, 1.0, 0.1, at=(0, 0, 1.0), euler=(0, lean, 0))
+    off = 0.05 + radius + 0.001
+    marble = ball(radius, motion="dynamic", at=(off * math.sin(lean), 0, 1.0 + off * math.cos(lean)))
+    return _world({"ramp": ramp, "ball": marble}, frames=20, materials=GRIPPY)
+
+
 def towed() -> WorldSpec:
     """A hand on a path pulls a box along the floor by a rope of many pieces."""
     line = entity(
@@ -382,6 +391,7 @@ EVENT_WORLDS: Mapping[str, Callable[[], WorldSpec]] = {
         pull,
         towed,
         uphill,
+        downhill,
         loose,
         fixed,
         door_opens,

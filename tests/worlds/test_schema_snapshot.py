@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "52f06f48cefc010fa44cb804f694b7e09dc784ca8ba29373fd56b84fe19a5bb1"
+SCHEMA = "91050cdd0e9ea6efe8df736bfdd5d2ac0786ade5ee4edb71646b87763f968800"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

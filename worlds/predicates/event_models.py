@@ -33,7 +33,10 @@ class TouchEvent(_Event):
     """Something happens to the entity at `other`: what it touches, or what holds it."""
 
     kind: Literal["rolls", "slides", "tips", "lands", "bounces", "goes_uphill", "comes_loose", "opens", "closes"]
-    other: Subject | None = Field(default=None, description="default: anything that it touches, or that held it")
+    other: Subject | None = Field(
+        default=None,
+        description="default: what bears it where it rolls, slides or tips, else anything that it touches or that held it",
+    )
 
 
 class PairEvent(_Event):

@@ -25,7 +25,7 @@ TRUE: dict[str, list[tuple[str, ...]]] = {
     "rises": [("bounce", "ball"), ("lifted", "box")],
     "spins": [("spin", "box")],
     "stops": [("drop", "ball"), ("slide", "box"), ("topple", "slab")],
-    "rolls": [("roll", "ball"), ("roll", "ball", "floor")],
+    "rolls": [("roll", "ball"), ("downhill", "ball"), ("roll", "ball", "floor")],
     "slides": [("slide", "box"), ("slip", "ball"), ("shove", "box", "floor"), ("push", "box", "floor")],
     "tips": [("topple", "slab"), ("topple", "slab", "floor")],
     "lands": [("drop", "ball"), ("drop", "ball", "floor")],
@@ -59,6 +59,7 @@ FALSE: dict[str, list[tuple[str, ...]]] = {
         ("rest", "box"),
         ("held", "ball"),
         ("rock", "slab"),
+        ("downhill", "ball"),
     ],
     "rises": [("drop", "ball"), ("roll", "ball"), ("lowered", "box"), ("rest", "box"), ("rock", "slab")],
     "spins": [("roll", "ball"), ("slide", "box"), ("topple", "slab"), ("rest", "box")],
@@ -69,7 +70,7 @@ FALSE: dict[str, list[tuple[str, ...]]] = {
     # Rolls without slip, falls, is carried.
     "slides": [("roll", "ball"), ("drop", "ball"), ("lowered", "box"), ("rest", "box"), ("rock", "slab")],
     # Does not reach its balance, is laid down, rolls, slides.
-    "tips": [("rock", "slab"), ("laid_down", "plank"), ("roll", "ball"), ("slide", "box"), ("rest", "box")],
+    "tips": [("rock", "slab"), ("downhill", "ball"), ("laid_down", "plank"), ("roll", "ball"), ("slide", "box"), ("rest", "box")],
     # Bounces on, is taken down, was never in the air.
     "lands": [("bounce", "ball"), ("lowered", "box"), ("slide", "box"), ("rest", "box")],
     # Roles exchanged, resting contact, pressed slowly.

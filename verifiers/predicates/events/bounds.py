@@ -13,6 +13,10 @@ ROLL_SLIP = 0.3
 """[1] Own choice: slip of the contact by way of the centre up to which turning is rolling; 0 is pure rolling, 1 is sliding."""
 ROLL_ROUND = 0.3
 """[1] Own choice: way of the contact around the body by what it turns through: 1 for a wheel, 0.45 for a die, 0 for what turns over one edge."""
+LAST_TURN = 1.0
+"""[rad] Own choice: turning over which the point of contact is followed; a wheel's comes round again after a whole turn."""
+BEARS = 0.5
+"""[1] of what contacts bear it with. Own choice: what bears the greater part is what it rolls, slides or tips on, where nobody says which."""
 SLIDE_SLIP = 0.5
 """[1] Own choice: slip of the contact by way of the centre from which on motion is sliding."""
 TIP_TURN = 0.2

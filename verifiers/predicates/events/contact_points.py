@@ -38,6 +38,10 @@ class Meeting:
     """From the point of contact to the centre [m], shape (F - 1, 3)."""
     around: F64
     """Way of the point of contact over the entity, in its own frame, across its axis of turning [m], shape (F - 1,)."""
+    axes: F64
+    """Direction of the axis of turning in the entity's frame, shape (F - 1, 3)."""
+    middles: F64
+    """Middle of the patch of contact in the entity's frame at every frame of the span [m], shape (F, 3); NaN where they do not touch."""
 
 
 def single(course: Course) -> None:
@@ -94,6 +98,8 @@ def _meeting(candidate: Candidate, entity: str, other: str, span: slice) -> Meet
         cleared(turned),
         cleared(-0.5 * (arms[:-1] + arms[1:])),
         cleared(around),
+        _axes(course, turned, at),
+        _own_frame(course, points, at),
     )
 
 
@@ -105,6 +111,19 @@ def _patch(candidate: Candidate, entity: str, other: str, frame: int) -> F64 | N
 
 def _middle(patch: F64) -> F64:
     result: F64 = 0.5 * (patch.min(axis=0) + patch.max(axis=0))
+    return result
+
+
+def _axes(course: Course, turned: F64, at: slice) -> F64:
+    _, quaternions = (v[at] for v in motion.entity_poses(course.candidate, course.entity))
+    own = np.einsum("fji,fj->fi", rotation_matrix(quaternions)[:-1], turned)
+    result: F64 = own / np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-300)
+    return result
+
+
+def _own_frame(course: Course, points: F64, at: slice) -> F64:
+    positions, quaternions = (v[at] for v in motion.entity_poses(course.candidate, course.entity))
+    result: F64 = np.einsum("fji,fj->fi", rotation_matrix(quaternions), points - positions)
     return result
 
 

@@ -11,8 +11,10 @@ from ....worlds.arrays import F64
 from ...ledgers.origins import Origin
 from ..outcome import Outcome
 from .bounds import (
+    BEARS,
     BECOMES_MOTION,
     HALF_SIZE,
+    LAST_TURN,
     LEVEL,
     PAST_BALANCE,
     ROLL_ROUND,
@@ -48,6 +50,15 @@ def _partners(course: Course, asked: str | None) -> tuple[str, ...]:
     return course.partners if asked is None else (asked,)
 
 
+def _bears(course: Course, other: str, asked: str | None, span: slice) -> NDArray[np.bool_]:
+    """Where a partner counts: everywhere where it is asked about, else where it gives at least `BEARS` of what contacts bear it with."""
+    if asked is not None or course.strength == 0.0:
+        return np.ones(span.stop - span.start, dtype=bool)
+    up = {n: between(course.candidate, n, course.entity).impulse[span] @ course.up for n in course.partners}
+    borne = np.sum([np.maximum(v, 0.0) for v in up.values()], axis=0)
+    return np.asarray((up[other] > 0.0) & (up[other] >= BEARS * borne))
+
+
 def _outcome(scope: Scope, p: TouchEvent, found: list[_Best], least: float, unit: str, verb: str) -> Outcome:
     """The outcome against the partner with which most is reached."""
     span = span_of(scope)
@@ -76,17 +87,18 @@ def _norms(values: F64) -> F64:
 def rolls(scope: Scope, p: TouchEvent) -> Outcome:
     """Measured: angle turned through while rolling without a break [rad]."""
     course, span = course_of(scope.candidate, p.entity), span_of(scope)
-    found = [_rolling(course, other, span) for other in _partners(course, p.other)]
+    found = [_rolling(course, other, p.other, span) for other in _partners(course, p.other)]
     return _outcome(scope, p, found, max(TURN_TO_ROLL, p.min or 0.0), "rad", "rolls")
 
 
-def _rolling(course: Course, other: str, span: slice) -> _Best:
+def _rolling(course: Course, other: str, asked: str | None, span: slice) -> _Best:
     met = meeting_of(course.candidate, course.entity, other, span)
     along = met.way / np.maximum(_norms(met.way), 1e-12)[:, None]
     across = _norms(met.turned - np.sum(met.turned * along, axis=1, keepdims=True) * along)
     run = (
         met.touching & (across >= LEVEL * _norms(met.turned)) & (_norms(met.slip) <= ROLL_SLIP * _norms(met.way)) & (across > 0.0)
     )
+    run &= _bears(course, other, asked, span)
     angle = run_sums(run, across)
     around, full = run_sums(run, met.around), run_sums(run, across * _norms(met.lever))
     return _Best(other, angle, run, around >= ROLL_ROUND * full)
@@ -99,6 +111,7 @@ def slides(scope: Scope, p: TouchEvent) -> Outcome:
     for other in _partners(course, p.other):
         met = meeting_of(course.candidate, course.entity, other, span)
         run = met.touching & (_norms(met.slip) >= SLIDE_SLIP * _norms(met.way)) & (_norms(met.slip) > 0.0)
+        run &= _bears(course, other, p.other, span)
         found.append(_Best(other, run_sums(run, _norms(met.slip) * course.step), run, run))
     return _outcome(scope, p, found, max(HALF_SIZE * course.size, p.min or 0.0), "m", "slides")
 
@@ -127,7 +140,7 @@ def tips_of(course: Course, other: str, span: slice) -> Tip:
     run = met.touching & (level >= LEVEL * _norms(met.turned)) & (level > 0.0)
     # A body that rocks turns back: each sense is a run of its own.
     same = np.concatenate([[True], np.sum(met.turned[1:] * met.turned[:-1], axis=1) >= 0.0])[: len(run)]
-    angle, around, full = (_sums(run, same, g) for g in (level, met.around, level * _norms(met.lever)))
+    angle = _sums(run, same, level)
     heights, kinetic = (v[span.start : span.stop + 1] for v in (course.heights, course.kinetic))
     given = _passed_on(course, other, span)
     drop, climbed, gained = np.zeros((3, len(run)))
@@ -142,7 +155,25 @@ def tips_of(course: Course, other: str, span: slice) -> Tip:
             here = kinetic[i + 1] - kinetic[top] + given[top : i + 1].sum()
             gained[i] = max(gained[i - 1] if i > top else 0.0, here)
     lost = course.mass * course.strength * drop
-    return Tip(other, run, angle, drop, climbed, gained >= BECOMES_MOTION * lost, around < ROLL_ROUND * full)
+    return Tip(other, run, angle, drop, climbed, gained >= BECOMES_MOTION * lost, _stays(met, run, same, angle))
+
+
+def _stays(met: Meeting, run: NDArray[np.bool_], same: NDArray[np.bool_], angle: F64) -> NDArray[np.bool_]:
+    """Whether the point of contact stays on the body over the last radian of its turning, or since the interval in which that began.
+
+    In that first interval it goes from the middle of a face to an edge of it.
+    """
+    result, start = np.zeros(len(run), dtype=bool), 0
+    for i in map(int, np.flatnonzero(run)):
+        if i == 0 or not run[i - 1] or not same[i]:
+            start = i
+        since = start + int(np.searchsorted(angle[start : i + 1], angle[i] - LAST_TURN))
+        if since >= i:
+            continue
+        axis, moved = met.axes[i], met.middles[i + 1] - met.middles[since + 1]
+        way = float(np.linalg.norm(moved - (moved @ axis) * axis))
+        result[i] = way < ROLL_ROUND * float(np.linalg.norm(met.lever[i])) * (angle[i] - angle[since])
+    return result
 
 
 def _passed_on(course: Course, pivot: str, span: slice) -> F64:
@@ -172,6 +203,8 @@ def tips(scope: Scope, p: TouchEvent) -> Outcome:
     found = []
     for other in _partners(course, p.other):
         tip = tips_of(course, other, span)
+        if p.other is None and not _bears(course, other, None, span)[tip.run].any():
+            continue
         least = PAST_BALANCE * course.size
         over = tip.edge & (tip.drop >= least) & ((tip.climbed >= least) | tip.freely)
         found.append(_Best(other, tip.angle, tip.run, over))

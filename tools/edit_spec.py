@@ -155,8 +155,11 @@ def _prompt_told(session: Any, report: Any) -> dict[str, Any]:
         from ..worlds.claims import prompt_record
 
         told = prompt_record(spec)
-        return {"prompt_judged": {k: told[k] for k in ("claimed", "filler", "waived")}}
-    return {"claims_to_make": spec.prompt}
+        kept = {k: told[k] for k in ("claimed", "filler", "waived")}
+        return {"prompt_judged": kept | ({"warnings": told["warnings"][:4]} if told["warnings"] else {})}
+    from ..worlds.prompts.proposals import proposal_text
+
+    return {"claims_to_make": proposal_text(spec.prompt)}
 
 
 def _next(session: Any, passed: bool, groups: set[str]) -> str:

@@ -63,12 +63,16 @@ def schema(pointer: str) -> dict[str, Any]:
     from ..worlds.schema_words import described
 
     if pointer == "example":
+        from ..worlds.claim_marks import marked_claims
+        from ..worlds.patch import parse_spec
+
         example = json.loads(EXAMPLE.read_text())
-        prompt = example.pop("prompt")
+        claims = marked_claims(parse_spec(example))
+        rest = {k: v for k, v in example.items() if k not in ("prompt", "claims", "spec_version")}
         return answer(
-            {"part": "schema", "prompt": prompt, "spec": example},
-            "a whole small world that is accepted: pass prompt and spec to edit_spec",
-            "edit_spec(world=..., prompt=..., spec=...) with your own",
+            {"part": "schema", "prompt": example["prompt"], "claims": claims, "spec": rest},
+            "a whole small world that is accepted: pass prompt, claims and spec to edit_spec",
+            "edit_spec(world=..., prompt=..., spec=..., claims=...) with your own",
         )
     found = described(pointer)
     if pointer in ("", "/", "World"):

@@ -1,7 +1,7 @@
 """Who speaks of what in a specification: fields that are bound, and bodies that nothing speaks of (R156, R157).
 
 A beat, a requirement or a claim that names a body binds the quantities of nature on which its motion depends. Sizes, friction and
-restitution are bound by claims of quantities and properties alone: rows judge a body of another form as it is, and how it rubs and
+restitution are bound by claims of quantities and properties that point at them alone: rows judge a body of another form as it is, and how it rubs and
 bounces is what a repair changes.
 """
 
@@ -57,7 +57,7 @@ def bound_fields(spec: WorldSpec) -> Bound:
             if place != f"/entities/{name}" or told:
                 bind([place], f"claim {key!r}", told=told)
             if place == f"/entities/{name}":
-                bind(natures.get(name, ()), f"claim {key!r}", told=told)
+                bind(natures.get(name, ()), f"claim {key!r}")
     return Bound(found, measured)
 
 

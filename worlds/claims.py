@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from .errors import InputError
+from .predicates.events import event_atoms
+from .prompts import lexicon as words
 from .prompts.languages import Held, held_words, language_of
 from .prompts.marks import occurrence
 from .prompts.numbers import number_in, quantity_in
@@ -85,7 +87,7 @@ def reading_of(spec: WorldSpec) -> Reading:
     share = {
         kind: sum(letters(s.text) for s in spans if _kind(spec, s) == kind) / total for kind in ("claimed", "filler", "waived")
     }
-    return Reading(spans, tuple(problems), language, held, tuple(_warnings(spec, language)), **share)
+    return Reading(spans, tuple(problems), language, held, tuple(_warnings(spec, spans, language)), **share)
 
 
 def _kind(spec: WorldSpec, span: Span) -> str:
@@ -114,11 +116,28 @@ def _cut(spec: WorldSpec, taken: list[tuple[int, int, str]]) -> Iterator[Span]:
         yield Span(at, len(prompt), prompt[at:], None, "")
 
 
-def _warnings(spec: WorldSpec, language: str | None) -> Iterator[str]:
+def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) -> Iterator[str]:
     for odd in odd_characters(spec.prompt):
         yield f"{odd.text!r} at character {odd.start}: {odd.why}"
     if language is None:
         yield "the language is none with reviewed word lists, or mixed: numbers, negations and order words in filler were not looked for"
+    readings = [
+        words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))
+        for s in spans
+        if s.claim is not None and not spec.claims[s.claim].waived
+    ]
+    waived = [s for s in spans if s.claim is not None and spec.claims[s.claim].waived]
+    for told in words.warnings_for(readings, spec.prompt, language):
+        if not any(s.start <= told.start and told.end <= s.end for s in waived):
+            yield f"{told.word!r} is marked as {told.marked}: {told.says}" if told.word else told.says
+
+
+def _kinds(spec: WorldSpec, name: str) -> list[str]:
+    """Kinds of event of the beats and requirements that a claim names."""
+    story = spec.story
+    pointers = [p.split("/")[2:4] for p in targets_of(spec.claims, name) if p.startswith("/story/") and p.count("/") >= 3]
+    asked = [story.beats.get(n) if group == "beats" else story.requirements.get(n) for group, n in pointers]
+    return [str(getattr(a, "kind", "")) for item in asked if item is not None for a in event_atoms(item.predicate)]
 
 
 # ---------------------------------------------------------------- in words

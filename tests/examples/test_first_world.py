@@ -86,7 +86,7 @@ def test_a_refused_call_through_codex_stops_with_the_reason(codex: CodexClient) 
 def test_the_example_of_the_skill_has_a_prompt_and_a_specification() -> None:
     spec = two_blocks()
     assert spec.pop("prompt").endswith(".")
-    assert {"clauses", "story", "entities", "simulation"} <= set(spec)
+    assert {"claims", "story", "entities", "simulation"} <= set(spec)
 
 
 @pytest.mark.slow

@@ -33,8 +33,8 @@ def _relate(document: dict[str, Any], **relation: Any) -> None:
 MISTAKES: list[tuple[str, Change]] = [
     ("audit:ownership", lambda d: d["simulation"]["solvers"]["rigid"]["members"].remove("wooden_block")),
     ("audit:ownership", lambda d: d["entities"]["floor"].update(motion="kinematic")),
-    ("audit:clauses", lambda d: d["clauses"].pop("c2")),
-    ("audit:clauses", lambda d: d["clauses"]["c1"].update(met_by=["/entities/nobody"])),
+    ("audit:claims", lambda d: d["claims"]["hits"].update(by=["/entities/steel_block"])),
+    ("audit:claims", lambda d: d["claims"]["floor"].update(by=["/entities/nobody"])),
     ("audit:references", lambda d: d["story"]["beats"]["hit"].update(subject="wooden_blok")),
     ("audit:references", lambda d: _relate(d, kind="connects", a="hall", b="window")),
     ("audit:story", lambda d: d["story"]["beats"]["push"].update(subject="steel_block")),
@@ -77,11 +77,7 @@ def test_the_audit_derives_order_pairs_and_coverage() -> None:
     assert report.coverage == {"slide": ("only",), "hit": ("only",), "push": ("only",)}
 
 
-def test_clauses_are_split_as_the_skill_says() -> None:
-    assert list(clauses_of(EXAMPLE["prompt"]).values()) == [
-        "A steel block slides across a stone floor",
-        "It hits a wooden block and pushes it a hand's width further",
-    ]
+def test_clauses_of_version_1_are_split_at_sentences_and_commas() -> None:
     text = "A red ball rolls down, then it hits a cup and then the cup falls over; a small, old lamp stays lit"
     assert list(clauses_of(text).values()) == [
         "A red ball rolls down",
@@ -91,9 +87,10 @@ def test_clauses_are_split_as_the_skill_says() -> None:
     ]
 
 
-def test_an_unmet_clause_passes_the_audit_with_its_reason() -> None:
-    report = audit(parse_spec(_broken(lambda d: d["clauses"].update(c2={"unmet": "the second block is left out"}))))
-    assert next(r for r in report.rows if r.id == "audit:clauses").status == "pass"
+def test_a_waived_claim_passes_the_audit_with_its_reason() -> None:
+    waived = {"quote": "stone", "type": "property", "waived": "any floor will do here"}
+    report = audit(parse_spec(_broken(lambda d: d["claims"].update(stone=waived))))
+    assert next(r for r in report.rows if r.id == "audit:claims").status == "pass"
 
 
 def test_the_prompt_never_changes() -> None:
@@ -109,14 +106,14 @@ WEAKER: list[dict[str, Any]] = [
     {"op": "add", "path": f"{BEATS}/push/observe", "value": False},
     {"op": "replace", "path": f"{BEATS}/push/frames", "value": [5, 35]},
     {"op": "replace", "path": f"{BEATS}/push/causes", "value": []},
-    {"op": "replace", "path": f"{BEATS}/push/predicate/min", "value": 0.01},
+    {"op": "replace", "path": f"{BEATS}/push/predicate/of/1/min", "value": 0.01},
     {"op": "replace", "path": f"{BEATS}/hit/predicate", "value": {"kind": "speed", "entity": "wooden_block", "min": 0.1}},
     {"op": "remove", "path": "/graph/relations/wood_on_floor"},
     {"op": "add", "path": "/graph/relations/glue", "value": GLUE},
     {"op": "add", "path": "/simulation/limits/contact_gap", "value": 0.005},
     {"op": "add", "path": "/simulation/limits/visible_pixels", "value": 0.0002},
     {"op": "add", "path": "/entities/wooden_block/dimensions/tolerance", "value": 0.1},
-    {"op": "replace", "path": "/clauses/c2", "value": {"unmet": "too hard"}},
+    {"op": "remove", "path": "/claims/stone"},
     {"op": "replace", "path": "/simulation/frames", "value": 30},
     {"op": "replace", "path": "/materials/wood/substance", "value": "other"},
     {"op": "replace", "path": "/materials/wood/density", "value": 500},
@@ -133,7 +130,7 @@ def test_what_the_skill_calls_weakening_is_weakening(operation: dict[str, Any]) 
 @pytest.mark.parametrize(
     "operation",
     [
-        {"op": "replace", "path": f"{BEATS}/push/predicate/min", "value": 0.1},
+        {"op": "replace", "path": f"{BEATS}/push/predicate/of/1/min", "value": 0.1},
         {"op": "add", "path": "/simulation/limits/contact_gap", "value": 0.002},
         {"op": "replace", "path": "/entities/wooden_block/pose/position", "value": [-0.1, 0, 0.051]},
         {"op": "replace", "path": "/materials/wood/friction", "value": 0.4},

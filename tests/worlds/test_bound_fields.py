@@ -63,11 +63,12 @@ RUBS = (("/materials/larch/friction", 0.6), ("/simulation/contacts/dry/friction"
 
 
 @pytest.mark.parametrize(("pointer", "value"), RUBS)
-def test_how_a_body_rubs_is_a_repair_unless_a_property_or_quantity_is_claimed_of_it(pointer: str, value: Any) -> None:
+def test_how_a_body_rubs_is_a_repair_unless_a_property_or_quantity_points_at_it(pointer: str, value: Any) -> None:
     thing = {"quote": "crate", "type": "thing", "by": ["/entities/crate"]}
     watched = edited(base(c7=thing), "/story/requirements/stays", WATCHES_THE_CRATE)
     assert told(pointer, value, watched) == []
-    (line,) = told(pointer, value, base(c7={"quote": "rough", "type": "property", "by": ["/entities/crate"]}))
+    assert told(pointer, value, base(c7={"quote": "wooden", "type": "property", "by": ["/entities/crate"]})) == []
+    (line,) = told(pointer, value, base(c7={"quote": "rough", "type": "property", "by": [pointer]}))
     assert line.endswith(", bound by claim 'c7'")
 
 

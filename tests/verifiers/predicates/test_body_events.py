@@ -67,8 +67,8 @@ FALSE: dict[str, list[tuple[str, ...]]] = {
     "stops": [("bounce", "ball"), ("roll", "ball"), ("rest", "box"), ("held", "ball")],
     # Slides without turning, falls onto its side, turns in the air.
     "rolls": [("slide", "box"), ("slip", "ball"), ("topple", "slab"), ("spin", "box"), ("rest", "box")],
-    # Rolls without slip, falls, is carried.
-    "slides": [("roll", "ball"), ("drop", "ball"), ("lowered", "box"), ("rest", "box"), ("rock", "slab")],
+    # Rolls without slip, lies under what slides, falls, is carried.
+    "slides": [("roll", "ball"), ("slide", "floor"), ("drop", "ball"), ("lowered", "box"), ("rest", "box"), ("rock", "slab")],
     # Does not reach its balance, is laid down, rolls, slides.
     "tips": [("rock", "slab"), ("downhill", "ball"), ("laid_down", "plank"), ("roll", "ball"), ("slide", "box"), ("rest", "box")],
     # Bounces on, is taken down, was never in the air.

@@ -80,6 +80,12 @@ class Course:
         return self.judge.velocities(self.candidate, self.entity)
 
     @cached_property
+    def stirs(self) -> NDArray[np.bool_]:
+        """Whether it moves itself at either end of an interval between frames, and not only what touches it, shape (F - 1,)."""
+        moving = self.judge.moving(self.candidate, self.entity)
+        return np.asarray(moving[:-1] | moving[1:])
+
+    @cached_property
     def mass(self) -> float:
         """Mass at frame 0 [kg]."""
         return float(self.judge.mass(self.candidate, self.entity)[0])

@@ -110,7 +110,7 @@ def slides(scope: Scope, p: TouchEvent) -> Outcome:
     found = []
     for other in _partners(course, p.other):
         met = meeting_of(course.candidate, course.entity, other, span)
-        run = met.touching & (_norms(met.slip) >= SLIDE_SLIP * _norms(met.way)) & (_norms(met.slip) > 0.0)
+        run = met.touching & course.stirs[span] & (_norms(met.slip) >= SLIDE_SLIP * _norms(met.way)) & (_norms(met.slip) > 0.0)
         run &= _bears(course, other, p.other, span)
         found.append(_Best(other, run_sums(run, _norms(met.slip) * course.step), run, run))
     return _outcome(scope, p, found, max(HALF_SIZE * course.size, p.min or 0.0), "m", "slides")

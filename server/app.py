@@ -70,7 +70,7 @@ name says so.
 Read first, as resource or by inspect_world(part='guide', pointer='outdoor-terrain/SKILL.md'): \
 skill://outdoor-terrain/SKILL.md and its example.json for land outdoors, skill://world-building/SKILL.md for all else. \
 Then parts of the schema as you need them: inspect_world(part='schema', pointer='Shot'). worldagent://schema/world is all of it \
-(over 200 kB), worldagent://capabilities tells engines, species and caps."""
+(over 230 kB), worldagent://capabilities tells engines, species and caps."""
 """What a client shows its model about this server; clients cut it at 2 KB."""
 
 TOOLS_AT_A_TIME = 16

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "91050cdd0e9ea6efe8df736bfdd5d2ac0786ade5ee4edb71646b87763f968800"
+SCHEMA = "4d70764d4693fe1741dc9c9645c8133873b7174c6efe804c3f87c0aba7bb0fdc"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -18,6 +18,7 @@ from ..categories.fracture import events as fracture_events
 from ..categories.fracture import predicates as fracture
 from ..categories.liquid import floating, splashing
 from ..categories.liquid import predicates as liquid
+from ..categories.particles import events as particle_events
 from ..categories.particles import predicates as particle
 from . import combine, comparing, kinematic, landscape, touching
 from .events import EVENTS
@@ -76,6 +77,7 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "pile_height": particle.pile_height,
     "run_out": particle.run_out,
     "particles_settled": particle.particles_settled,
+    "buries": particle_events.buries,
     "broken": fracture.broken,
     "breach": fracture.breach,
     "debris": fracture.debris,

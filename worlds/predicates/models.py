@@ -30,6 +30,7 @@ from ..categories.liquid.predicates import (
     SubmergedFraction,
     WetArea,
 )
+from ..categories.particles.events import BuryEvent
 from ..categories.particles.predicates import ParticleCountIn, ParticlesSettled, ParticleVolumeIn, PileHeight, RunOut
 from ..predicate_base import Band, Subject, When
 from ..vocabulary import (
@@ -331,6 +332,7 @@ Atom = (
     | ParticlesSettled
     | PileHeight
     | RunOut
+    | BuryEvent
     | Broken
     | Breach
     | Debris

@@ -27,3 +27,10 @@ FELT = 0.01
 """[1] Own choice: a body feels grains that push it with this share of its weight over a frame."""
 SUNK = 0.1
 """[radii] A flying particle is a point at a surface: its middle may be so deep by the rounding of the cache and of facets."""
+
+BURY_SHARE = 0.9
+"""[1] Own choice: of what is seen of a body from above; of what is buried a tenth may look out."""
+BURY_RISE = 0.5
+"""[1] Own choice: by how much that share rises; what lay under grains from the start is not buried anew."""
+BURY_GRAINS = 2.0
+"""[grains] Own choice: within so many over the body the lowest grain lies on it or on its neighbours."""

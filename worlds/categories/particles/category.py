@@ -9,6 +9,7 @@ from ..loose import counts
 from ..shared import DOMAIN, ELASTIC_MODULI, LINEAR_VELOCITY, OPENING, STEPS
 from .audit import particle_problems
 from .channels import CHANNELS
+from .events import EVENTS
 from .facts import particle_estimate
 from .models import BallisticInstance, DemInstance, EmitterDriver, ParticlePhysics
 from .predicates import PREDICATES
@@ -23,7 +24,7 @@ PARTICLES = CategorySpec(
     physics=ParticlePhysics,
     instances=(DemInstance, BallisticInstance),
     drivers=(EmitterDriver,),
-    predicates=PREDICATES,
+    predicates=(*PREDICATES, *EVENTS),
     asked="particle_count_in, particle_volume_in, pile_height, run_out or particles_settled of it, reaches or speed of what it meets",
     groups=(GroupInfo("grains", "solver", "rolling resistance, cohesion, packing and life of particles"),),
     parameters=(

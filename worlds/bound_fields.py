@@ -8,13 +8,14 @@ bounces is what a repair changes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from .references import references
 from .vocabulary import SpecModel
 
 if TYPE_CHECKING:
     from .spec import WorldSpec
+    from .spec.claims import Claim
 
 __all__ = ["Bound", "binders_of", "bound_fields", "dressing"]
 
@@ -76,7 +77,7 @@ def binders_of(bound: Bound, pointer: str) -> tuple[str, ...]:
 
 
 def dressing(spec: WorldSpec) -> list[str]:
-    """Entities that no beat, requirement, driver, clause or claim speaks of, nor any relation that asks something of them.
+    """Entities that no beat, requirement, driver, claim or clause speaks of, nor any relation that asks something of them.
 
     What joints or ropes tie to a body that something speaks of belongs to it.
     """
@@ -118,11 +119,9 @@ def _natures(spec: WorldSpec) -> dict[str, list[str]]:
     return found
 
 
-def _claims(spec: WorldSpec) -> Iterator[tuple[str, Any]]:
+def _claims(spec: WorldSpec) -> Iterator[tuple[str, Claim]]:
     """Claims that are not waived; a specification of version 1 has none."""
-    for key, claim in getattr(spec, "claims", {}).items():
-        if not claim.waived:
-            yield key, claim
+    return ((key, claim) for key, claim in spec.claims.items() if claim.waived is None)
 
 
 def _named(spec: WorldSpec, models: Iterable[SpecModel]) -> Iterator[str]:

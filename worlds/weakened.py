@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from functools import reduce
 from typing import Any, NamedTuple
 
 from .bound_fields import Bound, binders_of, bound_fields
@@ -169,9 +168,7 @@ def _strengths(entity: str, old: Document, new: Document, story: Document) -> It
     held = (c for c in CATEGORIES.values() if c.name == matter or c.contract in old)
     for parameter in (p for category in held for p in category.parameters if p.eases):
         path = parameter.pointer.split("/")[3:]
-        was, now = (
-            reduce(lambda node, token: node.get(token, {}), path[:-1], e).get(path[-1], parameter.absent) for e in (old, new)
-        )
+        was, now = (_at(e, path[:-1]).get(path[-1], parameter.absent) for e in (old, new))
         asked = _asks(story, entity, parameter.eases)
         if was is None or now is None or was == now or not asked:
             continue

@@ -7,7 +7,7 @@ than the Earth's, bodies on paths that push others, and dressing: bodies that no
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,6 @@ from ...worlds.categories.fracture.pieces import crumble_of
 from ...worlds.categories.registry import CATEGORIES, shape_of
 from ...worlds.directions import way_of
 from ...worlds.errors import EvidenceError
-from ...worlds.quoting import listed
 from ...worlds.spec import Connects, Dimensions, Limits, RigidPhysics, SpringJoint
 from ...worlds.walkers import carrier_words, easier_than_a_person
 from ..categories.registry import judged
@@ -123,8 +122,9 @@ def _starts(spec: WorldSpec) -> Iterator[tuple[str, str]]:
             if speed >= STARTED or spin >= STARTED:
                 moving[name] = f"{name!r} {speed:.3g} m/s" + (f" and {spin:.3g} rad/s" if spin >= STARTED else "")
     if moving:
-        shown = listed([*moving.values()], MOST_NAMED)
-        yield f"bodies start with a velocity: {shown}", "what set them going is not simulated"
+        shown = ", ".join(list(moving.values())[:MOST_NAMED])
+        more = f" and {len(moving) - MOST_NAMED} more" if len(moving) > MOST_NAMED else ""
+        yield f"bodies start with a velocity: {shown}{more}", "what set them going is not simulated"
 
 
 def _margins(spec: WorldSpec) -> Iterator[tuple[str, str]]:
@@ -245,9 +245,10 @@ def _pushers(candidate: Candidate) -> Iterator[tuple[str, str]]:
                         first, total = pushed.setdefault(hand, {}).get(other, (frame, 0.0))
                         pushed[hand][other] = first, total + float(impulse)
         for hand, others in pushed.items():
-            told = [f"{names[k]!r} from frame {f} on ({j:.3g} N s)" for k, (f, j) in others.items()]
+            told = [f"{names[k]!r} from frame {f} on ({j:.3g} N s)" for k, (f, j) in list(others.items())[:MOST_NAMED]]
+            more = f" and {len(others) - MOST_NAMED} more" if len(others) > MOST_NAMED else ""
             yield (
-                f"{names[hand]!r} on its authored path pushes {listed(told, MOST_NAMED)}",
+                f"{names[hand]!r} on its authored path pushes {', '.join(told)}{more}",
                 f"moved by hand, whatever it takes{_work(candidate, cache, solver)}",
             )
 
@@ -283,11 +284,16 @@ def _dressing(candidate: Candidate) -> Iterator[tuple[str, str]]:
         if spec.entities[n].motion == "dynamic" and shape_of(spec.entities[n]) == "solid" and n in candidate.built
         if candidate.stage != "static" and _still(candidate, n)
     ]
-    free = f"; nothing moves {listed([*map(repr, idle)], MOST_NAMED)}, which might as well be static" if idle else ""
+    free = f"; nothing moves {_listed(idle)}, which might as well be static" if idle else ""
     yield (
-        f"dressing: {listed([*map(repr, found)], MOST_NAMED)}",
+        f"dressing: {_listed(found)}",
         f"no beat, requirement, driver, claim or relation that asks something speaks of it: it satisfies nothing{free}",
     )
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return ", ".join(map(repr, names[:MOST_NAMED])) + more
 
 
 def _still(candidate: Candidate, entity: str) -> bool:

@@ -181,6 +181,10 @@ FLOAT_CARRIED = 0.8
 """[1] Own choice: share of its weight that the liquid carries of what floats; drag and waves take and give a tenth of it (`BUOYANCY`)."""
 FLOAT_OTHERS = 0.2
 """[1] Own choice: the rest, which contacts, ropes and drivers may carry: a line that holds a boat in its place."""
+FLOAT_THROUGHOUT = 0.9
+"""[1] Own choice: share of that time in which the liquid bears it: the impact of what falls in gives as much in a tenth of it."""
+FLOAT_PRESSED = 0.1
+"""[1] Own choice: share of its weight from which on the liquid bears it over a frame; what bobs is never so light."""
 FLOAT_FREE = 0.99
 """[1] Share of the span in which gravity acts on the body: none of what a path or a release holds."""
 FLOAT_GOES_DOWN = 0.1
@@ -188,7 +192,7 @@ FLOAT_GOES_DOWN = 0.1
 UNDER = 0.98
 """[1] Share of a body under the surface from which on it is wholly under: what 600 points inside it tell."""
 SINK_WAY = 1.0
-"""[1] Own choice: of its height, so that the liquid could stand over it as deep as it is high."""
+"""[1] Own choice: of its height, each piece of the way counted by the share of the body that is under the surface: half of it to get under."""
 SINK_TO_BOTTOM = 0.5
 """[1] Own choice: the same where it comes to the bottom before."""
 SINK_HEAVIER = 1.01

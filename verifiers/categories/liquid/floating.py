@@ -19,7 +19,9 @@ from .bounds import (
     FLOAT_FREE,
     FLOAT_GOES_DOWN,
     FLOAT_OTHERS,
+    FLOAT_PRESSED,
     FLOAT_SECONDS,
+    FLOAT_THROUGHOUT,
     SINK_HEAVIER,
     SINK_LANDED,
     SINK_OTHERS,
@@ -112,9 +114,11 @@ def floats(scope: Scope, p: BuoyancyEvent) -> Outcome:
         """Share of the weight over the span that ends at each frame; NaN where it would begin before frame 0."""
         return np.array([values[f - span : f].sum() / wanted if f >= span else np.nan for f in windows])
 
+    pressed = (own.pushed >= FLOAT_PRESSED * own.weight * own.duration) / span
     by = {name: mean(value) for name, value in own.others.items()}
     shares = [
         Condition(f"share of its weight that {p.other} carries", mean(own.pushed), max(FLOAT_CARRIED, p.min or 0.0)),
+        Condition("share of the last half second in which the liquid bears it", mean(pressed * wanted), FLOAT_THROUGHOUT),
         Condition("share of the last half second in which it is free", mean(own.gravity), FLOAT_FREE),
         Condition("share of its weight that others carry", sum((np.maximum(v, 0.0) for v in by.values()), np.zeros(scope.length)), FLOAT_OTHERS, "1", "<="),
     ]  # fmt: skip
@@ -134,7 +138,7 @@ def floats(scope: Scope, p: BuoyancyEvent) -> Outcome:
 
 
 def sinks(scope: Scope, p: BuoyancyEvent) -> Outcome:
-    """Measured: way down in own heights that the body went while it was wholly under, since the interval began."""
+    """Measured: way down in the liquid in own heights, by the share of the body that is under the surface, since the interval began."""
     found = liquid_or_none(scope.candidate, p.other)
     if isinstance(found, str):
         return painted(scope, "1", p.other, found)
@@ -146,18 +150,18 @@ def sinks(scope: Scope, p: BuoyancyEvent) -> Outcome:
     others = sum(own.others.values(), np.zeros(own.frames - 1))
     way, helped, landed = np.zeros(scope.length), np.zeros(scope.length), np.zeros(scope.length, dtype=bool)
     pulled = weighed = 0.0
-    wet = under.share(scope.frames[0]) > UNDER
+    shares = np.array([under.share(f) for f in range(scope.frames[0], scope.frames[1] + 1)])
     for i, f in enumerate(range(scope.frames[0] + 1, scope.frames[1] + 1), start=1):
-        before, wet = wet, under.share(f) > UNDER
         landed[i] = landed[i - 1] or (bottom > 0.0 and own.borne[f - 1] > bottom)
-        counted = before and wet and not landed[i - 1]
-        way[i] = way[i - 1] + (counted * (own.place[f - 1] - own.place[f]) / own.height)
-        if counted and not landed[i]:
+        wet = 0.0 if landed[i - 1] else 0.5 * float(shares[i - 1] + shares[i])
+        way[i] = way[i - 1] + wet * (own.place[f - 1] - own.place[f]) / own.height
+        if wet > 0.0 and not landed[i]:
             pulled, weighed = pulled + float(others[f - 1]), weighed + own.weight * own.duration
         helped[i] = abs(pulled) / weighed if weighed else 0.0
     least = np.maximum(np.where(landed, SINK_TO_BOTTOM, SINK_WAY), p.min or 0.0)
     conditions = (
-        Condition("way down while wholly under, over its height,", way, least),
+        Condition("way down in it, by the share that is under, over its height,", way, least),
+        Condition("share of it that is under the surface", shares, UNDER),
         Condition(f"density over that of {p.other}", np.full(scope.length, own.density(member)), SINK_HEAVIER),
         Condition("share of its weight by which others help or hinder", helped, SINK_OTHERS, "1", "<="),
     )

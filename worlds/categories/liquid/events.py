@@ -46,7 +46,7 @@ EVENTS = (
         bodily=True,
         event=True,
         directed=True,
-        gloss="For half a second the push of `other` carries at least 0.8 of its weight and nothing else more than 0.2, while part of it is "
+        gloss="For half a second the push of `other` carries at least 0.8 of its weight, in 0.9 of the time some of it, and nothing else more than 0.2, while part of it is "
         "above the surface or it goes down by no more than 0.1 of its height.",
         source="Archimedes, On Floating Bodies I, 5: what floats is borne by the liquid that it displaces; shares and span are own choice",
     ),
@@ -60,8 +60,8 @@ EVENTS = (
         event=True,
         directed=True,
         adds_up=True,
-        gloss="Wholly under the surface of `other` and denser than it, it goes down by its own height, by 0.5 of it where it comes to the "
-        "bottom, while all others together give no more than 0.2 of its weight.",
+        gloss="Denser than `other`, it goes down in it by its own height (each piece of the way by the share of it that is under the surface), by 0.5 of "
+        "it where it comes to the bottom, and is wholly under, while all others together give no more than 0.2 of its weight.",
         source="Archimedes, On Floating Bodies I, 7: what is heavier than the liquid goes down to the bottom; shares and ways are own choice",
     ),
     _vessel(

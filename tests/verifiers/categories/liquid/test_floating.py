@@ -40,6 +40,22 @@ def test_a_crate_at_its_draft_floats(tmp_path: Path) -> None:
     assert judged(crate_in_tank(still(AFLOAT)), tmp_path / "b", SINKS).status == "fail"
 
 
+def test_a_crate_that_has_just_fallen_in_does_not_float_yet(tmp_path: Path) -> None:
+    """Its impact gives as much as half a second's weight; until then it was in the air."""
+    k = np.arange(FRAMES)
+    z = np.where(k < 10, AFLOAT + 0.5 * G * ((10 / 24) ** 2 - (k / 24) ** 2), AFLOAT)
+    found = judged(crate_in_tank(z), tmp_path, FLOATS)
+    assert (found.status, found.bound, found.value) == ("fail", 0.9, pytest.approx(0.67, abs=0.1)), found.explanation
+
+
+def test_a_stone_that_falls_in_and_comes_to_a_shallow_bottom_sinks(tmp_path: Path) -> None:
+    """It gets under on its way, and lies there half of its height under the surface."""
+    z = np.maximum(0.3 - 0.4 * np.arange(FRAMES) / 24, 0.05)
+    flow = crate_in_tank(z, density=2500.0, depth=0.15, tank_share=np.where(z <= 0.05 + 1e-9, 0.6, 0.0))
+    found = judged(flow, tmp_path, SINKS)
+    assert (found.status, found.bound, found.value) == ("pass", 0.5, pytest.approx(1.0, abs=0.15)), found.explanation
+
+
 def test_a_crate_that_bobs_floats(tmp_path: Path) -> None:
     z = AFLOAT + 0.01 * np.sin(2 * np.pi * np.arange(FRAMES) / 12)
     assert judged(crate_in_tank(z), tmp_path, FLOATS).status == "pass"

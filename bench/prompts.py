@@ -2,7 +2,8 @@
 
 Every accepted world is left as it is, but for its prompt: each of 500 prompts in twelve languages that it is not about takes its place,
 with every clause mapped to all beats, requirements and entities, as somebody does who wants a pass and not a world. Whatever the audit lets
-through would be accepted, since physics and pictures are those of the accepted world. Target: none.
+through would be accepted as "physics accepted; prompt judged by clauses", since these are worlds of version 1. Target: none. `attack` counts the
+same for the example of version 2: its claims unchanged, and bound by a scripted attacker (`prompt_attack.py`).
 
 The lexicon labels the English prompts whose spans somebody marked: how many of the marked events and things it finds, how many of its labels are
 marked so, how many marks left out or mistyped it warns of, and of how many right ones. A label inside a longer span of another type (a table in
@@ -21,6 +22,7 @@ from ..worlds.audits.clauses import clauses_of
 from ..worlds.prompts.lexicon import Reading, labelled, verb_kinds, warnings_for
 from ..worlds.prompts.proposals import proposed
 from ..worlds.spec import WorldSpec
+from .prompt_attack import attack_figures
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,6 +79,7 @@ def run(prompts: Sequence[Stranger] | None = None) -> dict[str, Any]:
         "prompts_by_language": dict(sorted(languages.items())),
         "lexicon": {**word_figures(), **warning_figures(), "verbs": verb_figures()},
         "proposals": proposal_figures(),
+        "attack": attack_figures(asked),
         "passed_share": sum(w["passed"] for w in worlds.values()) / max(1, len(asked) * len(worlds)),
         "target_share": 0.0,
     }

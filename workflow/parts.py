@@ -339,7 +339,7 @@ def claims(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
         '[words](type target ...): targets are ids or pointers; [it](thing same_as=ball); [nicely](waived because="why nothing is judged")'
     )
     shares = ", ".join(f"{told[k]:.0%} {k}" for k in ("claimed", "filler", "waived"))
-    return answer(data, f"{len(spec.claims)} claims: {shares}", _on(world, "claims", place, say), told["warnings"][:5])
+    return answer(data, f"{len(spec.claims)} claims: {shares}", _on(world, "claims", place, say))
 
 
 def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:

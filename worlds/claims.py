@@ -23,6 +23,10 @@ LONGEST: Mapping[str, int] = {t: _SHORT if t in ("thing", "count", "property", "
 """Words of a claim by its type; what is beyond them is filler."""
 
 
+SAME_SHARE = 0.5
+"""Own choice: with more of its things and events said to be the same as others, the verdict warns. Pronouns seldom are half of the nouns."""
+
+
 class Span(NamedTuple):
     """A part of the prompt with its claim; without one it is filler."""
 
@@ -121,15 +125,19 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
         yield f"{odd.text!r} at character {odd.start}: {odd.why}"
     if language is None:
         yield "the language is none with reviewed word lists, or mixed: numbers, negations and order words in filler were not looked for"
+    told = [c for c in spec.claims.values() if c.type in ("thing", "event") and c.waived is None]
+    alike = sum(c.same_as is not None for c in told)
+    if alike > SAME_SHARE * len(told):
+        yield f"{alike} of {len(told)} claims of things and events are said to be the same as another"
     readings = [
         words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))
         for s in spans
         if s.claim is not None and not spec.claims[s.claim].waived
     ]
     waived = [s for s in spans if s.claim is not None and spec.claims[s.claim].waived]
-    for told in words.warnings_for(readings, spec.prompt, language):
-        if not any(s.start <= told.start and told.end <= s.end for s in waived):
-            yield f"{told.word!r} is marked as {told.marked}: {told.says}" if told.word else told.says
+    for warned in words.warnings_for(readings, spec.prompt, language):
+        if not any(s.start <= warned.start and warned.end <= s.end for s in waived):
+            yield f"{warned.word!r} is marked as {warned.marked}: {warned.says}" if warned.word else warned.says
 
 
 def _kinds(spec: WorldSpec, name: str) -> list[str]:

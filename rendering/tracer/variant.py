@@ -190,4 +190,6 @@ def load_mitsuba(variant: Variant | None = None) -> Any:
 
     if mitsuba.variant() != chosen.name:
         mitsuba.set_variant(chosen.name)
+    # Its warnings go to standard output, which commands keep for their answer.
+    mitsuba.set_log_level(mitsuba.LogLevel.Error)
     return mitsuba

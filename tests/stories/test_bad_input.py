@@ -144,7 +144,7 @@ CALLS: list[tuple[str, dict[str, Any], list[str]]] = [
     ("place_object", {"world": "w", "entity": "b1", "at": [0.17, 0]}, ["overlap 'b2'", "strict=false"]),
     ("probe_sim", {"world": "w", "wait_s": 1e9}, ["wait_s", "<= 240"]),
     ("run_checks", {"world": "w", "scope": "everything"}, ["scope", "'acceptance'"]),
-    ("run_checks", {"world": "w", "scope": "acceptance", "only": ["beat"]}, ["every check"]),
+    ("run_checks", {"world": "w", "scope": "acceptance", "only": ["beat"]}, ["whole world"]),
     ("render_shot", {"world": "w", "kind": "painting"}, ["kind", "'preview'"]),
     ("render_shot", {"world": "w", "frame": 36}, ["frame 36", "0..35"]),
     ("render_shot", {"world": "w", "shot": "ghost"}, ["unknown shot 'ghost'", "only"]),

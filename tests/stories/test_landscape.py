@@ -186,7 +186,7 @@ def test_replies_about_a_landscape_name_calls_that_work_and_only_rows_that_chang
     built = agent.call("build_terrain", **where)
     told = {r["id"] for r in built["audit"]["open_rows"]}
     before = {r["id"] for r in made["audit"]["open_rows"]}
-    assert before >= {"audit:clauses", "audit:story"}
+    assert before >= {"audit:claims", "audit:story"}
     assert not told & before
     assert set(built["audit"]["open_as_before"]) == before
     assert "find='flat'" in built["next"]

@@ -72,7 +72,7 @@ def test_what_is_read_before_the_first_outdoor_world_is_bounded(agent: Any) -> N
 @pytest.mark.parametrize(
     ("pointer", "words"),
     [
-        ("world-building/SKILL.md#Clauses", "splits the prompt by itself"),
+        ("world-building/SKILL.md#Claims", "Say what the words of the prompt mean"),
         ("world-building/SKILL.md#beats-and-causes", "A beat is one event"),
         ("outdoor-terrain/SKILL.md#What gives what", "crater lake"),
     ],
@@ -87,7 +87,7 @@ def test_a_section_of_a_guide_is_read_by_its_heading(agent: Any, pointer: str, w
 def test_a_section_that_is_not_there_answers_with_those_that_are(agent: Any) -> None:
     answer = agent.result("inspect_world", part="guide", pointer="world-building/SKILL.md#Claws")
     assert answer.is_error
-    assert "'Clauses'" in answer.content[0].text
+    assert "'Claims'" in answer.content[0].text
 
 
 def test_the_files_that_the_skill_names_are_there() -> None:

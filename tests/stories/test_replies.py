@@ -182,7 +182,9 @@ def test_guides_can_be_read_to_their_end(accepted: Any) -> None:
 
 def test_the_example_of_the_schema_can_be_created(agent: Any) -> None:
     found = agent.call("inspect_world", part="schema", pointer="example")
-    assert agent.call("edit_spec", world="copy", prompt=found["prompt"], spec=found["spec"])["audit"]["passed"]
+    assert agent.call("edit_spec", world="copy", prompt=found["prompt"], spec=found["spec"], claims=found["claims"])["audit"][
+        "passed"
+    ]
 
 
 @pytest.mark.slow

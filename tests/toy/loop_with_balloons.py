@@ -25,7 +25,7 @@ from worldagent.worlds.patch import parse_spec
 FRAMES = 16
 RISE = {
     "text": "three balloons rise from the floor", "owner": "air", "subject": "balloons", "frames": [0, FRAMES - 1],
-    "predicate": {"kind": "rises", "entity": "balloons", "min": 0.2},
+    "predicate": {"kind": "ascends", "entity": "balloons", "min": 0.2},
 }  # fmt: skip
 SHOT = {
     "covers": ["rise"],
@@ -78,7 +78,7 @@ def test_balloons_stand_in_the_register_the_schema_the_capabilities_and_the_caps
     created, _, candidate = loop
     assert created["bake_order"] == ["bodies", "air"]
     assert any("balloons of 'balloons'" in line["what"] for line in approximations(candidate))
-    assert all(f'"{name}"' in created["schema"] for name in ("BalloonPhysics", "BalloonInstance", "Rises"))
+    assert all(f'"{name}"' in created["schema"] for name in ("BalloonPhysics", "BalloonInstance", "Ascends"))
     assert capabilities()["categories"]["balloons"] == {
         "available": True, "engine": "aerostat", "covers": "balloons that rise through still air",
     }  # fmt: skip

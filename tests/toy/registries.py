@@ -32,8 +32,8 @@ LINES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("    | BallisticInstance,", "    | BalloonInstance"),
     ),
     "worlds/predicates/models.py": (
-        ("from ..categories.cloth.predicates import", "from ..categories.balloons.models import Rises"),
-        (")\nCombinator = ", "    | Rises"),
+        ("from ..categories.cloth.predicates import", "from ..categories.balloons.models import Ascends"),
+        (")\nCombinator = ", "    | Ascends"),
     ),
     "simulation/engines.py": (('}\n"""Module and class', '    "aerostat": (".balloons.solver", "SolverBalloons"),'),),
     "verifiers/categories/registry.py": (
@@ -46,7 +46,7 @@ LINES: Mapping[str, tuple[tuple[str, str], ...]] = {
     ),
     "verifiers/predicates/__init__.py": (
         ("from ..categories.cloth import flutter", "from ..categories.balloons import predicates as balloons"),
-        ('    "count": combine.count', '    "rises": balloons.rises,'),
+        ('    "count": combine.count', '    "ascends": balloons.ascends,'),
     ),
     "rendering/categories/registry.py": (
         ("from .breakable import", "from .balloons.layer import BalloonLayer"),

@@ -54,7 +54,7 @@ def test_a_failing_row_names_its_first_entity_and_a_spatial_one_its_first_frame(
     assert (made("category:x", "fail").first_failing_entity, made("category:x", "fail").first_failing_frame) == ("a", None)
     assert (made("support", "pass").first_failing_entity, made("support", "pass").first_failing_frame) == (None, None)
     assert set(GROUP_OF) == {"terrain", "scale", "interpenetration", "support", "navigability", "relations", "category", "numerical",
-                             "contact", "beat", "causal", "claim", "robustness", "shots", "delivery"}  # fmt: skip
+                             "contact", "beat", "causal", "claim", "review", "robustness", "shots", "delivery"}  # fmt: skip
 
 
 def test_corrections_stand_beside_what_is_open_alone(world: Candidate) -> None:

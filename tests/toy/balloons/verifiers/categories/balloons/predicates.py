@@ -8,13 +8,13 @@ from ...predicates.outcome import Outcome, Series, band, judge
 from ..registry import judge_of
 
 if TYPE_CHECKING:
-    from ....worlds.categories.balloons.models import Rises
+    from ....worlds.categories.balloons.models import Ascends
     from ...predicates.scope import Scope
 
-__all__ = ["rises"]
+__all__ = ["ascends"]
 
 
-def rises(scope: Scope, predicate: Rises) -> Outcome:
+def ascends(scope: Scope, predicate: Ascends) -> Outcome:
     """Measured: mean height gained since frame 0."""
     name = predicate.entity
     height = judge_of(scope.candidate.spec, name).centers(scope.candidate, name)[:, 2]

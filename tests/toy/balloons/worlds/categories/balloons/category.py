@@ -51,7 +51,7 @@ BALLOONS = CategorySpec(
     physics=BalloonPhysics,
     instances=(BalloonInstance,),
     predicates=PREDICATES,
-    asked="rises, reaches or speed of them",
+    asked="ascends, reaches or speed of them",
     groups=(GroupInfo("balloons", "solver", "drag and lift of balloons"),),
     parameters=(
         *parameters(PHYSICS, "air_drag", "balloons", "repair", "rows hold the motion against laws"),

@@ -10,7 +10,7 @@ from ...matter import Instance, Matter, MatterShape
 from ...predicate_base import BAND, Band, PredicateInfo, Subject, When
 from ...vocabulary import EntityRef, Positive, SpecModel
 
-__all__ = ["PREDICATES", "BalloonInstance", "BalloonPhysics", "BalloonSettings", "Rises"]
+__all__ = ["PREDICATES", "Ascends", "BalloonInstance", "BalloonPhysics", "BalloonSettings"]
 
 
 class BalloonPhysics(Matter):
@@ -36,14 +36,14 @@ class BalloonInstance(Instance):
     settings: BalloonSettings = BalloonSettings()
 
 
-class Rises(Band):
+class Ascends(Band):
     """Mean height that the balloons of an entity have gained since frame 0 [m]."""
 
-    kind: Literal["rises"] = "rises"
+    kind: Literal["ascends"] = "ascends"
     entity: Subject = Field(description="the balloons")
     when: When = "eventually"
 
 
 PREDICATES = (
-    PredicateInfo("rises", "m", ("origin", "particle/position", "balloon/member"), BAND, placed=True, tells=("flies",)),
+    PredicateInfo("ascends", "m", ("origin", "particle/position", "balloon/member"), BAND, placed=True, tells=("flies",)),
 )

@@ -132,6 +132,8 @@ def _event(candidate: Candidate, name: str) -> Finding:
     elif true:
         said = f"{claim.quote!r} does not tell this motion from another: {true[0].text} is true as well"
         action = f"give {true[0].beat!r} a predicate that {true[0].text} does not meet, or mend the motion"
+        if "roles swapped" in true[0].text:
+            action += "; where the two do it to each other, as in a collision, ask `contact`, which has no roles"
         hint = correction(said, "story", action, pointers=(f"/story/beats/{true[0].beat}/predicate",))
     else:
         asked = ", ".join(describe_predicate(candidate.spec.story.beats[b].predicate) for b in beats[:3])

@@ -79,3 +79,4 @@ def test_an_event_of_which_the_swapped_roles_are_as_true_is_void(tmp_path: Path)
     row = rows(tmp_path, ("/story/beats/hit/predicate", both))["hits"]
     assert row.status == "fail"
     assert any("roles swapped" in text for text in row.evidence["true_rivals"])
+    assert "ask `contact`, which has no roles" in row.corrections[0].action

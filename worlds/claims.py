@@ -16,7 +16,7 @@ from .prompts.odd import odd_characters
 from .prompts.units import boundaries, letters, units_of, word_count
 from .spec import CLAIM_TYPES, Claim, WorldSpec
 
-__all__ = ["LONGEST", "Reading", "Span", "prompt_record", "reading_of", "targets_of"]
+__all__ = ["LONGEST", "Reading", "Span", "named_in", "prompt_record", "reading_of", "targets_of"]
 
 _LONG, _SHORT = 8, 4
 LONGEST: Mapping[str, int] = {t: _SHORT if t in ("thing", "count", "property", "order") else _LONG for t in CLAIM_TYPES}
@@ -61,6 +61,12 @@ def targets_of(claims: Mapping[str, Claim], name: str) -> list[str]:
     claim = claims[name]
     other = claims.get(claim.same_as or "")
     return list(claim.by or (other.by if other is not None else ()))
+
+
+def named_in(spec: WorldSpec, name: str, group: str) -> list[str]:
+    """Ids of the members of a group, as `story/beats`, that a claim is judged by, in the order in which it names them."""
+    start = f"/{group}/"
+    return list(dict.fromkeys(p.removeprefix(start).split("/")[0] for p in targets_of(spec.claims, name) if p.startswith(start)))
 
 
 def reading_of(spec: WorldSpec) -> Reading:
@@ -143,9 +149,9 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
 def _kinds(spec: WorldSpec, name: str) -> list[str]:
     """Kinds of event of the beats and requirements that a claim names."""
     story = spec.story
-    pointers = [p.split("/")[2:4] for p in targets_of(spec.claims, name) if p.startswith("/story/") and p.count("/") >= 3]
-    asked = [story.beats.get(n) if group == "beats" else story.requirements.get(n) for group, n in pointers]
-    return [str(getattr(a, "kind", "")) for item in asked if item is not None for a in event_atoms(item.predicate)]
+    asked = [story.beats[n].predicate for n in named_in(spec, name, "story/beats") if n in story.beats]
+    asked += [story.requirements[n].predicate for n in named_in(spec, name, "story/requirements") if n in story.requirements]
+    return [str(getattr(a, "kind", "")) for predicate in asked for a in event_atoms(predicate)]
 
 
 # ---------------------------------------------------------------- in words

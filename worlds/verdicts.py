@@ -43,7 +43,7 @@ def reader_words(prompt: Mapping[str, Any]) -> str:
 
 
 def prompt_told(record: Mapping[str, Any]) -> dict[str, Any]:
-    """How the prompt was judged, for a reply: shares, filler, waivers with their reasons, warnings, who read it."""
+    """Account of the prompt for a reply: shares, filler, waivers with their reasons, warnings, who read it."""
     prompt = record.get("prompt")
     if not isinstance(prompt, Mapping):
         clauses = record.get("clauses") or {}

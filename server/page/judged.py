@@ -61,7 +61,7 @@ def latest_verdict(ledger: Ledger, where: Standing) -> dict[str, Any] | None:
 
 
 def _prompt(record: Mapping[str, Any]) -> dict[str, Any] | None:
-    """How the prompt was judged: shares and who read it; None for clauses."""
+    """Shares of the prompt and who read it; None for clauses."""
     prompt = record.get("prompt")
     if not isinstance(prompt, Mapping):
         return None

@@ -37,7 +37,7 @@ def test_a_german_prompt_is_claimed_in_one_call_and_accepted_without_a_waiver(ag
     assert verdict["prompt"]["language"] == "de"
     shown = agent.call("inspect_world", world="w", part="claims")
     assert {s["row"] for s in shown["spans"] if "row" in s} == {"pass"}
-    assert shown["prompt" if "prompt" in shown else "marked"].startswith("Ein ")
+    assert shown["marked"].startswith("Ein [Stahlklotz](thing ")
 
 
 def test_what_the_words_deny_and_the_motion_shows_fails_the_probe(agent: Any) -> None:

@@ -14,7 +14,7 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from ...worlds.claims import targets_of
+from ...worlds.claims import named_in
 from ...worlds.predicates import describe_predicate
 from ..predicates import beat_times, evaluate
 from ..rows.answers import row_of
@@ -57,9 +57,8 @@ def _told(candidate: Candidate, name: str) -> list[object]:
 
 
 def _named(candidate: Candidate, name: str, group: str) -> list[str]:
-    start, members = f"/story/{group}/", getattr(candidate.spec.story, group)
-    found = (p.removeprefix(start).split("/")[0] for p in targets_of(candidate.spec.claims, name) if p.startswith(start))
-    return [n for n in dict.fromkeys(found) if n in members]
+    members = getattr(candidate.spec.story, group)
+    return [n for n in named_in(candidate.spec, name, f"story/{group}") if n in members]
 
 
 # ---------------------------------------------------------------- things
@@ -67,10 +66,11 @@ def _named(candidate: Candidate, name: str, group: str) -> list[str]:
 
 def _thing(candidate: Candidate, name: str) -> Finding:
     spec, least = candidate.spec, candidate.spec.simulation.limits.visible_pixels
-    pointers = [p for p in targets_of(spec.claims, name) if p.startswith("/entities/")]
-    entities = list(dict.fromkeys(p.split("/")[2] for p in pointers if p.split("/")[2] in spec.entities))
+    entities = [n for n in named_in(spec, name, "entities") if n in spec.entities]
     if not entities:
-        return Finding("not_applicable", "land is in the picture wherever a camera looks; `terrain` and `shots` judge it")
+        return Finding(
+            "not_applicable", "it names land, for which no picture is looked at; rows of `terrain` judge what was built"
+        )
     sight = sight_of(candidate)
     shown = {entity: _most(candidate, sight, entity, least) for entity in entities}
     worst = min(shown, key=lambda n: shown[n])

@@ -52,7 +52,7 @@ def rivals_of(candidate: Candidate, beat_id: str) -> list[Rival]:
 
 
 def still_bodies(candidate: Candidate) -> list[str]:
-    """Bodies that rest at every frame, static ones included; those that move at all first asked are the ones an engine moves."""
+    """Bodies that rest at every frame: first those that an engine moves, then static ones."""
     entities = candidate.spec.entities
     moved = [n for n in candidate.solids if entities[n].motion != "static" and candidate.moves(n)]
     at_rest = [n for n in moved if not judge_of(candidate.spec, n).moving(candidate, n).any()]

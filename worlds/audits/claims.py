@@ -6,18 +6,19 @@ the motion and the pictures is asked in `verifiers/claims`.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..claims import Reading, reading_of, targets_of
+from ..claims import Reading, named_in, reading_of
 from ..predicates import entities_of
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.registry import is_invariant
 from ..problems import Problem, replaced
 from ..prompts.languages import Held, language_of
 from ..prompts.numbers import Quantity, number_in, ordinal_in, quantity_in
-from ..references import resolves
+from ..references import kinds_of, resolves
 from ..slices import geometry_slice
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from .properties import substance_problems
@@ -84,12 +85,6 @@ def _nothing(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterato
     yield from ()
 
 
-def _named(spec: WorldSpec, name: str, group: str) -> list[str]:
-    """Members of a group, as `story/beats`, that a claim names."""
-    start = f"/{group}/"
-    return [p.removeprefix(start).split("/")[0] for p in targets_of(spec.claims, name) if p.startswith(start)]
-
-
 # ---------------------------------------------------------------- things and counts
 
 
@@ -116,7 +111,7 @@ def _shared(spec: WorldSpec) -> Iterator[Problem]:
 
 def counted(spec: WorldSpec, name: str) -> tuple[str, ...]:
     """Bodies that a count claim is about."""
-    return tuple(dict.fromkeys(_named(spec, name, "entities")))
+    return tuple(dict.fromkeys(named_in(spec, name, "entities")))
 
 
 def _count(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
@@ -140,17 +135,17 @@ def _alike(spec: WorldSpec, bodies: tuple[str, ...]) -> list[str]:
     """Entities beside the counted ones of the very same shape and material."""
     known = [n for n in bodies if n in spec.entities]
     forms = [geometry_slice(spec, n) for n in known]
-    others = {n for other, c in spec.claims.items() if c.type in ("thing", "count") for n in _named(spec, other, "entities")}
+    others = {n for other, c in spec.claims.items() if c.type in ("thing", "count") for n in named_in(spec, other, "entities")}
     return [n for n in spec.entities if n not in others and n not in known and geometry_slice(spec, n) in forms]
 
 
 def _partly_told(spec: WorldSpec, name: str, claim: Claim, bodies: set[str]) -> Iterator[Problem]:
     """Events about some of the counted bodies and not about all of them."""
-    single = {n for o, c in spec.claims.items() if c.type == "thing" for n in _named(spec, o, "entities") if len(c.by) == 1}
+    single = {n for o, c in spec.claims.items() if c.type == "thing" for n in named_in(spec, o, "entities") if len(c.by) == 1}
     for other, event in spec.claims.items():
         if event.type != "event" or event.waived is not None:
             continue
-        told = {e for b in _named(spec, other, _BEATS) if b in spec.story.beats for e in _about(spec.story.beats[b])}
+        told = {e for b in named_in(spec, other, _BEATS) if b in spec.story.beats for e in _about(spec.story.beats[b])}
         left = bodies - told - single
         if told & (bodies - single) and left:
             text = f"{event.quote!r} is told of {', '.join(sorted(told & bodies)[:3])} and not of {', '.join(sorted(left)[:3])}, of {claim.quote!r}: add a "
@@ -203,7 +198,7 @@ def _in_unit(spec: WorldSpec, pointer: str, value: float, wanted: Quantity) -> f
     if wanted.dimension == "time" and pointer.endswith(("/frames", "/frames/0", "/frames/1", "/preroll")):
         return value / spec.simulation.fps
     if wanted.dimension == "angle" and pointer.endswith("_deg"):
-        return value * 0.017453292519943295
+        return math.radians(value)
     return abs(value) if wanted.value >= 0 else value
 
 
@@ -215,7 +210,7 @@ def _property(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterat
 
 
 def _event(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
-    beats = {n: spec.story.beats[n] for n in _named(spec, name, _BEATS) if n in spec.story.beats}
+    beats = {n: spec.story.beats[n] for n in named_in(spec, name, _BEATS) if n in spec.story.beats}
     good = [n for n, b in beats.items() if b.mandatory and b.observe and _happens(b)]
     if beats and not good:
         why = "; ".join(f"{n} {_lacks(b)}" for n, b in list(beats.items())[:3])
@@ -225,7 +220,7 @@ def _event(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
             f"{claim.quote!r} is an event: name a beat that is mandatory, observed and tells of one ({why}); kinds of event are {kinds}",
         )
 
-    known = {e for o, c in spec.claims.items() if c.type in ("thing", "count") for e in _named(spec, o, "entities")}
+    known = {e for o, c in spec.claims.items() if c.type in ("thing", "count") for e in named_in(spec, o, "entities")}
     for key, beat in beats.items():
         subject = spec.entities.get(beat.subject)
         # What rains or is poured may have no word of its own.
@@ -247,27 +242,18 @@ def _lacks(beat: Beat) -> str:
 
 
 def _order(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
-    beats = [n for n in _named(spec, name, _BEATS) if n in spec.story.beats]
+    beats = [n for n in named_in(spec, name, _BEATS) if n in spec.story.beats]
     asked: list[Beat | Requirement] = [spec.story.beats[n] for n in beats]
-    asked += [spec.story.requirements[n] for n in _named(spec, name, _REQUIREMENTS) if n in spec.story.requirements]
-    if len(beats) < 2 and not any(_kinds(a) & _ORDERED for a in asked):
+    asked += [spec.story.requirements[n] for n in named_in(spec, name, _REQUIREMENTS) if n in spec.story.requirements]
+    if len(beats) < 2 and not any(kinds_of(a.predicate) & _ORDERED for a in asked):
         text = (
             f"{claim.quote!r} is an order: name two beats, the first first, or one requirement of {', '.join(sorted(_ORDERED))}"
         )
         yield Problem(f"/claims/{name}/by", text)
 
 
-def _kinds(declared: Beat | Requirement) -> set[str]:
-    found, left = set(), [declared.predicate.model_dump(mode="json")]
-    while left:
-        at = left.pop()
-        found.add(str(at.get("kind")))
-        left += [v for v in at.values() if isinstance(v, dict)] + list(at.get("of", ()))
-    return found
-
-
 def _negation(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
-    named = {n: spec.story.requirements[n] for n in _named(spec, name, _REQUIREMENTS) if n in spec.story.requirements}
+    named = {n: spec.story.requirements[n] for n in named_in(spec, name, _REQUIREMENTS) if n in spec.story.requirements}
     for key, requirement in named.items():
         place = f"/story/requirements/{key}"
         if not requirement.never:
@@ -288,7 +274,7 @@ def _negation(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterat
 
 
 def _route(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
-    for key in _named(spec, name, "graph/relations"):
+    for key in named_in(spec, name, "graph/relations"):
         relation = spec.graph.relations.get(key)
         if relation is not None and not isinstance(relation, Connects):
             text = f"{claim.quote!r} is a way: {key!r} is {relation.kind}; name a `connects` relation, a region on it, or a beat of the motion along it"

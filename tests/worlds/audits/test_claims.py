@@ -51,6 +51,12 @@ WRONG: dict[str, tuple[WorldSpec, str, str]] = {
     "a displacement told as an event": (
         world(MARKED, ("/story/beats/fall/predicate", {"kind": "displacement", "entity": "b3", "axis": [0, 0, 1], "max": -0.15})),
         "/claims/falls_off/by", "displacement, which is no kind of event"),
+    "an event that need not happen": (
+        world(MARKED, ("/story/beats/fall/predicate", {"kind": "or", "of": [FALLS, {"kind": "displacement", "entity": "b3", "axis": [0, 0, 1], "max": -0.15}]})),
+        "/claims/falls_off/by", "asks or, which is no kind of event"),
+    "an event that none need have": (
+        world(MARKED, ("/story/beats/fall/predicate", {"kind": "count", "entities": ["b2", "b3"], "predicate": {**FALLS, "entity": "each"}, "max": 1})),
+        "/claims/falls_off/by", "asks count, which is no kind of event"),
     "an optional beat": (world(MARKED, ("/story/beats/fall/mandatory", False)), "/claims/falls_off/by", "fall is optional"),
     "a beat that nobody sees": (world(MARKED, ("/story/beats/fall/observe", False)), "/claims/falls_off/by", "fall need not be seen"),
     "an event judged by a thing": (world(swapped("(event fall)", "(event /entities/b3)")), "/claims/falls_off/by/0", "judged by /story/beats, not by"),

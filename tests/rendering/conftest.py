@@ -19,8 +19,9 @@ FRAMES = 6
 FPS = 24
 
 
-@pytest.fixture(autouse=True, scope="session")
+@pytest.fixture(autouse=True, scope="module")
 def _scalar() -> Any:
+    """One variant for these tests alone: other tests of the same process start servers, which choose their own."""
     before = os.environ.get(ENV_VARIANT)
     os.environ[ENV_VARIANT] = "scalar_rgb"
     yield

@@ -24,9 +24,10 @@ def _tree(folder: Path) -> str:
     return state.hexdigest()
 
 
-def _worldagent(*arguments: str, where: Path) -> tuple[int, Any]:
+def _worldagent(*arguments: str, where: Path, **environment: str) -> tuple[int, Any]:
     command = [sys.executable, "-P", "-m", "worldagent.server", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=where, env=dict(os.environ), check=False, timeout=120)
+    more = {**os.environ, **environment}
+    done = subprocess.run(command, capture_output=True, text=True, cwd=where, env=more, check=False, timeout=120)
     return done.returncode, json.loads(done.stdout) if done.stdout.strip() else done.stderr
 
 
@@ -57,6 +58,13 @@ def test_a_bundle_is_verified_by_the_command_alone(loop: Any, tmp_path: Path) ->
     assert [r["identical"] for r in verdict["replayed"]] == [True] * 4
     assert (tmp_path / "page.html").read_text().startswith("<!DOCTYPE html>")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["page.html", "proof.zip"]
+
+
+def test_a_bundle_is_verified_where_pictures_are_made_by_another_variant(loop: Any, tmp_path: Path) -> None:
+    (bundle,) = (loop.workspace / "w" / "acceptance").glob("*.zip")
+    code, verdict = _worldagent("verify", str(bundle), where=tmp_path, WORLDAGENT_MITSUBA_VARIANT="scalar_rgb")
+    assert (code, verdict["problems"]) == (0, []), verdict
+    assert verdict["verdict"] == "accepted"
 
 
 def _values(rows: list[dict[str, Any]]) -> dict[str, Any]:

@@ -277,7 +277,7 @@ def _described(binding: ToolBinding, arguments: Arguments) -> Tool:
             read_only_hint=binding.read_only,
             destructive_hint=binding.destructive,
             idempotent_hint=binding.idempotent,
-            open_world_hint=False,
+            open_world_hint=binding.open_world,
         ),
         icons=[icon_of(binding.name)],
         _meta=dict(binding.meta) or None,

@@ -67,6 +67,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         "Run checks and acceptance",
         read_only=False,
         idempotent=True,
+        open_world=True,
         jobs={"check": verdict_reply, "review": verdict_reply, "accept": verdict_reply},
         meta={**_found_by("verify a world, acceptance, requirements matrix"), **_SEEN},
     ),

@@ -84,6 +84,8 @@ class ToolBinding:
     read_only: bool
     destructive: bool = False
     idempotent: bool = False
+    open_world: bool = False
+    """Whether it may speak to a host that the server's owner named: a model that reads worlds."""
     pictures: bool = False
     """Whether replies can hold pictures: then the tool declares no output schema."""
     jobs: Mapping[str, Callable[[Job], ToolReply]] = field(default_factory=dict)

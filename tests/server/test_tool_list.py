@@ -55,6 +55,7 @@ async def test_tools_are_as_the_snapshot_says(tmp_path: Path, era: str) -> None:
             "name": tool.name,
             "arguments": {name: name in tool.input_schema.get("required", ()) for name in tool.input_schema["properties"]},
             "read_only": tool.annotations.read_only_hint if tool.annotations else None,
+            "open_world": tool.annotations.open_world_hint if tool.annotations else None,
             "structured": tool.output_schema is not None,
         }
         for tool in first

@@ -85,7 +85,7 @@ class ToolBinding:
     destructive: bool = False
     idempotent: bool = False
     open_world: bool = False
-    """Whether it may speak to a host that the server's owner named: a model that reads worlds."""
+    """True for a tool that may speak to a host which the server's owner named (a model that reads worlds)."""
     pictures: bool = False
     """Whether replies can hold pictures: then the tool declares no output schema."""
     jobs: Mapping[str, Callable[[Job], ToolReply]] = field(default_factory=dict)

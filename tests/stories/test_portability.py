@@ -26,8 +26,8 @@ def _tree(folder: Path) -> str:
 
 def _worldagent(*arguments: str, where: Path, **environment: str) -> tuple[int, Any]:
     command = [sys.executable, "-P", "-m", "worldagent.server", *arguments]
-    more = {**os.environ, **environment}
-    done = subprocess.run(command, capture_output=True, text=True, cwd=where, env=more, check=False, timeout=120)
+    variables = {**os.environ, **environment}
+    done = subprocess.run(command, capture_output=True, text=True, cwd=where, env=variables, check=False, timeout=120)
     return done.returncode, json.loads(done.stdout) if done.stdout.strip() else done.stderr
 
 

@@ -16,7 +16,7 @@ from worldagent.workflow import plates
 from worldagent.workflow.plates import LEAST_S, allowed_seconds, depart, make_plates
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EngineError, InputError
-from worldagent.worlds.plates import SEEDS, Plate, Plates, View, plates_folder
+from worldagent.worlds.plates import SEEDS, Plate, Plates, View, plate_size, plates_folder
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.spec import Beat, CameraKey, Shot
 
@@ -137,33 +137,37 @@ def test_a_kept_plate_that_comes_out_otherwise_is_no_evidence(candidate: Candida
     assert len(Painter.seen) == 1 + 3 + 1
 
 
+def speckled(candidate: Candidate, share: float) -> Any:
+    """White in a share of the pixels, black elsewhere; shape (height, width, 1)."""
+    width, height = plate_size(candidate.spec.look)
+    return np.where(np.random.default_rng(0).random((height, width, 1)) < share, 255, 0)
+
+
 @pytest.mark.parametrize(
-    ("program", "changed", "departs"),
-    [("painter", 0.0, False), ("painter", 0.12, True), ("other", 0.12, False), ("other", 0.6, True), ("other", 1.0, True)],
+    ("program", "there", "here", "departs"),
+    [
+        ("painter", 1.0, 1.0, False),
+        ("painter", 1.0, 0.88, True),
+        ("other", 1.0, 0.88, False),
+        ("other", 1.0, 0.4, True),
+        ("other", 0.35, 0.35, False),
+        ("other", 0.35, 0.15, True),  # a fifth differs, but the subject is seen there and not here
+    ],
 )
 def test_a_plate_of_another_program_may_depart_by_more_and_must_show_its_subject(
-    candidate: Candidate, painter: type[Painter], program: str, changed: float, departs: bool, monkeypatch: pytest.MonkeyPatch
+    candidate: Candidate,
+    painter: type[Painter],
+    program: str,
+    there: float,
+    here: float,
+    departs: bool,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    painter.level = speckled(candidate, there)
     made = make_plates(candidate, seconds=60)
     monkeypatch.setattr("worldagent.rendering.renderer_versions", lambda: {"source": program})
-    width, height = made.size
-    painter.level = np.where(np.random.default_rng(0).random((height, width, 1)) < changed, 0, 255)
+    painter.level = speckled(candidate, here)
     assert [depart(candidate, made, v) for v in made.views] == [departs] * 3
-
-
-def test_who_paints_a_subject_into_a_few_pixels_is_found_by_another_program(
-    candidate: Candidate, painter: type[Painter], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def speckled(share: float) -> Any:
-        return np.where(np.random.default_rng(0).random((*made.size[::-1], 1)) < share, 255, 0)
-
-    made = make_plates(candidate, seconds=0)
-    painter.level = speckled(0.35)
-    made = make_plates(candidate, seconds=60, distrust=True)
-    monkeypatch.setattr("worldagent.rendering.renderer_versions", lambda: {"source": "other"})
-    assert not depart(candidate, made, made.views[0])
-    painter.level = speckled(0.15)
-    assert depart(candidate, made, made.views[0]), "seen there, not seen here"
 
 
 def test_without_a_renderer_every_subject_is_left_with_the_reason(candidate: Candidate, painter: type[Painter]) -> None:

@@ -82,6 +82,8 @@ class PredicateInfo:
     """Frames that are harder: `when` as that field says; `inner` as what it holds; `own` it may have frames of its own."""
     bodily: bool = False
     """It asks for the place or the surface of a body."""
+    matter: str = ""
+    """Its field that names loose matter, which is no such body."""
     lasting: bool = False
     """It speaks of a state that lasts, whatever its fields say."""
     placed: bool = False

@@ -179,7 +179,10 @@ def _without_bodies(spec: WorldSpec) -> list[Problem]:
     for place, predicate in _said(spec):
         for atom in atoms_of(predicate):
             kind = str(getattr(atom, "kind", ""))
+            matter = getattr(atom, PREDICATES[kind].matter, None) if PREDICATES[kind].matter else None
             for entity in entities_of(atom) if PREDICATES[kind].bodily else ():
+                if entity == matter:
+                    continue
                 category = CATEGORIES[spec.entities[entity].physics.category] if entity in spec.entities else None
                 if category is not None and category.asked:
                     text = f"{kind} asks for a body, and {entity!r} is {category.name}: ask {category.asked}"

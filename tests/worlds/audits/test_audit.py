@@ -246,3 +246,33 @@ def test_what_only_bodies_have_is_not_asked_of_grains_and_liquids(made: dict[str
     assert any(f"contact asks for a body, and {matter!r} is" in p and said in p for p in problems), problems
     before = [p for r in audit(spec).rows for p in r.evidence.get("problems", [])]
     assert not any("asks for a body" in p for p in before)
+
+
+@pytest.mark.parametrize(
+    ("made", "body", "predicate"),
+    [
+        (tank_spec(), "crate", {"kind": "floats", "entity": "crate", "other": "water"}),
+        (tank_spec(), "crate", {"kind": "sinks", "entity": "crate", "other": "water"}),
+        (sand_spec(), "ball", {"kind": "buries", "entity": "sand", "other": "ball"}),
+    ],
+)
+def test_events_of_a_body_and_loose_matter_are_asked_of_these_two(
+    made: dict[str, Any], body: str, predicate: dict[str, Any]
+) -> None:
+    spec = parse_spec({"prompt": "A body falls into it.", **made})
+    matter = next(v for k, v in predicate.items() if k != "kind" and v != body)
+
+    def told(asked: dict[str, Any]) -> list[str]:
+        beat = {
+            "text": "it happens",
+            "owner": next(iter(spec.simulation.rigid)),
+            "subject": body,
+            "frames": [0, 5],
+            "predicate": asked,
+        }
+        report = audit(apply_patch(spec, [{"op": "add", "path": "/story/beats/event", "value": beat}]))
+        return [p for r in report.rows for p in r.evidence.get("problems", []) if "asks for a body" in p]
+
+    assert told(predicate) == []
+    swapped = {k: {body: matter, matter: body}.get(v, v) for k, v in predicate.items()}
+    assert any(repr(matter) in p for p in told(swapped))

@@ -44,6 +44,7 @@ EVENTS = (
         {"min": "up"},
         frames="narrower",
         bodily=True,
+        matter="other",
         event=True,
         directed=True,
         gloss="For half a second the push of `other` carries at least 0.8 of its weight, in 0.9 of the time some of it, and nothing else more than 0.2, while part of it is "
@@ -57,6 +58,7 @@ EVENTS = (
         {"min": "up"},
         frames="narrower",
         bodily=True,
+        matter="other",
         event=True,
         directed=True,
         adds_up=True,

@@ -27,6 +27,7 @@ EVENTS = (
         {"min": "up"},
         frames="narrower",
         bodily=True,
+        matter="entity",
         event=True,
         adds_up=True,
         directed=True,

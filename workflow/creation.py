@@ -9,18 +9,16 @@ from typing import Any
 from ..worlds.audits.clauses import clauses_of
 from ..worlds.canonical import spec_digest
 from ..worlds.claim_marks import claim_operations
-from ..worlds.errors import EvidenceError, InputError, RefusedError, WorldAgentError
+from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, world_ids
 from ..worlds.ledger import Ledger
-from ..worlds.likeness import likeness
 from ..worlds.limits import check_cap, check_limits, check_workspace
 from ..worlds.patch import apply_patch, parse_spec
 from .opened import no_revision
 from .session import Session
+from .siblings import started_anew
 
 __all__ = ["create", "mend_hand_edit"]
-
-MAX_NAMED = 5
 
 
 def create(
@@ -49,7 +47,7 @@ def create(
     check_workspace(workspace, len(parsed.model_dump_json()))
     folder.root.mkdir(parents=True, exist_ok=True)
     folder.assets.mkdir(exist_ok=True)
-    siblings = _siblings(workspace, world, prompt)
+    siblings = started_anew(workspace, world, prompt)
     session = Session(folder, Ledger(folder.ledger_path), parsed, 1)
     with session.step():
         number = session.ledger.add_revision(
@@ -71,32 +69,6 @@ def create(
     beside = {"weakenings_recorded": siblings} if siblings else {}
     told = {"clauses": clauses_of(prompt)} if parsed.spec_version == "1" else {}
     return session, {"revision": session.revision, "created": True, **told, **beside}
-
-
-def _siblings(workspace: Path, world: str, prompt: str) -> list[str]:
-    """Other worlds of nearly the same prompt whose rows failed: starting anew is recorded like any other way around them (R157)."""
-    failed = {}
-    for other in world_ids(workspace):
-        try:
-            folder = WorldFolder.of(workspace, other)
-            if other == world or not folder.ledger_path.exists():
-                continue
-            alike = likeness(prompt, str(json.loads(folder.spec_path.read_text()).get("prompt", "")))
-        except (OSError, ValueError, RecursionError, AttributeError, WorldAgentError):
-            continue
-        if not alike:
-            continue
-        try:
-            if Ledger(folder.ledger_path).ever_failed():
-                failed[other] = alike
-        except EvidenceError:
-            failed[f"{other} (its ledger is damaged)"] = alike
-    exact = all(alike == 1.0 for alike in failed.values())
-    prompt_text = "this prompt" if exact else f"a prompt that is at least {100 * min(failed.values()):.0f} % the same"
-    if len(failed) <= 1:
-        return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]
-    names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
-    return [f"started anew beside {len(failed)} worlds with failed rows for {prompt_text}: {names}"]
 
 
 def mend_hand_edit(workspace: Path, world: str, action: str, *, hypothesis: str, reason: str) -> tuple[Session, dict[str, Any]]:

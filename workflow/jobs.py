@@ -282,6 +282,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..verifiers.acceptance import judge_fresh
     from .bundles import remember_refuted
     from .review.verdict import reviewed
+    from .siblings import easier_beside
 
     work = _work(payload)
     session, freeze, built = work
@@ -295,7 +296,8 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         raise RefusedError("the world was edited before it was judged; call run_checks(scope='acceptance') again")
     rows = reviewed(session, built, freeze, record)
     weakenings = [w for w in session.ledger.weakenings() if w["revision"] <= session.revision]
-    record |= {"weakenings": weakenings, "stage": "full"}
+    beside = easier_beside(session.folder.root.parent, session.folder.id, session.spec)
+    record |= {"weakenings": weakenings, "easier_beside": beside, "stage": "full"}
     with session.ledger.together():
         remember_refuted(session.ledger, record)
         session.record(rows, stage="full")
@@ -315,6 +317,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "read_by": record["read_by"],
         **({"earlier_contradictions": n} if (n := record["earlier_contradictions"]) else {}),
         "weakenings": record["weakenings"],
+        **({"easier_beside": beside} if beside else {}),
         "approximations": record["approximations"][:20],
         **proof,
     }

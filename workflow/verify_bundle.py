@@ -91,7 +91,8 @@ def verify_bundle(path: Path, *, seed: int, intervals: int, report: Path | None 
             root = bundle.extract(Path(temporary))
             _check(found, root, seed=seed, intervals=intervals)
             if report is not None and found.own is not None:
-                shown = {**found.own, "verdict": found.verdict, "weakenings": found.record["weakenings"]}
+                told = {k: found.record[k] for k in ("weakenings", "easier_beside") if k in found.record}
+                shown = {**found.own, "verdict": found.verdict, **told}
                 amiss = [*found.problems, *(json.dumps(d, default=str) for d in found.differences)]
                 write_report(report, WorldFolder(root), shown, problems=amiss)
         except (WorldAgentError, KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
@@ -124,6 +125,7 @@ def _report(found: Verification, seed: int) -> dict[str, Any]:
         "says": verdict_words({**own, "verdict": found.verdict}),
         **prompt_told(own),
         "weakenings": found.record.get("weakenings", []),
+        "easier_beside": found.record.get("easier_beside", []),
         "approximations": own.get("approximations", []),
         "reviews": found.record.get("reviews", []),
         "replayed": next((r["evidence"].get("intervals") for r in rows if r["id"] == "delivery:replay"), []),

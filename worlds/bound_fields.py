@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .spec import WorldSpec
     from .spec.claims import Claim
 
-__all__ = ["Bound", "binders_of", "bound_fields", "dressing"]
+__all__ = ["Bound", "binders_of", "bound_fields", "dressing", "natures"]
 
 _SIZED = ("quantity", "property")
 """Types of claims that may be about the size of a body, or how it rubs."""
@@ -39,7 +39,7 @@ def bound_fields(spec: WorldSpec) -> Bound:
     """Everybody that binds fields of a specification."""
     found: dict[str, dict[str, None]] = {}
     measured: dict[str, dict[str, None]] = {}
-    natures = _natures(spec)
+    nature = natures(spec)
 
     def bind(places: Iterable[str], who: str, *, told: bool = False) -> None:
         for place in places:
@@ -50,7 +50,7 @@ def bound_fields(spec: WorldSpec) -> Bound:
     for holder, noun in ((spec.story.beats, "beat"), (spec.story.requirements, "requirement")):
         for key, item in holder.items():
             for name in _named(spec, [item.predicate]):
-                bind(natures.get(name, ()), f"{noun} {key!r}")
+                bind(nature.get(name, ()), f"{noun} {key!r}")
     for key, claim in _claims(spec):
         for place in claim.by:
             name = _entity_at(place)
@@ -58,7 +58,7 @@ def bound_fields(spec: WorldSpec) -> Bound:
             if place != f"/entities/{name}" or told:
                 bind([place], f"claim {key!r}", told=told)
             if place == f"/entities/{name}":
-                bind(natures.get(name, ()), f"claim {key!r}")
+                bind(nature.get(name, ()), f"claim {key!r}")
     return Bound(found, measured)
 
 
@@ -103,7 +103,7 @@ def dressing(spec: WorldSpec) -> list[str]:
     return [name for name in spec.entities if name not in spoken]
 
 
-def _natures(spec: WorldSpec) -> dict[str, list[str]]:
+def natures(spec: WorldSpec) -> dict[str, list[str]]:
     """Places of the quantities of nature of every entity: its own, those of its materials, pairs and joints, and of its solver's walls."""
     found: dict[str, list[str]] = {}
     for name, entity in spec.entities.items():

@@ -85,6 +85,12 @@ class Ledger(ReviewLedger):
             parsed = ("patch", "groups", "weakenings")
             return [{k: json.loads(r[k]) if k in parsed else r[k] for k in r.keys()} for r in rows]  # noqa: SIM118
 
+    def failed_revisions(self) -> list[int]:
+        """Revisions at which a row failed that another judges than the audit, oldest first."""
+        with self._open() as db:
+            rows = db.execute("SELECT DISTINCT revision FROM history WHERE status='fail' AND stage!='audit' ORDER BY revision")
+            return [int(r["revision"]) for r in rows.fetchall()]
+
     def weakenings(self) -> list[dict[str, Any]]:
         """All weakening edits with their reasons, oldest first (R157)."""
         with self._open() as db:

@@ -24,7 +24,7 @@ from .weakened import (
     surface_weakenings,
 )
 
-__all__ = ["apply_patch", "differences", "parse_spec", "weakenings"]
+__all__ = ["apply_patch", "differences", "entity_weakenings", "parse_spec", "story_weakenings", "weakenings"]
 
 _ERROR_CHARACTERS = 300
 _SHOWN_PROBLEMS = 20
@@ -201,6 +201,12 @@ def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str)
             yield f"{place}/{key}/predicate loosened or replaced"
 
 
+def story_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    """Beats and requirements of a story, as JSON, that ask for less in another one."""
+    yield from _beat_weakenings(old["beats"], new["beats"], "/story/beats")
+    yield from _beat_weakenings(_asked(old["requirements"]), _asked(new["requirements"]), "/story/requirements")
+
+
 def _frames_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
     """Whether other frames are, or may be, easier: what must happen is harder in fewer frames, what must last in more, and what must
     be so at the end is looked for from no later frame.
@@ -256,7 +262,8 @@ def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterato
             yield f"/graph/regions/{key} changed"
 
 
-def _entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+def entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    """Entities that went, are moved by nobody any more, or ask less of their category; both as JSON by id."""
     for key, entity in old.items():
         if key not in new:
             yield f"/entities/{key} removed"
@@ -310,11 +317,10 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
         judged: entities that failing rows name: their surfaces are what was judged.
     """
     old, new = before.model_dump(mode="json", exclude_none=True), after.model_dump(mode="json", exclude_none=True)
-    found = list(_beat_weakenings(old["story"]["beats"], new["story"]["beats"], "/story/beats"))
-    found += _beat_weakenings(_asked(old["story"]["requirements"]), _asked(new["story"]["requirements"]), "/story/requirements")
+    found = list(story_weakenings(old["story"], new["story"]))
     found += _robustness_weakenings(old["story"]["robustness"], new["story"]["robustness"])
     found += _graph_weakenings(old["graph"], new["graph"])
-    found += _entity_weakenings(old["entities"], new["entities"])
+    found += entity_weakenings(old["entities"], new["entities"])
     found += surface_weakenings(old["entities"], new["entities"], judged)
     places = list(differences(before.model_dump(mode="json"), after.model_dump(mode="json")))
     found += directed_weakenings(old, new, places)

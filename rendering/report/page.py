@@ -159,9 +159,9 @@ def _open_rows(record: Mapping[str, Any], pictures: ReportPictures) -> str:
 
 
 def _weakenings(record: Mapping[str, Any]) -> str:
-    found = record.get("weakenings") or []
+    found, beside = record.get("weakenings") or [], _beside(record)
     if not found:
-        return tag("p", "None: no edit made the specification easier to satisfy.")
+        return tag("p", "None: no edit made the specification easier to satisfy.") + beside
     lines = [
         (
             cell(escaped(w["revision"]), "n"),
@@ -170,7 +170,13 @@ def _weakenings(record: Mapping[str, Any]) -> str:
         )
         for w in found
     ]
-    return table(("revision", "what became easier", "reason given by the agent"), lines)
+    return table(("revision", "what became easier", "reason given by the agent"), lines) + beside
+
+
+def _beside(record: Mapping[str, Any]) -> str:
+    """Where the world asks less than failed ones of its prompt, as its maker's server compared them."""
+    found = [tag("li", escaped(line)) for line in record.get("easier_beside") or ()]
+    return tag("h3", "Beside failed worlds of this prompt, by claim") + tag("ul", "".join(found)) if found else ""
 
 
 def _made_with(record: Mapping[str, Any]) -> str:

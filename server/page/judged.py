@@ -94,6 +94,7 @@ def latest_acceptance(folder: WorldFolder, ledger: Ledger, where: Standing) -> d
         "prompt": _prompt(record),
         "approximations": record.get("approximations", []),
         "weakenings": record.get("weakenings", []),
+        "easier_beside": record.get("easier_beside", []),
         "replayed": record.get("replayed", False),
         "versions": record.get("versions", {}),
         "files": {kind: name for kind, name in names.items() if (folder.acceptance / name).is_file()},

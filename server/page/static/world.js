@@ -80,6 +80,7 @@ function acceptance(state, world) {
     unproven(found),
     h("h3", null, "Weakened on the way"),
     weakenings(found.weakenings),
+    found.easier_beside?.length ? [h("h3", null, "Beside failed worlds of this prompt"), h("ul", { class: "plain" }, found.easier_beside.map((line) => h("li", null, line)))] : null,
     proofs(state, world, found.files),
     state.source.keepsFiles ? null : h("p", { class: "files" }, h("a", { class: "file", href: `/static/review.html#${encodeURIComponent(world.id)}` }, "Read it yourself"), h("span", { class: "quiet" }, " and say whether it shows what the prompt says.")),
   );

@@ -1,0 +1,106 @@
+"""Other worlds of a prompt whose rows failed: starting anew beside them is told like any other way around them (R157)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from ..worlds.by_claim import easier_by_claim
+from ..worlds.errors import EvidenceError, WorldAgentError
+from ..worlds.folder import WorldFolder, world_ids
+from ..worlds.ledger import Ledger
+from ..worlds.likeness import likeness
+from ..worlds.patch import parse_spec
+from ..worlds.spec import WorldSpec
+
+__all__ = ["easier_beside", "started_anew"]
+
+MAX_NAMED = 5
+MOST_COMPARED = 10
+"""Own choice: failed worlds with which a world is compared, those first that changed last."""
+MOST_LINES = 8
+"""Lines about one of them; the rest is counted."""
+
+
+class _Sibling(NamedTuple):
+    world: str
+    alike: float
+    """Share of its prompt that is the same, see `likeness`."""
+    ledger: Ledger | None
+    """None where it is damaged."""
+    changed: float
+    """When its ledger was written last [s since 1970]."""
+
+
+def _failed(workspace: Path, world: str, prompt: str) -> Iterator[_Sibling]:
+    """Other worlds of nearly the same prompt in which a row failed."""
+    for other in world_ids(workspace):
+        try:
+            folder = WorldFolder.of(workspace, other)
+            if other == world or not folder.ledger_path.exists():
+                continue
+            alike = likeness(prompt, str(json.loads(folder.spec_path.read_text()).get("prompt", "")))
+            changed = folder.ledger_path.stat().st_mtime
+        except (OSError, ValueError, RecursionError, AttributeError, WorldAgentError):
+            continue
+        if not alike:
+            continue
+        try:
+            ledger = Ledger(folder.ledger_path)
+            if ledger.ever_failed():
+                yield _Sibling(other, alike, ledger, changed)
+        except EvidenceError:
+            yield _Sibling(other, alike, None, changed)
+
+
+def started_anew(workspace: Path, world: str, prompt: str) -> list[str]:
+    """A line about the failed worlds of nearly the same prompt; none where there are none."""
+    failed = {
+        s.world if s.ledger is not None else f"{s.world} (its ledger is damaged)": s.alike
+        for s in _failed(workspace, world, prompt)
+    }
+    exact = all(alike == 1.0 for alike in failed.values())
+    prompt_text = "this prompt" if exact else f"a prompt that is at least {100 * min(failed.values()):.0f} % the same"
+    if len(failed) <= 1:
+        return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]
+    names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
+    return [f"started anew beside {len(failed)} worlds with failed rows for {prompt_text}: {names}"]
+
+
+def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
+    """Where a world asks less than failed ones of nearly the same prompt, by claim; a line each that names the other world."""
+    siblings = sorted(_failed(workspace, world, spec.prompt), key=lambda s: -s.changed)
+    found = []
+    for sibling in siblings[:MOST_COMPARED]:
+        try:
+            revision, failed = _as_it_failed(sibling.ledger)
+        except (WorldAgentError, ValueError):
+            found.append(f"not compared with world {sibling.world}: its ledger is damaged")
+            continue
+        lines = easier_by_claim(failed, spec)
+        told = f"easier than revision {revision} of world {sibling.world}, whose rows failed: "
+        found += [told + line for line in lines[:MOST_LINES]]
+        if len(lines) > MOST_LINES:
+            found.append(f"{told}and {len(lines) - MOST_LINES} more")
+    if len(siblings) > MOST_COMPARED:
+        found.append(f"not compared with {len(siblings) - MOST_COMPARED} further worlds whose rows failed")
+    return found
+
+
+def _as_it_failed(ledger: Ledger | None) -> tuple[int, WorldSpec]:
+    """The first revision at which a row failed and that has claims, else the first at which one failed; and its specification.
+
+    A later one may have been made easier already; a row may fail before the prompt is claimed.
+    """
+    if ledger is None:
+        raise EvidenceError("it is damaged")
+    latest = ledger.revision()
+    revisions = ledger.failed_revisions() or [latest]
+    texts = ((n, ledger.revision_spec(n)) for n in dict.fromkeys((*revisions, latest)))
+    known = [(n, text[0]) for n, text in texts if text is not None]
+    if not known:
+        raise EvidenceError("it holds no revision")
+    number, text = next(((n, t) for n, t in known if json.loads(t).get("claims")), known[0])
+    return number, parse_spec(json.loads(text))

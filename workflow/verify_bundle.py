@@ -91,7 +91,7 @@ def verify_bundle(path: Path, *, seed: int, intervals: int, report: Path | None 
             root = bundle.extract(Path(temporary))
             _check(found, root, seed=seed, intervals=intervals)
             if report is not None and found.own is not None:
-                told = {k: found.record[k] for k in ("weakenings", "easier_beside") if k in found.record}
+                told: dict[str, Any] = {k: found.record[k] for k in ("weakenings", "easier_beside") if k in found.record}
                 shown = {**found.own, "verdict": found.verdict, **told}
                 amiss = [*found.problems, *(json.dumps(d, default=str) for d in found.differences)]
                 write_report(report, WorldFolder(root), shown, problems=amiss)

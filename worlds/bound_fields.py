@@ -7,7 +7,7 @@ bounces is what a repair changes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from .references import references
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .spec import WorldSpec
     from .spec.claims import Claim
 
-__all__ = ["Bound", "binders_of", "bound_fields", "dressing", "natures"]
+__all__ = ["Bound", "binders_of", "bound_fields", "dressing", "natures", "spoken_of"]
 
 _SIZED = ("quantity", "property")
 """Types of claims that may be about the size of a body, or how it rubs."""
@@ -77,18 +77,35 @@ def binders_of(bound: Bound, pointer: str) -> tuple[str, ...]:
 
 
 def dressing(spec: WorldSpec) -> list[str]:
-    """Entities that no beat, requirement, driver, claim or clause speaks of, nor any relation that asks something of them.
+    """Entities that no claim speaks of, nor any beat, requirement, relation or driver that a claim names.
 
-    What joints or ropes tie to a body that something speaks of belongs to it.
+    In worlds of version 1 every beat, requirement, driver, clause and relation that asks something speaks for itself. What joints or
+    ropes tie to a body that something speaks of belongs to it.
     """
-    story, graph = spec.story, spec.graph
-    asking = [r for r in graph.relations.values() if r.kind != _PERMIT]
-    holders = (story.beats, story.requirements, story.robustness, graph.regions, spec.simulation.drivers)
-    spoken = set(_named(spec, [*(item for holder in holders for item in holder.values()), *asking]))
-    pointers = [p for clause in spec.clauses.values() for p in clause.met_by] + [
-        p for _, claim in _claims(spec) for p in claim.by
-    ]
-    spoken |= {_entity_at(p) for p in pointers}
+    spoken = spoken_of(spec)
+    return [name for name in spec.entities if name not in spoken]
+
+
+def spoken_of(spec: WorldSpec, *, types: Collection[str] | None = None) -> set[str]:
+    """Entities that are no dressing.
+
+    Args:
+        spec: of any version.
+        types: of claims that point at the bodies themselves; then beats and what else claims name speaks of none.
+    """
+    if types is not None:
+        pointers = [p for _, claim in _claims(spec) if claim.type in types for p in claim.by]
+        asking = []
+    elif spec.spec_version == "2":
+        pointers = [p for _, claim in _claims(spec) for p in claim.by]
+        asking = list(_members(spec, pointers))
+    else:
+        story, graph = spec.story, spec.graph
+        holders = (story.beats, story.requirements, story.robustness, graph.regions, spec.simulation.drivers)
+        asking = [*(item for holder in holders for item in holder.values())]
+        asking += [r for r in graph.relations.values() if r.kind != _PERMIT]
+        pointers = [p for clause in spec.clauses.values() for p in clause.met_by]
+    spoken = {*_named(spec, asking), *(_entity_at(p) for p in pointers)}
     tied: dict[str, set[str]] = {}
     for joint in spec.simulation.joints.values():
         _tie(tied, _named(spec, [joint]))
@@ -100,7 +117,20 @@ def dressing(spec: WorldSpec) -> list[str]:
         more = tied.get(todo.pop(), set()) - spoken
         spoken |= more
         todo += more
-    return [name for name in spec.entities if name not in spoken]
+    return spoken
+
+
+def _members(spec: WorldSpec, pointers: Iterable[str]) -> Iterator[SpecModel]:
+    """Members of the collections of a specification that pointers lead to or into, and that name bodies."""
+    plan = spec.simulation
+    holders: Mapping[str, Mapping[str, SpecModel]] = {
+        "story/beats": spec.story.beats, "story/requirements": spec.story.requirements, "graph/relations": spec.graph.relations,
+        "graph/regions": spec.graph.regions, "simulation/drivers": plan.drivers, "simulation/joints": plan.joints,
+    }  # fmt: skip
+    for pointer in pointers:
+        group, name = "/".join(pointer.split("/")[1:3]), "".join(pointer.split("/")[3:4])
+        if name in holders.get(group, ()):
+            yield holders[group][name]
 
 
 def natures(spec: WorldSpec) -> dict[str, list[str]]:

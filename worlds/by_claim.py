@@ -119,7 +119,7 @@ def _bodies(spec: WorldSpec, bound: Mapping[str, list[str]]) -> list[str]:
     beats = [spec.story.beats[n] for n in bound["story/beats"] if n in spec.story.beats]
     asked = [spec.story.requirements[n] for n in bound["story/requirements"] if n in spec.story.requirements]
     found = [*bound["entities"], *(b.subject for b in beats)]
-    found += [n for item in (*beats, *asked) for n in entities_of(item.predicate)]
+    found += [n for p in (*(b.predicate for b in beats), *(r.predicate for r in asked)) for n in entities_of(p)]
     return list(dict.fromkeys(found))
 
 

@@ -186,29 +186,40 @@ def test_a_predicate_about_a_joint_binds_the_joint_and_its_bodies() -> None:
 # ---------------------------------------------------------------- dressing
 
 
-def test_what_nothing_speaks_of_is_dressing() -> None:
-    assert dressing(base()) == ["crate", "lamp"]
-
-
-@pytest.mark.parametrize(
-    ("pointer", "value"),
-    [
-        ("/story/requirements/stays", WATCHES_THE_CRATE),
-        ("/graph/relations/on", {"kind": "supports", "a": "floor", "b": "crate"}),
-        ("/simulation/drivers/push", {"kind": "force", "entity": "lamp", "end": 1.0}),
-        ("/simulation/drivers/turn", {"kind": "motor", "joint": "arm", "velocity": 1.0, "max_effort": 1.0, "end": 1.0}),
-        ("/claims/c9", {"quote": "crate", "type": "place", "by": ["/entities/crate"]}),
-    ],
+CLAIMED = {"c1": {"quote": "row of three blocks", "type": "thing", "by": ["/entities/b1"]}}
+SPEAKS: tuple[tuple[str, Any], ...] = (
+    ("/story/requirements/stays", WATCHES_THE_CRATE),
+    ("/graph/relations/on", {"kind": "supports", "a": "floor", "b": "crate"}),
+    ("/simulation/drivers/push", {"kind": "force", "entity": "lamp", "end": 1.0}),
+    ("/simulation/drivers/turn", {"kind": "motor", "joint": "arm", "velocity": 1.0, "max_effort": 1.0, "end": 1.0}),
 )
-def test_what_something_speaks_of_is_not_nor_is_what_a_joint_ties_to_it(pointer: str, value: Any) -> None:
-    assert dressing(edited(base(), pointer, value)) == []
 
 
-def test_a_claim_speaks_of_a_body() -> None:
-    assert dressing(base(c1={"quote": "crate", "type": "thing", "by": ["/entities/crate"]})) == []
+def of_version_1() -> WorldSpec:
+    document = base().model_dump(mode="json", exclude_none=True) | {"spec_version": "1"}
+    return WorldSpec.model_validate({k: v for k, v in document.items() if k != "claims"})
+
+
+def test_what_no_claim_speaks_of_is_dressing() -> None:
+    assert dressing(base(**CLAIMED)) == ["floor", "shelf", "ball", "b2", "b3", "crate", "lamp"]
+    assert dressing(of_version_1()) == ["crate", "lamp"]
+
+
+@pytest.mark.parametrize(("pointer", "value"), SPEAKS)
+def test_what_a_claim_names_speaks_of_its_bodies_and_of_what_a_joint_ties_to_them(pointer: str, value: Any) -> None:
+    spec = edited(base(**CLAIMED), pointer, value)
+    assert {"crate", "lamp"} <= set(dressing(spec)), "a beat, relation or driver alone is no claim"
+    claimed = edited(spec, "/claims/c9", {"quote": "falls off", "type": "thing", "by": [pointer]})
+    assert not {"crate", "lamp"} & set(dressing(claimed))
+    assert dressing(edited(of_version_1(), pointer, value)) == []
+
+
+@pytest.mark.parametrize("kind", ["thing", "place"])
+def test_a_claim_speaks_of_a_body(kind: str) -> None:
+    assert "crate" not in dressing(base(c1={"quote": "crate", "type": kind, "by": ["/entities/crate"]}))
 
 
 def test_an_overlap_that_is_allowed_and_a_shot_do_not_speak_of_a_body() -> None:
     glue = {"kind": "fastened", "a": "floor", "b": "crate", "max_depth": 0.01, "reason": "it is glued to it"}
-    assert dressing(edited(base(), "/graph/relations/glue", glue)) == ["crate", "lamp"]
-    assert dressing(edited(base(), "/shots/only/subjects", ["crate"])) == ["crate", "lamp"]
+    assert dressing(edited(of_version_1(), "/graph/relations/glue", glue)) == ["crate", "lamp"]
+    assert dressing(edited(of_version_1(), "/shots/only/subjects", ["crate"])) == ["crate", "lamp"]

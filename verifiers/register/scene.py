@@ -285,10 +285,8 @@ def _dressing(candidate: Candidate) -> Iterator[tuple[str, str]]:
         if candidate.stage != "static" and _still(candidate, n)
     ]
     free = f"; nothing moves {_listed(idle)}, which might as well be static" if idle else ""
-    yield (
-        f"dressing: {_listed(found)}",
-        f"no beat, requirement, driver, claim or relation that asks something speaks of it: it satisfies nothing{free}",
-    )
+    who = "claim" if spec.spec_version == "2" else "beat, requirement, driver, clause or relation that asks something"
+    yield f"dressing: {_listed(found)}", f"no {who} speaks of it: it satisfies nothing{free}"
 
 
 def _listed(names: Sequence[str]) -> str:

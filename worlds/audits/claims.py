@@ -22,6 +22,7 @@ from ..references import kinds_of, resolves
 from ..slices import geometry_slice
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from .properties import substance_problems
+from .unclaimed import unclaimed_problems
 
 __all__ = ["claim_problems", "counted", "leaf_at"]
 
@@ -53,7 +54,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
     found = [Problem(f"/claims/{name}/quote", text) for name, text in reading.problems]
     for name, claim in spec.claims.items():
         found += _claim(spec, document, name, claim)
-    return [*found, *_shared(spec), *_whole(spec, reading)]
+    return [*found, *_shared(spec), *unclaimed_problems(spec), *_whole(spec, reading)]
 
 
 def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:

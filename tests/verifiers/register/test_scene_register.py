@@ -203,7 +203,7 @@ def test_a_body_on_a_path_that_stands_still_is_a_table(tmp_path: Path) -> None:
     assert not _about(_hand(tmp_path, hand=((0.0, 0.0, 0.05), (1, 0, 0, 0))), "on its authored path pushes")
 
 
-DRESSING = "no beat, requirement, driver, claim or relation that asks something speaks of it: it satisfies nothing"
+DRESSING = "no beat, requirement, driver, clause or relation that asks something speaks of it: it satisfies nothing"
 
 
 def test_bodies_that_nothing_speaks_of_are_dressing_and_those_that_nothing_moves_are_told(tmp_path: Path) -> None:

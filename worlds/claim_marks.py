@@ -11,7 +11,7 @@ from .prompts.marks import Mark, marked_text, occurrence, parse_marks
 from .references import closest
 from .spec import CLAIM_TYPES, WorldSpec
 
-__all__ = ["claim_operations", "claims_from", "marked_claims"]
+__all__ = ["claim_operations", "claims_from", "marked_claims", "target_pointer"]
 
 _ID = re.compile(r"[^a-z0-9]+")
 _ALL = ("entities", "terrains", "story/beats", "story/requirements", "graph/relations", "graph/regions", "shots", "materials")
@@ -46,7 +46,7 @@ def claims_from(marked: str, spec: WorldSpec) -> dict[str, dict[str, Any]]:
         kind = mark.type if mark.type in CLAIM_TYPES else "property"
         claim: dict[str, Any] = {"quote": mark.quote, "nth": mark.nth, "type": kind}
         if mark.targets:
-            claim["by"] = [_target(spec, mark, target) for target in mark.targets]
+            claim["by"] = [target_pointer(spec, target, kind=mark.type, quote=mark.quote) for target in mark.targets]
         if mark.type == "waived":
             claim["waived"] = mark.options["because"]
         if "same_as" in mark.options:
@@ -103,13 +103,23 @@ def _same(mark: Mark, names: list[str], marks: tuple[Mark, ...]) -> str:
     return by_words[0]
 
 
-def _target(spec: WorldSpec, mark: Mark, target: str) -> str:
-    """Pointer that a target of a mark stands for."""
+def target_pointer(spec: WorldSpec, target: str, *, kind: str, quote: str) -> str:
+    """Pointer that a target of a claim stands for, written as a pointer or as a bare id.
+
+    Args:
+        spec: where ids are looked up.
+        target: as in a mark.
+        kind: type of the claim, which says where an id is looked for first.
+        quote: words of the claim, for the error.
+
+    Raises:
+        InputError: nothing has this id.
+    """
     if target.startswith("/"):
         return target
     if "/" in target and any(target.startswith(f"{place.partition('/')[0]}/") for place in _PLACES):
         return f"/{target}"
-    first = _FIRST.get(mark.type, ())
+    first = _FIRST.get(kind, ())
     known = {place: _members(spec, place) for place in (*first, *_PLACES)}
     name, _, rest = target.partition("/")
     for place, members in known.items():
@@ -121,7 +131,7 @@ def _target(spec: WorldSpec, mark: Mark, target: str) -> str:
         if near
         else "; give the id of an entity, beat, requirement, relation or region, or a pointer such as /look/sky"
     )
-    raise InputError(f"the mark of {mark.quote!r} names {target!r}, which is nothing in the specification{hint}")
+    raise InputError(f"the mark of {quote!r} names {target!r}, which is nothing in the specification{hint}")
 
 
 def _members(spec: WorldSpec, place: str) -> set[str]:

@@ -23,6 +23,7 @@ from ...workflow.standing import film_of
 from ...worlds.errors import EvidenceError, InputError, LimitError, RefusedError, WorldAgentError
 from ...worlds.folder import WorldFolder, safe_join
 from ...worlds.quoting import shown
+from .claims import corrected
 from .data import MAX_PAGE, PageData, QueryError, job_view
 from .events import MOST_LISTENERS, EventHub
 from .pictures import PICTURE_TYPES, picture_path, thumbnail
@@ -140,6 +141,14 @@ class Page:
         body = await request.body()
         return _json(await self.read(lambda: self.reading.answer(request, body)))
 
+    async def correct(self, request: Request) -> Response:
+        """A person's correction of a claim."""
+        refused = _unasked(request, "correcting")
+        if refused is not None:
+            return refused
+        body = await request.body()
+        return _json(await self.read(lambda: corrected(self.data.workspace, request, body)))
+
     def _folder(self, request: Request) -> WorldFolder:
         return WorldFolder.of(self.data.workspace, request.path_params["world"])
 
@@ -183,6 +192,7 @@ def page_routes(workspace: Path, jobs: Callable[[], JobStore]) -> list[BaseRoute
         get(f"{world}/charts", lambda r: data.charts(name(r))),
         get(f"{world}/review", page.reading.questions),
         Route(f"{world}/review", _told(page.review), methods=["POST"]),
+        Route(f"{world}/claims", _told(page.correct), methods=["POST"]),
         Route(f"{world}/review/pictures/{{number}}", _told(page.review_picture), methods=["GET"]),
         Route(f"{world}/pictures/{{name}}", _told(page.picture), methods=["GET"]),
         Route(f"{world}/film", _told(page.film), methods=["GET"]),

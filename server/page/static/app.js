@@ -1,5 +1,6 @@
 // Routes, state, and the one place where a view meets the document.
 
+import { draftOf } from "./correcting.js";
 import { h, morph } from "./dom.js";
 import { matrixView, PAGE } from "./matrix.js";
 import { problem, worldPath } from "./parts.js";
@@ -14,7 +15,7 @@ export class App {
   constructor(source, places) {
     this.source = source;
     this.places = places; // { main, bar, said }
-    this.state = { source, route: { name: "worlds", view: "" }, query: {}, jobs: new Map(), details: new Map(), confirm: "", refused: "", span: "" };
+    this.state = { source, route: { name: "worlds", view: "" }, query: {}, jobs: new Map(), details: new Map(), confirm: "", refused: "", span: "", draft: null, refused_correction: "" };
     this.found = {};
     this.load_number = 0;
     this.connection = "";
@@ -36,7 +37,7 @@ export class App {
     else this.state.route = { name: parts[0] === "jobs" ? "jobs" : "worlds", view: "" };
     this.state.query = Object.fromEntries(new URLSearchParams(search));
     const moved = before !== `${this.state.route.name} ${this.state.route.world} ${this.state.route.view}`;
-    if (moved) this.state.span = "";
+    if (moved) Object.assign(this.state, { span: "", draft: null, refused_correction: "" });
     return this.load({ moved });
   }
 
@@ -240,6 +241,8 @@ export class App {
       this.places.main.querySelector(`[data-key="${CSS.escape(id)}"] button`)?.focus();
     } else if (action === "cancel") {
       this.cancel(id);
+    } else if (action === "correct-claim") {
+      this.correct_claim(id);
     } else if (action === "forget") {
       this.source.useToken("");
       location.reload();
@@ -258,6 +261,49 @@ export class App {
     }
     this.render();
     this.places.main.querySelector("h1")?.focus({ preventScroll: true });
+  }
+
+  // ------------------------------------------------------------ claims
+
+  draft(claim) {
+    Object.assign(this.state, { draft: draftOf(this.found.world.judged_prompt, claim), refused_correction: "" });
+    this.render();
+  }
+
+  correct_claim(claim) {
+    this.draft(claim);
+    const place = this.places.main.querySelector("#correcting");
+    place.open = true;
+    place.querySelector("[name=claim]").value = claim;
+    place.querySelector("[name=deed]").focus();
+  }
+
+  // What is typed is kept apart from the document, which is made anew whenever something changes.
+  drafted(form, field) {
+    if (field.name === "claim") {
+      this.draft(field.value);
+      return;
+    }
+    this.state.draft ??= draftOf(this.found.world.judged_prompt, form.elements.claim.value);
+    this.state.draft[field.name] = field.value;
+    if (field.name !== "deed") return;
+    this.render();
+    form.elements.deed.focus();
+  }
+
+  async correct(form) {
+    const { claim, deed, type, by, because, reason } = this.state.draft ?? draftOf(this.found.world.judged_prompt, form.elements.claim.value);
+    const asked = { judge: { type, by }, waive: { because }, remove: {} }[deed];
+    try {
+      const { revision } = await this.source.correct(form.dataset.world, { revision: Number(form.dataset.revision), claim, deed, reason, ...asked });
+      Object.assign(this.state, { draft: null, refused_correction: "", span: deed === "remove" ? "" : claim });
+      await this.load();
+      this.say(`corrected, revision ${revision}`);
+      this.places.main.querySelector("#correcting summary")?.focus();
+    } catch (error) {
+      this.state.refused_correction = error.message;
+      this.render();
+    }
   }
 
   async open(target, action) {
@@ -283,11 +329,18 @@ export class App {
       event.preventDefault();
       this.source.useToken(form.elements.token.value.trim());
       this.unlock?.();
+    } else if (form.dataset.action === "correct") {
+      event.preventDefault();
+      this.correct(form);
     }
   }
 
   typed(event) {
     const form = event.target.form;
+    if (form?.dataset.action === "correct") {
+      this.drafted(form, event.target);
+      return;
+    }
     if (form?.dataset.action !== "filter") return;
     clearTimeout(this.typing);
     this.typing = setTimeout(() => this.filter(form), TYPING_MS);

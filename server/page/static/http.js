@@ -80,6 +80,11 @@ export class HttpSource {
     return (await this.fetch(`/api/jobs/${encodeURIComponent(id)}/cancel`, options)).json();
   }
 
+  async correct(id, correction) {
+    const options = { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(correction) };
+    return (await this.fetch(`/api/worlds/${encodeURIComponent(id)}/claims`, options)).json();
+  }
+
   picturePath(world, picture, small) {
     const path = `/api/worlds/${encodeURIComponent(world)}/pictures/${encodeURIComponent(picture.name)}?v=${picture.version ?? 0}`;
     return small ? `${path}&thumbnail` : path;

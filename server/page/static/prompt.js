@@ -1,12 +1,12 @@
 // The prompt: every span coloured by what it means, underlined by what became of it, with its rows and its picture beside it.
 
+import { correcting, mayCorrect, TYPES } from "./correcting.js";
 import { h } from "./dom.js";
 import { quantity, required, share, status } from "./format.js";
 import { caption, link, picture, section, worldPath } from "./parts.js";
 
 const STATES = { fail: "fails", unverified: "unverified", pass: "passes", reading: "the agent's reading, measured by no row", waived: "waived" };
 const STATE_SIGNS = { fail: "✕", unverified: "?", pass: "✓", reading: "○", waived: "–" };
-const TYPES = new Set(["thing", "count", "quantity", "property", "event", "order", "negation", "place", "time", "weather", "look", "route"]);
 const NOTE_ROWS = 6;
 
 export function promptSection(state, world) {
@@ -20,13 +20,13 @@ export function promptSection(state, world) {
     h(
       "div",
       { class: "read" },
-      h("div", { "data-key": "text" }, h("blockquote", { dir: "auto" }, found.spans.map((s) => spanText(s, s === chosen))), spanLegend(found.spans), promptFacts(found), beats, correcting(world, found)),
+      h("div", { "data-key": "text" }, h("blockquote", { dir: "auto" }, found.spans.map((s) => spanText(s, s === chosen))), spanLegend(found.spans), promptFacts(found), beats, correcting(state, world, found)),
       spanNote(state, world, chosen),
     ),
   );
 }
 
-const kindOf = (span) => (TYPES.has(span.type) && !span.waived ? `t-${span.type} ` : "");
+const kindOf = (span) => (TYPES.includes(span.type) && !span.waived ? `t-${span.type} ` : "");
 
 function spanText(span, chosen) {
   if (!span.claim) return h("span", { class: "filler" }, span.text);
@@ -67,6 +67,7 @@ function spanNote(state, world, span) {
     span.waived ? h("p", null, span.waived) : null,
     h("ul", { class: "rows" }, rows.map((r) => noteRow(r, world.id)), span.rows.length > rows.length ? h("li", null, `and ${span.rows.length - rows.length} more rows`) : null),
     span.by.length ? h("p", { class: "quiet" }, "judged by ", h("code", null, span.by.join(", "))) : null,
+    mayCorrect(state) ? h("p", null, h("button", { type: "button", "data-action": "correct-claim", "data-id": span.claim }, "Correct this claim")) : null,
   );
 }
 
@@ -74,15 +75,4 @@ function noteRow(row, world) {
   const asked = required(row);
   const numbers = typeof row.measured === "number" ? `measured ${quantity(row.measured, row.unit)}${asked ? `, required ${asked}` : ""}` : "";
   return h("li", null, status(row.status), h("span", { class: "said" }, row.says), h("span", { class: "facts numbers" }, numbers), link(`${worldPath(world, "requirements")}?${new URLSearchParams({ q: row.id })}`, h("code", null, row.id)));
-}
-
-// The page changes no world: who finds a claim wrong gives the text with another mark to the agent.
-function correcting(world, found) {
-  return h(
-    "details",
-    { "data-key": "marked" },
-    h("summary", null, "To correct a claim"),
-    h("p", null, "Change its mark in this text and give the whole text to the agent, for ", h("code", null, `edit_spec(world='${world.id}', claims='...')`), ". A mark is ", h("code", null, "[words](type target ...)"), "; ", h("code", null, '[words](waived because="...")'), " says why nothing judges them."),
-    h("pre", { tabindex: "0", dir: "auto" }, found.marked),
-  );
 }

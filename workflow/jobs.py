@@ -262,7 +262,9 @@ def review(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .review.conduct import read_world
 
     work = _work(payload)
-    context.progress(0, 1, "account, pictures, and the reader's answers")
+    if payload.get("ask", True):
+        plates_of(work, context)
+    context.progress(LOOKING, 1, "account, pictures, and the reader's answers")
     return read_world(work.session, work.candidate("full"), context.check, ask=payload.get("ask", True))
 
 

@@ -125,7 +125,7 @@ def _beat(pairs: _Pairs, before: WorldSpec, after: WorldSpec, old: str, new: str
 
 
 def _bodies(pairs: _Pairs, one: Any, other: Any) -> None:
-    """What two predicates name at the same place."""
+    """Pairs of entities and regions that two predicates name at the same place."""
     theirs = {place: value for place, target, value in references(other, "") if target in ("entity", "region")}
     for place, target, value in references(one, ""):
         if target in ("entity", "region") and place in theirs:

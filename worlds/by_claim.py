@@ -1,4 +1,4 @@
-"""What a world asks less than another of the same prompt, compared by claim and never by pointer (R157).
+"""Two worlds of one prompt compared by claim, never by pointer: where the one asks less than the other (R157).
 
 Whoever starts anew chooses new ids: what a claim binds is compared with what the claim of the same words binds in the other world, its
 bodies, beats and requirements under one name. Where one of them has no claims, only what holds for the whole of a world is compared.

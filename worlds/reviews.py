@@ -84,6 +84,11 @@ class Review:
         if longest > MOST_TEXT:
             raise InputError(f"a text of a review has {longest} characters, at most {MOST_TEXT} are kept; shorten it")
 
+    @property
+    def contradicts(self) -> bool:
+        """True where it finds a claim contradicted, or takes another prompt for the world's."""
+        return "contradicted" in self.answers.values() or self.choice not in (None, NONE, self.right)
+
 
 class ReviewLedger(LedgerFile):
     """The table of reviews in a ledger; nothing in it is ever changed."""

@@ -13,7 +13,8 @@ from worldagent.execution import Cancelled
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, ground, make_candidate, world
 from worldagent.verifiers.shots.seen import check
 from worldagent.workflow import plates
-from worldagent.workflow.plates import LEAST_S, allowed_seconds, depart, make_plates
+from worldagent.workflow.plates import LEAST_S, allowed_seconds, depart, make_plates, plate_pictures
+from worldagent.workflow.review.pictures import MOST_PICTURES, frames_to_show, pictures_of
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EngineError, InputError
 from worldagent.worlds.plates import SEEDS, Plate, Plates, View, plate_size, plates_folder
@@ -205,3 +206,40 @@ def test_looking_may_take_a_tenth_of_the_bake_and_never_less_than_a_minute(bake:
     assert allowed_seconds(bake) == seconds
     assert LEAST_S == 60
     assert pytest.approx(0.1) == plates.SHARE_OF_BAKE
+
+
+# ---------------------------------------------------------------- pictures of a review
+
+
+def test_pictures_of_a_review_are_plates_where_there_are_any(candidate: Candidate, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[int] = []
+
+    def preview(candidate: Candidate, frame: int, *, width: int, height: int, **_: Any) -> Any:
+        drawn.append(frame)
+        return np.zeros((height, width, 3), np.uint8)
+
+    monkeypatch.setattr("worldagent.rendering.preview", preview)
+    monkeypatch.setattr("worldagent.rendering.PreviewRenderer", lambda candidate: None)
+    assert plate_pictures(candidate) == {}
+    bare = pictures_of(candidate)
+    assert [p.frame for p in bare] == drawn
+    made, drawn[:] = make_plates(candidate, seconds=60), []
+    pictures = plate_pictures(candidate)
+    assert list(pictures) == list(dict.fromkeys(v.frame for v in made.views))
+    assert all(p.shape == (*plate_size(candidate.spec.look)[::-1], 3) and (p == 255).all() for p in pictures.values())
+    told = pictures_of(candidate)
+    shown = {p.frame for p in told}
+    assert shown & set(pictures)
+    assert drawn == [p.frame for p in told if p.frame not in pictures]
+    assert {0, candidate.last_frame} <= shown
+    assert len(frames_to_show(candidate, list(range(1, 24)))) == MOST_PICTURES
+
+
+@pytest.mark.parametrize("what", ["stale", "damaged"])
+def test_plates_of_another_bake_or_damaged_ones_are_no_pictures(candidate: Candidate, what: str) -> None:
+    made, folder = make_plates(candidate, seconds=60), plates_folder(candidate)
+    if what == "stale":
+        dataclasses.replace(made, cache="another").write(folder)
+    else:
+        (folder / "frame_000000.npz").write_bytes(b"none")
+    assert plate_pictures(candidate) == {}

@@ -91,3 +91,9 @@ def test_the_summary_tells_counts_contradictions_and_whether_the_prompt_was_foun
     assert told["counts"] == {"shown": 1, "contradicted": 1, "not shown": 0}
     assert told["contradicted"] == ["b"]
     assert told["chose_the_prompt"] is True
+
+
+@pytest.mark.parametrize(("choice", "against"), [(None, False), (0, False), (2, False), (1, True)])
+def test_who_takes_another_prompt_for_the_worlds_contradicts(choice: int | None, against: bool) -> None:
+    assert Review("d", "model", "m", {"c": "shown"}, choice, 2).contradicts is against
+    assert Review("d", "model", "m", {"c": "contradicted"}, 2, 2).contradicts

@@ -20,6 +20,7 @@ from ...worlds.reviews import NONE, Answer, Asked, Review, read_by, summary
 from .endpoint import Endpoint, ReaderError, configured, say
 from .pictures import ReviewPicture
 from .questions import Answers, Questions, asked_of, parse_answers, parse_choice, prompts_to_choose
+from .rivals import rival_prompts
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -69,8 +70,8 @@ def place_of(digest: str) -> str:
     return digest[:16]
 
 
-def prepare(folder: WorldFolder, candidate: Candidate, rivals: Sequence[str] = ()) -> Current:
-    """Write what readers of a candidate are asked, and make it the current one.
+def prepare(folder: WorldFolder, candidate: Candidate) -> Current:
+    """Write what readers of a candidate are asked, unless it is there, and make it the current one.
 
     Raises:
         EvidenceError: a channel of the candidate is missing or damaged.
@@ -85,8 +86,12 @@ def prepare(folder: WorldFolder, candidate: Candidate, rivals: Sequence[str] = (
         raise RefusedError(
             "nothing of the prompt is claimed, so that a reader can be asked about nothing; mark it with edit_spec first"
         )
-    account, pictures = account_of(candidate), pictures_of(candidate)
-    prompts, right = prompts_to_choose(spec.prompt, account.digest, rivals)
+    account = account_of(candidate)
+    prompts, right = prompts_to_choose(spec.prompt, account.digest, rival_prompts(spec))
+    there = _there(folder, candidate)
+    if there is not None and there.questions.but_pictures() == (account.text, spans, left_out, prompts, right):
+        return there
+    pictures = pictures_of(candidate)
     digests = tuple(hashlib.sha256(p.data).hexdigest() for p in pictures)
     questions = Questions(account.text, digests, spans, left_out, prompts, right)
     name = place_of(questions.digest)
@@ -98,6 +103,17 @@ def prepare(folder: WorldFolder, candidate: Candidate, rivals: Sequence[str] = (
     about = {"name": name, "digest": questions.digest, **_about(spec, candidate.digest)}
     write_atomically(folder.root / "reviews" / "current.json", json.dumps(about).encode())
     return Current(folder, name, questions)
+
+
+def _there(folder: WorldFolder, candidate: Candidate) -> Current | None:
+    """Questions that are written already, with their pictures: plates that came since would make them others, and answers void."""
+    try:
+        found = current(folder, candidate.spec, candidate.digest)
+        if found is not None:
+            found.pictures()
+        return found
+    except EvidenceError:
+        return None
 
 
 def _about(spec: WorldSpec, cache_digest: str) -> dict[str, str]:

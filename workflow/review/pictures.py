@@ -1,12 +1,17 @@
-"""Pictures that a reader gets: at most six, of the moments at which the world's events come true and most moves."""
+"""Pictures that a reader gets: at most six, of the moments at which the world's events come true and most moves.
+
+Those of the plates where there are any, in the light of the film; else previews.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...worlds.errors import EvidenceError
+from ..plates import plate_pictures
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -29,13 +34,18 @@ class ReviewPicture(NamedTuple):
     """`png` or `jpeg`."""
 
 
-def frames_to_show(candidate: Candidate) -> list[int]:
-    """First and last frame, those at which events of the story come true, that of most motion; else evenly between."""
+def frames_to_show(candidate: Candidate, plated: Collection[int] = ()) -> list[int]:
+    """First and last frame, those of plates, those at which events of the story come true, that of most motion; else evenly between.
+
+    Args:
+        candidate: a complete bake.
+        plated: frames of plates.
+    """
     from ...verifiers.predicates import evaluate
 
     last = candidate.last_frame
-    chosen = [0, last]
-    for beat in candidate.spec.story.beats.values():
+    chosen = [0, last, *plated]
+    for beat in () if len(plated) > MOST_PICTURES else candidate.spec.story.beats.values():
         try:
             found = evaluate(candidate, beat.predicate, beat.frames).first_true_frame
         except EvidenceError:
@@ -66,10 +76,13 @@ def pictures_of(candidate: Candidate) -> list[ReviewPicture]:
     """Pictures in order of time, as the film's cameras see them, without a name in them."""
     from ...rendering import PreviewRenderer, encode, preview
 
-    renderer = PreviewRenderer(candidate)
+    plates, renderer = plate_pictures(candidate), None
     found = []
-    for frame in frames_to_show(candidate):
-        image = preview(candidate, frame, width=SIZE[0], height=SIZE[1], renderer=renderer)
+    for frame in frames_to_show(candidate, plates):
+        image = plates.get(frame)
+        if image is None:
+            renderer = renderer or PreviewRenderer(candidate)
+            image = preview(candidate, frame, width=SIZE[0], height=SIZE[1], renderer=renderer)
         made = encode(image, MOST_BYTES)
         found.append(ReviewPicture(frame, made.data, made.format))
     return found

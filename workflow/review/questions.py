@@ -60,6 +60,10 @@ class Questions:
         told = [self.account, self.pictures, self.spans, self.prompts, self.right]
         return hashlib.sha256(json.dumps(told, ensure_ascii=True).encode()).hexdigest()
 
+    def but_pictures(self) -> tuple[str, tuple[Asked, ...], int, tuple[str, ...], int]:
+        """All that words tell of it."""
+        return self.account, self.spans, self.left_out, self.prompts, self.right
+
     def choice_text(self) -> str:
         """Request to choose the prompt."""
         listed = "\n".join(f"{k}. {json.dumps(p, ensure_ascii=False)}" for k, p in enumerate(self.prompts, 1))

@@ -43,7 +43,7 @@ def reviewed(session: Session, built: Mapping[str, BuiltEntity], freeze: str, re
         if record["verdict"] == "accepted":
             record["verdict"] = verdict_of(rows)
     # Of other pictures, motions or words: who edits until a reader is content leaves these behind.
-    record["earlier_contradictions"] = sum("contradicted" in r.answers.values() for r in known)
+    record["earlier_contradictions"] = sum(r.contradicts for r in known)
     if "prompt" in record:
         record["prompt"]["read_by"] = record["read_by"]
     return rows

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from .session import Session
 
-__all__ = ["SAMPLES", "allowed_seconds", "depart", "make_plates", "plate_pictures", "plates_anywhere", "require_seen"]
+__all__ = ["SAMPLES", "allowed_seconds", "depart", "make_plates", "plates_anywhere", "require_seen"]
 
 SAMPLES = 16
 """[paths/pixel] Own choice: the default of a film, whose light is to be judged; its noise is measured, and more would only lower it."""
@@ -197,25 +197,6 @@ def plates_anywhere(root: Path) -> None:
     except (RefusedError, EvidenceError):  # whoever judges the folder says so
         return
     make_plates(candidate, seconds=LEAST_S)
-
-
-def plate_pictures(candidate: Candidate) -> dict[int, U8]:
-    """Pictures of the plates that show this very bake in its present light, by frame, in the order in which they were wanted.
-
-    Those with their subject, 8-bit sRGB, shape (height, width, 3), the mean of their seeds; of several of a frame the first.
-    """
-    folder = plates_folder(candidate)
-    found: dict[int, U8] = {}
-    try:
-        plates = Plates.open(folder)
-        if plates is None or (plates.recipe, plates.cache) != (recipes(candidate.spec)["seen"], candidate.digest):
-            return {}
-        for view in plates.views:
-            if view.frame not in found:
-                found[view.frame] = plates.read(folder, view).shown.mean(axis=0).round().astype("uint8")
-    except EvidenceError:  # rows of the plates say what is wrong with them
-        return {}
-    return found
 
 
 def depart(candidate: Candidate, plates: Plates, view: View, renderer: Callable[[], FrameRenderer] | None = None) -> bool:

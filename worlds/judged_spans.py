@@ -32,7 +32,12 @@ _MEASURED = ("thing", "event", "order", "negation")
 """Types that need a row: without one they are unverified."""
 _AUDIT = "audit:claims"
 _KEPT = ("id", "status", "measured", "bound", "comparison", "unit")
-CLAIM_CHECKS = ("claim", "beat", "relations", "navigability", "audit")
+_OF_A_BEAT = ("beat", "beat:driven", "beat:vacuous", "beat:branches", "shots:cover", "shots:visible", "shots:seen")
+_OF_A_REQUIREMENT = ("requirement", "requirement:branches")
+"""Questions that are asked of each beat, or requirement, by its id."""
+_OF_AN_EFFECT = ("causal", "robustness")
+"""Checks whose rows name a beat behind its cause, or behind what is varied."""
+CLAIM_CHECKS = ("claim", "review", "beat", "causal", "robustness", "shots", "relations", "navigability", "audit")
 """Checks whose rows judge claims."""
 SPAN_SIGNS: Mapping[SpanState, str] = {"fail": "✕", "unverified": "?", "pass": "✓", "reading": "○", "waived": "–", "filler": ""}
 """Signs beside the words: colour is never the only one."""
@@ -84,11 +89,14 @@ class _Rows:
         kept = [r for r in rows if r.get("check") in CLAIM_CHECKS]
         self.by_id = {str(r["id"]): r for r in kept}
         self.claims: dict[str, list[Mapping[str, Any]]] = {}
+        self.effects: dict[str, list[Mapping[str, Any]]] = {}
         self.graph: dict[str, list[Mapping[str, Any]]] = {}
         for row in kept:
             subjects = [str(s) for s in row.get("subject") or ()]
-            if row["check"] == "claim" and subjects:
+            if row["check"] in ("claim", "review") and subjects:
                 self.claims.setdefault(subjects[0], []).append(row)
+            elif row["check"] in _OF_AN_EFFECT and len(subjects) > 1:
+                self.effects.setdefault(subjects[1], []).append(row)
             elif row["check"] in ("relations", "navigability"):
                 for name in subjects:
                     self.graph.setdefault(name, []).append(row)
@@ -100,15 +108,17 @@ class _Rows:
             return JudgedSpan(text, "filler")
         by = tuple(map(str, span.get("by") or ()))
         waived = str(span.get("waived") or "")
-        found = () if waived else tuple(self._of_claim(str(claim), kind, text, by))
+        found = () if waived else tuple(sorted(self._of_claim(str(claim), kind, text, by), key=_rank))
         state: SpanState = "waived" if waived else _state(kind, found)
         return JudgedSpan(text, state, str(claim), kind, by, waived, found)
 
     def _of_claim(self, claim: str, kind: str, text: str, by: Sequence[str]) -> list[Mapping[str, Any]]:
         found = [_told(r) for r in self.claims.get(claim, ())]
-        named = [f"beat:{b}" for b in _members(by, "/story/beats")]
-        named += [f"requirement:{r}" for r in _members(by, "/story/requirements")]
+        beats = _members(by, "/story/beats")
+        named = [f"{question}:{b}" for b in beats for question in _OF_A_BEAT]
+        named += [f"{question}:{r}" for r in _members(by, "/story/requirements") for question in _OF_A_REQUIREMENT]
         found += [_told(self.by_id[i]) for i in named if i in self.by_id]
+        found += [_told(row) for b in beats for row in self.effects.get(b, ())]
         places = (*_members(by, "/graph/relations"), *_members(by, "/graph/regions"))
         found += [_told(r) for name in places for r in self.graph.get(name, ())]
         return found + self._audited(claim, kind, text)
@@ -146,11 +156,17 @@ def _told(row: Mapping[str, Any]) -> Mapping[str, Any]:
     evidence = row.get("evidence") or {}
     stale = evidence.get("stale")
     says = f"stale: {stale}" if stale else str(evidence.get("explanation") or row.get("predicate", ""))
-    return {**{k: row.get(k) for k in _KEPT if row.get(k) not in (None, "")}, "says": says}
+    optional = {"mandatory": False} if row.get("mandatory") is False else {}
+    return {**{k: row.get(k) for k in _KEPT if row.get(k) not in (None, "")}, **optional, "says": says}
+
+
+def _rank(row: Mapping[str, Any]) -> int:
+    """Place of a row among those of its claim: what fails or is not known stands first."""
+    return _WORST.index(row["status"]) if row.get("status") in _WORST else len(_WORST)
 
 
 def _state(kind: str, rows: Sequence[Mapping[str, Any]]) -> SpanState:
-    words = {r.get("status") for r in rows}
+    words = {r.get("status") for r in rows if r.get("mandatory", True)}
     worst = next((s for s in _WORST if s in words), None)
     if worst is not None:
         return worst

@@ -21,12 +21,13 @@ from .arrays import U8
 from .cache import DAMAGE, digest_arrays, read_container, write_container
 from .errors import EvidenceError
 from .folder import write_atomically
+from .provenance import recipes
 
 if TYPE_CHECKING:
     from .candidate import Candidate
     from .spec import Look
 
-__all__ = ["MOST_PLATES", "SEEDS", "Plate", "Plates", "View", "files_of", "plate_size", "plates_folder"]
+__all__ = ["MOST_PLATES", "SEEDS", "Plate", "Plates", "View", "files_of", "plate_pictures", "plate_size", "plates_folder"]
 
 MOST_PLATES = 24
 """Own choice: plates of a world at most; about half a minute of two cores."""
@@ -159,6 +160,21 @@ class Plates:
     def digest(self) -> str:
         """SHA-256 over what they were made from and what they show, hex."""
         return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
+
+
+def plate_pictures(candidate: Candidate) -> dict[View, U8]:
+    """Pictures of the plates that show this very bake in its present light, in the order in which they were wanted.
+
+    Those with their subject, 8-bit sRGB, shape (height, width, 3), the mean of their seeds; none where a plate is damaged.
+    """
+    folder = plates_folder(candidate)
+    try:
+        plates = Plates.open(folder)
+        if plates is None or (plates.recipe, plates.cache) != (recipes(candidate.spec)["seen"], candidate.digest):
+            return {}
+        return {v: plates.read(folder, v).shown.mean(axis=0).round().astype(np.uint8) for v in plates.views}
+    except EvidenceError:  # rows of the plates say what is wrong with them
+        return {}
 
 
 def _path(folder: Path, place: int) -> Path:

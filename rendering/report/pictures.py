@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 
 from ...worlds.accounts import Account
+from ...worlds.arrays import U8
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.judged_spans import SPAN_STATES, JudgedSpan, judged_spans
+from ...worlds.plates import View as PlateView
+from ...worlds.plates import plate_pictures
 from ...worlds.predicates import entities_of
 from ..highlight import highlight
 from ..plots.account import plot_account
@@ -79,24 +82,37 @@ View = tuple[int, tuple[str, ...]]
 def _spans(
     candidate: Candidate, record: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], renderer: PreviewRenderer
 ) -> tuple[list[tuple[str, bytes]], dict[str, int]]:
-    """Pictures of what the spans of a prompt are about, and which of them shows which claim; the worst judged first."""
+    """Pictures of what the spans of a prompt are about, plates where there are any, and which of them shows which claim; the worst judged first."""
     spans = [s for s in judged_spans(record.get("prompt") or {}, rows) if s.claim is not None]
     shown: dict[View, int] = {}
     pictures: list[tuple[str, bytes]] = []
     claims: dict[str, int] = {}
+    plates = plate_pictures(candidate)
     fps, size = candidate.spec.simulation.fps, {"width": 480, "height": 270}
     for span in sorted(spans, key=lambda s: (SPAN_STATES.index(s.state), s.type != "event")):
         view = _view(candidate, span, (record.get("events") or {}).get("beats") or {})
+        plate = _plate(plates, *view)
+        view = view if plate is None else (plate.frame, (plate.subject,))
         if view not in shown:
             if len(pictures) == MAX_SHOWN:
                 continue
             frame, names = view
-            image = highlight(candidate, frame, names, renderer=renderer, **size)
+            told = f"frame {frame} ({frame / fps:.2f} s)"
+            if plate is not None:
+                image, told = plates[plate], f"{told}, {plate.subject} in the light of the film"
+            else:
+                image = highlight(candidate, frame, names, renderer=renderer, **size)
+                told += f", {' and '.join(names)} marked" if names else ""
             shown[view] = len(pictures)
-            marked = f", {' and '.join(names)} marked" if names else ""
-            pictures.append((f"frame {frame} ({frame / fps:.2f} s){marked}", encode(image, SHOWN_BYTES).data))
+            pictures.append((told, encode(image, SHOWN_BYTES).data))
         claims[str(span.claim)] = shown[view]
     return pictures, claims
+
+
+def _plate(plates: Mapping[PlateView, U8], frame: int, names: Sequence[str]) -> PlateView | None:
+    """The plate of the first of some bodies, nearest to a frame; None where there is none."""
+    own = [v for v in plates if v.subject in names[:1]]
+    return min(own, key=lambda v: abs(v.frame - frame), default=None)
 
 
 def _view(candidate: Candidate, span: JudgedSpan, true: Mapping[str, int | None]) -> View:

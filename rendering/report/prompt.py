@@ -17,8 +17,8 @@ from .markup import cell, escaped, figure, table, tag
 __all__ = ["prompt_section", "span_styles"]
 
 _STATUSES = ("fail", "unverified", "pass", "not_applicable")
-MAX_NOTE_ROWS = 6
-"""Rows in the note of a span; the rest is counted, and stands among the requirements."""
+MAX_NOTE_ROWS = 40
+"""Rows in the note of a span, what fails first; those of more than a beat or two are counted, and stand among the requirements."""
 
 
 def prompt_section(record: Mapping[str, Any], spec: WorldSpec, spans: Sequence[JudgedSpan], pictures: ReportPictures) -> str:

@@ -9,6 +9,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +19,12 @@ from ...worlds.errors import EvidenceError, InputError
 from ...worlds.folder import WorldFolder, world_ids
 from ...worlds.ledger import Ledger
 from ...worlds.ledger_file import change_count
+from ...worlds.patch import parse_spec
 from ...worlds.requirements import Row
 from .charts import ledger_charts
 from .judged import OPEN_ROWS, latest_acceptance, latest_verdict, row_counts, row_line, row_status, row_text
 from .pictures import SHEETS, picture_list
+from .plates import plate_list, plate_picture
 from .prompts import judged_prompt
 
 if TYPE_CHECKING:
@@ -196,13 +199,20 @@ class PageData:
                 "open_count": len(open_rows),
                 "weakenings": ledger.weakenings(),
                 "acceptance": latest_acceptance(folder, ledger, where),
-                "judged_prompt": judged_prompt(spec, rows, pictures),
+                "judged_prompt": judged_prompt(spec, rows, pictures, partial(plate_list, folder, ledger, where)),
             }
             film = film_of(folder)
             if film is not None:
                 step = where.step("rendered")
                 data["film"] = {"state": step.state, "note": step.note, "bytes": film.stat().st_size, "at": film.stat().st_mtime}
         return data
+
+    def plate(self, world: str, number: str) -> tuple[bytes, str]:
+        """Picture of a plate of the present bake, and its format; errors as `plate_picture`."""
+        folder = WorldFolder.of(self.workspace, world)
+        spec = parse_spec(folder.read_json(folder.spec_path))
+        with self._ledger(folder) as ledger:
+            return plate_picture(folder, ledger, standing(folder, ledger, self.rows(folder)), spec, number)
 
     def rows(self, folder: WorldFolder) -> list[Row]:
         """The matrix of a world, failing rows first; read again only after the ledger changed."""

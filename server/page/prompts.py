@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ...worlds.claim_marks import marked_claims
@@ -21,7 +21,10 @@ _TOLD = ("claimed", "filler", "waived", "language", "warnings")
 
 
 def judged_prompt(
-    document: Mapping[str, Any], rows: Sequence[Row], pictures: Sequence[Mapping[str, Any]]
+    document: Mapping[str, Any],
+    rows: Sequence[Row],
+    pictures: Sequence[Mapping[str, Any]],
+    plates: Callable[[WorldSpec], Sequence[Mapping[str, Any]]] = lambda spec: (),
 ) -> dict[str, Any] | None:
     """The prompt as JSON, its spans judged by the present matrix; None for a world of version 1, or one that cannot be read.
 
@@ -29,6 +32,7 @@ def judged_prompt(
         document: the specification as JSON.
         rows: of the matrix.
         pictures: of the world, the newest first, see `picture_list`.
+        plates: of the present bake, see `plate_list`.
     """
     try:
         spec = parse_spec(dict(document))
@@ -41,15 +45,16 @@ def judged_prompt(
     spans = judged_spans(told, judged)
     views = [p for p in pictures if p["kind"] in _VIEWS and "frame" in p and not p.get("older")]
     true = {str(r["id"]): (r.get("evidence") or {}).get("first_true_frame") for r in judged}
+    shown = plates(spec)
     return {
-        "spans": [_span(s, _nearest(views, _moment(spec, s, true))) for s in spans],
+        "spans": [_span(s, _nearest(views, _moment(spec, s, true)), _plate(spec, s, shown, true)) for s in spans],
         "first": first_shown(spans),
         "marked": marked_claims(spec),
         **{k: told[k] for k in _TOLD},
     }
 
 
-def _span(span: JudgedSpan, picture: Mapping[str, Any] | None) -> dict[str, Any]:
+def _span(span: JudgedSpan, picture: Mapping[str, Any] | None, plate: Mapping[str, Any] | None) -> dict[str, Any]:
     if span.claim is None:
         return {"text": span.text, "state": span.state}
     return {
@@ -63,7 +68,17 @@ def _span(span: JudgedSpan, picture: Mapping[str, Any] | None) -> dict[str, Any]
         "rows": span.rows,
         "words": span_words(span),
         "picture": picture,
+        **({} if plate is None else {"plate": plate}),
     }
+
+
+def _plate(
+    spec: WorldSpec, span: JudgedSpan, plates: Sequence[Mapping[str, Any]], true: Mapping[str, Any]
+) -> Mapping[str, Any] | None:
+    """The plate of a body that a span is about, nearest to its moment."""
+    beats = [spec.story.beats[b].subject for b in span.named("/story/beats") if b in spec.story.beats]
+    own = [p for p in plates if p["subject"] in (beats or span.named("/entities"))]
+    return _nearest(own, _moment(spec, span, true))
 
 
 def _moment(spec: WorldSpec, span: JudgedSpan, true: Mapping[str, Any]) -> int | None:

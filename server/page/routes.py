@@ -109,6 +109,12 @@ class Page:
         small = await self.read(lambda: self._thumbnail(path, path.stat().st_mtime_ns))
         return Response(small, media_type="image/jpeg", headers=kept)
 
+    async def plate(self, request: Request) -> Response:
+        """Picture of a plate."""
+        world, number = request.path_params["world"], request.path_params["number"]
+        data, kind = await self.read(lambda: self.data.plate(world, number))
+        return Response(data, media_type=f"image/{kind}", headers=KEPT if "v" in request.query_params else FRESH)
+
     async def film(self, request: Request) -> Response:
         """The film, whole or by ranges."""
         folder = self._folder(request)
@@ -195,6 +201,7 @@ def page_routes(workspace: Path, jobs: Callable[[], JobStore]) -> list[BaseRoute
         Route(f"{world}/claims", _told(page.correct), methods=["POST"]),
         Route(f"{world}/review/pictures/{{number}}", _told(page.review_picture), methods=["GET"]),
         Route(f"{world}/pictures/{{name}}", _told(page.picture), methods=["GET"]),
+        Route(f"{world}/plates/{{number}}", _told(page.plate), methods=["GET"]),
         Route(f"{world}/film", _told(page.film), methods=["GET"]),
         Route(f"{world}/proof/{{name}}", _told(page.proof), methods=["GET"]),
     ]

@@ -5,17 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 from worldagent.server.page.data import PageData
 from worldagent.tests.page.browser import Served, Tab, needs_axe
 from worldagent.tests.page.conftest import Made, row
 from worldagent.tests.page.rich import pictured
+from worldagent.tests.page.test_standing import FREEZE, frozen
 from worldagent.tests.stories.small_run import MARKED, PROMPT, small_spec
 from worldagent.tests.worlds.audits.test_claims import FALLS, ROLLS
 from worldagent.tools.edit_spec import edit_spec
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
+from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.plates import SEEDS, Plate, Plates, View
 from worldagent.worlds.prompts.marks import parse_marks
+from worldagent.worlds.provenance import recipes
 
 WAIVED = MARKED.replace(" last ", ' [last](waived because="its place tells which is the last") ')
 
@@ -112,6 +117,33 @@ def test_pointing_and_the_keyboard_show_the_note_and_the_picture_of_a_span(made:
     )
     assert page.evaluate("document.activeElement.dataset.span") == "blocks"
     assert page.locator("mark[data-span=last]").get_attribute("title") == "waived: its place tells which is the last"
+
+
+def plated(folder: WorldFolder) -> None:
+    """A bake of the present settings with two plates of the ball."""
+    spec = parse_spec(folder.read_json(folder.spec_path))
+    ledger = frozen(folder)
+    ledger.put_bake(FREEZE, ledger.revision(), "cache-1", {"failing": []})
+    place = folder.candidate(FREEZE) / "bake" / "plates"
+    plates = Plates(recipes(spec)["seen"], "cache-1", {}, (16, 9), 4)
+    picture = np.full((SEEDS, 9, 16, 3), 200, np.uint8)
+    for frame in (1, 20):
+        plates = plates.added(place, View("ball", "only", frame), Plate(picture, picture))
+
+
+def test_a_plate_stands_beside_a_span_where_the_present_bake_has_one(made: Made, tab: Tab) -> None:
+    folder = claimed(made)
+    plated(folder)
+    spans = by_claim(prompt_of(made)["spans"])
+    assert (spans["rolls"]["plate"]["plate"], spans["rolls"]["plate"]["frame"]) == (0, 1)
+    assert "plate" not in spans["falls_off"]
+    page = tab.go("#/w/w", "Three blocks")
+    page.locator("mark[data-span=rolls]").hover()
+    tab.wait("document.querySelector('.note img').naturalWidth === 16")
+    assert "ball in the light of the film, frame 1" in page.locator(".note figcaption").inner_text()
+    assert page.request.get(f"{tab.url}/api/worlds/w/plates/2").status == 404
+    made.edit("w", ("/look/exposure", 1.5))
+    assert "plate" not in by_claim(prompt_of(made)["spans"])["rolls"], "of another light"
 
 
 def test_hostile_words_and_writing_from_right_to_left_stay_text(made: Made, tab: Tab) -> None:

@@ -13,11 +13,11 @@ from worldagent.execution import Cancelled
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, ground, make_candidate, world
 from worldagent.verifiers.shots.seen import check
 from worldagent.workflow import plates
-from worldagent.workflow.plates import LEAST_S, allowed_seconds, depart, make_plates, plate_pictures
+from worldagent.workflow.plates import LEAST_S, allowed_seconds, depart, make_plates
 from worldagent.workflow.review.pictures import MOST_PICTURES, frames_to_show, pictures_of
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EngineError, InputError
-from worldagent.worlds.plates import SEEDS, Plate, Plates, View, plate_size, plates_folder
+from worldagent.worlds.plates import SEEDS, Plate, Plates, View, plate_pictures, plate_size, plates_folder
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.spec import Beat, CameraKey, Shot
 
@@ -224,8 +224,8 @@ def test_pictures_of_a_review_are_plates_where_there_are_any(candidate: Candidat
     bare = pictures_of(candidate)
     assert [p.frame for p in bare] == drawn
     made, drawn[:] = make_plates(candidate, seconds=60), []
-    pictures = plate_pictures(candidate)
-    assert list(pictures) == list(dict.fromkeys(v.frame for v in made.views))
+    assert list(plate_pictures(candidate)) == list(made.views)
+    pictures = {view.frame: picture for view, picture in plate_pictures(candidate).items()}
     assert all(p.shape == (*plate_size(candidate.spec.look)[::-1], 3) and (p == 255).all() for p in pictures.values())
     told = pictures_of(candidate)
     shown = {p.frame for p in told}

@@ -94,3 +94,31 @@ def test_the_worst_span_is_shown_first_and_filler_never() -> None:
     assert first_shown(spans) == 2
     assert first_shown([*spans, JudgedSpan("d", "fail", "d", "thing")]) == 3
     assert first_shown(spans[:1]) is None
+
+
+OF_A_BEAT = ("beat:driven:b", "beat:vacuous:b", "shots:visible:b", "shots:seen:b")
+
+
+@pytest.mark.parametrize("row_id", OF_A_BEAT)
+def test_every_row_about_the_beat_of_a_claim_counts(row_id: str) -> None:
+    good = [row("claim:event:it", "pass", "it"), row("beat:b", "pass", "b")]
+    assert state("event", *good, row(row_id, "fail", "b")) == "fail"
+    assert state("event", *good, row(f"{row_id[:-1]}c", "fail", "c")) == "pass"
+
+
+def test_causes_and_readers_of_a_claim_stand_in_its_note_and_what_fails_first() -> None:
+    rows = [
+        row("claim:event:it", "pass", "it", measured=0.0, bound=0.0, comparison="<="),
+        row("beat:b", "pass", "b"),
+        row("causal:a:b", "fail", "a", "b", measured=0.0, bound=1.0, comparison=">=", unit="links"),
+        row("causal:b:c", "fail", "b", "c"),
+        row("robustness:shaken:b", "pass", "shaken", "b"),
+        row("review:it", "unverified", "it", mandatory=False),
+        row("review:other", "fail", "other"),
+    ]
+    (span,) = judged_spans(record(it={"type": "event", "by": ["/story/beats/b"]}), rows)
+    assert [r["id"] for r in span.rows] == ["causal:a:b", "review:it", "claim:event:it", "beat:b", "robustness:shaken:b"]
+    assert "fail: so it came out (measured 0 links, required >= 1 links)" in span_words(span)
+    kept = [r for r in rows if not r["id"].startswith("causal")]
+    (read,) = judged_spans(record(it={"type": "event", "by": ["/story/beats/b"]}), kept)
+    assert read.state == "pass", "a reader who sees nothing proves nothing"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...worlds.errors import EvidenceError
-from ..plates import plate_pictures
+from ...worlds.plates import plate_pictures
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -76,9 +76,9 @@ def pictures_of(candidate: Candidate) -> list[ReviewPicture]:
     """Pictures in order of time, as the film's cameras see them, without a name in them."""
     from ...rendering import PreviewRenderer, encode, preview
 
-    plates, renderer = plate_pictures(candidate), None
+    plates, renderer = {view.frame: image for view, image in reversed(plate_pictures(candidate).items())}, None
     found = []
-    for frame in frames_to_show(candidate, plates):
+    for frame in frames_to_show(candidate, [*reversed(plates)]):
         image = plates.get(frame)
         if image is None:
             renderer = renderer or PreviewRenderer(candidate)

@@ -172,7 +172,7 @@ def _denied(reading: Reading, spans: list[Span]) -> Iterator[list[_Edit]]:
         words = _held(reading, span, "negation")
         if words and len(words) < len(units_of(span.text)):
             yield [(start, end, "") for start, end, _ in words]
-    if language not in _NEVER:
+    if language is None or language not in _NEVER:
         return
     for span in (s for s in spans if s.type == "event"):
         first = units_of(span.text)[0].end if language in _AROUND_THE_VERB else len(span.text)

@@ -90,6 +90,7 @@ export class HttpSource {
     return small ? `${path}&thumbnail` : path;
   }
 
+  platePath = (world, plate) => `/api/worlds/${encodeURIComponent(world)}/plates/${plate.plate}?v=${plate.version}`;
   filmPath = (world, at) => `/api/worlds/${encodeURIComponent(world)}/film?v=${Math.round(at)}`;
   proofPath = (world, name) => `/api/worlds/${encodeURIComponent(world)}/proof/${encodeURIComponent(name)}`;
 

@@ -100,7 +100,7 @@ export function rowLine(row, world) {
 }
 
 export function picture(world, shown, state, { small = true, lazy = true } = {}) {
-  return h("img", { alt: shown.alt, "data-src": state.source.picturePath(world, shown, small), loading: lazy ? "lazy" : null, decoding: "async" });
+  return h("img", { alt: shown.alt, "data-src": shown.plate === undefined ? state.source.picturePath(world, shown, small) : state.source.platePath(world, shown), loading: lazy ? "lazy" : null, decoding: "async" });
 }
 
 export function caption(shown) {

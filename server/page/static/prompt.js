@@ -7,7 +7,7 @@ import { caption, link, picture, section, worldPath } from "./parts.js";
 
 const STATES = { fail: "fails", unverified: "unverified", pass: "passes", reading: "the agent's reading, measured by no row", waived: "waived" };
 const STATE_SIGNS = { fail: "✕", unverified: "?", pass: "✓", reading: "○", waived: "–" };
-const NOTE_ROWS = 6;
+const NOTE_ROWS = 40;
 
 export function promptSection(state, world) {
   const found = world.judged_prompt;
@@ -57,7 +57,7 @@ function promptFacts(found) {
 
 function spanNote(state, world, span) {
   if (!span) return h("div", { class: "note quiet" }, "No claim says yet what words of the prompt mean.");
-  const shown = span.picture ?? world.latest;
+  const shown = (state.source.platePath && span.plate) || span.picture || world.latest; // a host of an MCP App serves no plates
   const rows = span.rows.slice(0, NOTE_ROWS);
   return h(
     "div",

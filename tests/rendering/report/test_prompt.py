@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import pytest
 from worldagent.rendering import ReportPictures, matrix_page, report_pictures
 from worldagent.tests.rendering.report.test_page import EVIL, Page, _record, candidate
 from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.plates import View
 
 __all__ = ["candidate"]
 
@@ -139,3 +141,25 @@ def test_the_direction_of_the_writing_is_the_prompts(candidate: Candidate, text:
     assert text in page.words
     assert next(a["dir"] for t, a in page.tags if t == "blockquote") == "auto"
     assert "bdi" in {t for t, _ in page.tags}
+
+
+def test_a_plate_is_the_picture_of_its_body_where_there_is_one(candidate: Candidate, monkeypatch: pytest.MonkeyPatch) -> None:
+    plates = {View("a", "only", k): np.full((9, 16, 3), 200, np.uint8) for k in (2, 5)}
+    monkeypatch.setattr("worldagent.rendering.report.pictures.plate_pictures", lambda candidate: plates)
+    told = record()
+    found = report_pictures(candidate, told["rows"], record=told)
+    assert found.shown[found.claims["rests"]][0] == "frame 5 (0.21 s), a in the light of the film"
+    assert found.claims["box"] == found.claims["rests"]
+    assert found.shown[found.claims["quietly"]][0] == "frame 0 (0.00 s)"
+
+
+def test_the_note_of_a_span_has_every_row_of_its_claim_with_measured_value_and_bound(candidate: Candidate) -> None:
+    told = record()
+    more = [
+        {**told["rows"][-1], "id": f"causal:c{k}:rest", "check": "causal", "subject": [f"c{k}", "rest"], "measured": k + 0.5}
+        for k in range(12)
+    ]
+    text = matrix_page({**told, "rows": [*told["rows"], *more]}, candidate.spec)
+    note = text.partition('id="n3"')[2].partition('<div id="n')[0]
+    assert [f"measured {k + 0.5:g}, required &lt;= 0" in note for k in range(12)] == [True] * 12
+    assert "more rows" not in note

@@ -166,7 +166,7 @@ def _written(text: str, value: float, language: str) -> str:
 
 
 def _denied(reading: Reading, spans: list[Span]) -> Iterator[list[_Edit]]:
-    """What is denied affirmed, then every event denied."""
+    """Edits that affirm what is denied, then those that deny an event each."""
     language = reading.language
     for span in (s for s in spans if s.type == "negation"):
         words = _held(reading, span, "negation")

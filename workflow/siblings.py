@@ -76,10 +76,10 @@ def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
     for sibling in siblings[:MOST_COMPARED]:
         try:
             revision, failed = _as_it_failed(sibling.ledger)
-        except (WorldAgentError, ValueError):
+            lines = easier_by_claim(failed, spec)
+        except (WorldAgentError, ValueError):  # what cannot be read as a world either
             found.append(f"not compared with world {sibling.world}: its ledger is damaged")
             continue
-        lines = easier_by_claim(failed, spec)
         told = f"easier than revision {revision} of world {sibling.world}, whose rows failed: "
         found += [told + line for line in lines[:MOST_LINES]]
         if len(lines) > MOST_LINES:

@@ -21,6 +21,8 @@ from .weakened import directed_weakenings, physical_weakenings, relation_weakeni
 __all__ = ["easier_by_claim"]
 
 Document = dict[str, Any]
+_PAIRS = "/simulation/contacts"
+"""A pair that comes or goes is judged as a whole."""
 
 
 def easier_by_claim(before: WorldSpec, after: WorldSpec) -> list[str]:
@@ -96,16 +98,28 @@ def _everywhere(before: WorldSpec, after: WorldSpec) -> Iterator[str]:
 def _of_physics(before: WorldSpec, after: WorldSpec, old: Document, new: Document, own: tuple[str, ...]) -> Iterator[str]:
     """Lines of fields of the simulation that belong to no member of a collection, and of what stands at pointers and below them."""
     held = tuple(f"/{group}/" for group in HELD)
-    pairs = ("/simulation/contacts/",) if own else ()
-    places = [
-        place
-        for place in differences(before.model_dump(mode="json"), after.model_dump(mode="json"))
-        if place.startswith(pairs)
-        or (place.startswith("/simulation/") and not place.startswith(held))
-        or any(place == at or place.startswith(f"{at}/") for at in own)
-    ]
+    whole = before.model_dump(mode="json"), after.model_dump(mode="json")
+
+    def compared(place: str) -> bool:
+        if place.rpartition("/")[0] == _PAIRS:
+            return bool(own)
+        everywhere = place.startswith("/simulation/") and not place.startswith(held)
+        bound = any(place == at or place.startswith(f"{at}/") for at in own) or (bool(own) and place.startswith(f"{_PAIRS}/"))
+        return (everywhere or bound) and all(_leads(document, place) for document in whole)
+
+    places = list(filter(compared, differences(*whole)))
     yield from directed_weakenings(old, new, places)
     yield from physical_weakenings(before, after, old, new, places)
+
+
+def _leads(document: Document, pointer: str) -> bool:
+    """Whether there is such a field, whatever its value: engines and kinds of joint have different ones."""
+    at: Any = document
+    for token in pointer.split("/")[1:]:
+        if not isinstance(at, dict) or token not in at:
+            return False
+        at = at[token]
+    return True
 
 
 def _named(spec: WorldSpec, group: str) -> list[str]:

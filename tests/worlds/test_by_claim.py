@@ -125,3 +125,26 @@ def test_beside_a_world_without_claims_only_the_whole_is_compared() -> None:
 
     (line,) = easier_by_claim(first, world(edit))
     assert line.startswith("/simulation/gravity")
+
+
+JOINTS: dict[str, dict[str, Any]] = {
+    "hinge": {"axis": [0, 0, 1], "friction": 0.2},
+    "slide": {"axis": [0, 0, 1]},
+    "weld": {},
+}
+
+
+@pytest.mark.parametrize("other", JOINTS)
+def test_joints_of_other_kinds_are_compared_as_far_as_they_have_the_same_fields(other: str) -> None:
+    def joint(kind: str) -> Edit:
+        ends = {"parent": "shelf", "child": "b3", "kind": kind, "anchor": [0, 0, 0]}
+        return at("/simulation/joints/arm", {**ends, **JOINTS[kind]})
+
+    found = easier_by_claim(world(joint("hinge")), world(joint(other), ids=OTHER_IDS))
+    assert [line for line in found if "/simulation/joints/arm" not in line] == []
+
+
+def test_a_pair_of_its_own_that_comes_is_found() -> None:
+    pair = {"a": "b3", "b": "shelf", "friction": 0.01, "reason": "the shelf is waxed there"}
+    (line,) = easier_by_claim(world(), world(at("/simulation/contacts/slick", pair), ids=OTHER_IDS))
+    assert "added: friction 0.01 of b3 and shelf" in line

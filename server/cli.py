@@ -184,7 +184,14 @@ def _add_bench(add: _Add) -> None:
         "--only",
         metavar="CHECK",
         action="append",
-        help="defects: only this check, or `accepted` for the accepted worlds; skills: only this skill (repeatable)",
+        help="defects: only this check, or `accepted` for the accepted worlds; skills: only this skill; prompts --dishonest: only this "
+        "mechanism (repeatable)",
+    )
+    bench.add_argument(
+        "--dishonest", action="store_true", help="prompts: judge tricks on honest worlds instead; 1 where one gets through"
+    )
+    bench.add_argument(
+        "--jobs", type=int, metavar="N", choices=range(1, 65), help="prompts --dishonest: scenes at a time (default: 1)"
     )
     bench.add_argument(
         "--adopt", type=Path, metavar="FOLDER", help="defects: keep this accepted world for the clean set, run nothing"
@@ -349,6 +356,12 @@ def _bench(arguments: argparse.Namespace) -> int:
         return OK
     from ..bench.machine import run_benchmark
 
+    if arguments.dishonest and arguments.name == "prompts":
+        found = run_benchmark(
+            "prompts", "worldagent.bench.dishonest:dishonest_figures", only=arguments.only, jobs=arguments.jobs or 1
+        )
+        print(json.dumps(found))
+        return FAILED if found["holes"] else OK
     options: dict[str, Any] = {"variants": arguments.variants, "seed": arguments.seed}
     options["checks"] = tuple(arguments.only) if arguments.only else None
     if arguments.only and arguments.name == "defects":

@@ -1,9 +1,9 @@
 """Benchmark prompts: how many strangers' prompts a shipped world would be accepted for, and what the lexicon finds in honest ones.
 
-Every accepted world is left as it is, but for its prompt: each of 500 prompts in twelve languages that it is not about takes its place,
-with every clause mapped to all beats, requirements and entities, as somebody does who wants a pass and not a world. Whatever the audit lets
-through would be accepted as "physics accepted; prompt judged by clauses", since these are worlds of version 1. Target: none. `attack` counts the
-same for the example of version 2: its claims unchanged, and bound by a scripted attacker (`prompt_attack.py`).
+Every shipped world is left as it is, but for its prompt: each of 500 prompts in twelve languages that it is not about takes its place.
+Claims stay as they are; in a world of version 1 every clause is mapped to all beats, requirements and entities, as somebody does who wants a
+pass and not a world, and what the audit lets through would be accepted as "physics accepted; prompt judged by clauses". Target: none.
+`attack` counts the same for the example whose spans a scripted attacker binds to the best that passes (`prompt_attack.py`).
 
 The lexicon labels the English prompts whose spans somebody marked: how many of the marked events and things it finds, how many of its labels are
 marked so, how many marks left out or mistyped it warns of, and of how many right ones. A label inside a longer span of another type (a table in
@@ -12,13 +12,18 @@ the route "off the table") counts for nothing. Rules were written with a view to
 
 from __future__ import annotations
 
+import json
 from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from ..testing.defects.accepted import specifications
+from ..testing.defects.accepted import SKILLS, recorded, showcases, specifications
 from ..testing.prompts import Marked, Stranger, honest, placed, strangers, verbs
 from ..worlds.audits.audit import audit
+from ..worlds.audits.claims import claim_problems
 from ..worlds.audits.clauses import clauses_of
+from ..worlds.patch import parse_spec
 from ..worlds.prompts.lexicon import Reading, labelled, verb_kinds, warnings_for
 from ..worlds.prompts.proposals import proposed
 from ..worlds.spec import WorldSpec
@@ -33,6 +38,7 @@ __all__ = [
     "passes",
     "proposal_figures",
     "run",
+    "shipped",
     "verb_figures",
     "warning_figures",
     "word_figures",
@@ -58,12 +64,28 @@ def dressed_for(spec: WorldSpec, prompt: str) -> WorldSpec:
 
 
 def passes(spec: WorldSpec, prompt: str) -> bool:
-    """True where the audit lets the world through as one of this prompt."""
-    return audit(dressed_for(spec, prompt)).passed
+    """True where the audit lets the world through as one of this prompt; its claims stay as they are."""
+    if spec.spec_version == "1":
+        return audit(dressed_for(spec, prompt)).passed
+    stolen = spec.model_copy(update={"prompt": prompt})
+    return not claim_problems(stolen) and audit(stolen).passed
+
+
+def shipped() -> Iterator[tuple[str, WorldSpec]]:
+    """Name and specification of every accepted world that is kept, and of all others of version 2: recorded, shown, examples of skills."""
+    yield from specifications()
+    examples = ((f"{path.parts[-3]}/{path.stem}", _parsed(path)) for path in sorted(SKILLS.glob("*/examples/*.json")))
+    for name, spec in (*recorded(), *showcases(), *examples):
+        if spec.spec_version == "2":
+            yield name, spec
+
+
+def _parsed(path: Path) -> WorldSpec:
+    return parse_spec(json.loads(path.read_text(encoding="utf-8")))
 
 
 def run(prompts: Sequence[Stranger] | None = None) -> dict[str, Any]:
-    """Count the strangers' prompts that each accepted world passes the audit with.
+    """Count the strangers' prompts that each shipped world passes the audit with.
 
     Args:
         prompts: all when left out.
@@ -71,7 +93,7 @@ def run(prompts: Sequence[Stranger] | None = None) -> dict[str, Any]:
     asked = strangers() if prompts is None else prompts
     languages = Counter(p.language for p in asked)
     worlds: dict[str, Any] = {}
-    for name, spec in specifications():
+    for name, spec in shipped():
         passed = Counter(p.language for p in asked if passes(spec, p.text))
         worlds[name] = {"prompts": len(asked), "passed": passed.total(), "passed_by_language": dict(sorted(passed.items()))}
     return {

@@ -23,7 +23,7 @@ from ...worlds.slices import motion_slice
 __all__ = ["WORLD", "Agent", "Walk"]
 
 WORLD = "w"
-STEPS = (
+STEPS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("place_object", "static_passed", {}),
     ("probe_sim", "passed", {"wait_s": 600.0}),
     ("bake_sim", "passed", {"wait_s": 600.0}),

@@ -7,7 +7,7 @@ from collections import Counter
 from itertools import pairwise
 
 import pytest
-from worldagent.bench.prompts import dressed_for, passes, run
+from worldagent.bench.prompts import dressed_for, passes, run, shipped
 from worldagent.testing.defects.accepted import specifications
 from worldagent.testing.prompts import Marked, Stranger, honest, strangers
 from worldagent.worlds.audits.audit import audit
@@ -60,6 +60,14 @@ def test_prompts_are_many_different_and_in_twelve_languages() -> None:
 def test_a_world_passes_with_its_own_prompt_and_mapping() -> None:
     assert [name for name, spec in WORLDS.items() if not audit(spec).passed] == []
     assert len(WORLDS) >= 6
+
+
+def test_a_shipped_world_passes_with_its_own_prompt_and_unchanged_with_no_strangers() -> None:
+    """All 500 are asked by the benchmark; here every tenth."""
+    claimed = [(name, spec) for name, spec in shipped() if spec.spec_version == "2"]
+    assert "world-building/two_blocks" in dict(claimed)
+    assert [name for name, spec in claimed if not passes(spec, spec.prompt)] == []
+    assert [(name, p.id) for name, spec in claimed for p in strangers()[::10] if passes(spec, p.text)] == []
 
 
 def test_a_prompt_whose_words_ask_for_an_event_of_another_kind_is_refused() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from .cases import Case
 from .scenes import block
 from .twins import BLOCKS, BLOCKS_DE, BOUNCE, DOMINOES, LIFT, PASSING, PASSING_FR, PUSH, PUSH_ES, SHELF, TURN
-from .twins_seen import COLOURS, COLOURS_DE, NOON, NOON_ES
+from .twins_seen import COLOURS, COLOURS_DE, NOON, NOON_ES, ROOM, ROOM_DE
 
 __all__ = ["MECHANISMS"]
 
@@ -83,6 +83,17 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("kein Schnee", COLOURS_DE, "claim:weather:*|audit:claims", "Schnee", marked="[Im Schneesturm](weather /look/sky) " + COLOURS_DE.marked[0].lower() + COLOURS_DE.marked[1:]),
         Case("no fog", PUSH, "claim:weather:*|audit:claims", "fog", marked="[In thick fog](weather /look/sky) a" + PUSH.marked[1:]),
         Case("overcast, by its word", NOON, "claim:weather:*|audit:claims", "overcast", marked=NOON.marked.replace("[At noon](time /look/sun_elevation_deg)", "[Under an overcast sky](weather /look/sky)")),
+    ),
+    "walker": (
+        Case("a way for a cat", ROOM, "audit:claims|navigability:*|claim:route:*", "person", changes={"/graph/relations/way/width": 0.2, "/graph/relations/way/headroom": 0.3}),
+        Case("ein Weg für Bälle", ROOM_DE, "audit:claims|navigability:*|claim:route:*", "", changes={
+            "/graph/relations/way": {"kind": "connects", "a": "hall", "b": "window", "carrier": "object", "width": 0.1, "headroom": 0.1}}),
+        Case("a table in the way", ROOM, "navigability:*", changes={"/entities/table/pose/position": [-0.2, 0, 0]}),
+        Case("kein Durchgang", ROOM_DE, "navigability:*", changes={
+            "/entities/wall/parts": {"all": {"shape": {"kind": "box", "size": [0.12, 3.0, 2.4]}, "pose": {"position": [0, 0, 1.2]}}}}),
+        Case("from the hall to the hall", ROOM, "audit:graph|audit:claims|navigability:*|claim:route:*", changes={"/graph/relations/way/b": "hall"}),
+        Case("a table that stands", ROOM, "audit:claims", "is a way", marked=ROOM.marked.replace("(route way)", "(route floor_table)")),
+        Case("the fall of a ball", ROOM_DE, "audit:claims|claim:route:*", "", marked=ROOM_DE.marked.replace("(route way)", "(route /story/beats/fall)")),
     ),
     "place": (
         Case("under water", PUSH, "claim:place:*|audit:claims", "water", marked="[Under water](place floor) a" + PUSH.marked[1:]),

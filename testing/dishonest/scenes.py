@@ -7,7 +7,21 @@ from typing import Any
 
 from .cases import Document
 
-__all__ = ["ball", "beat", "block", "scene"]
+__all__ = [
+    "ball",
+    "beat",
+    "block",
+    "blocks",
+    "bounce",
+    "dominoes",
+    "in_turn",
+    "lift",
+    "passing",
+    "push",
+    "room",
+    "scene",
+    "shelf",
+]
 
 SKIN = 0.0005
 """Collision skin of every part [m]."""
@@ -266,3 +280,39 @@ def passing() -> Document:
         },
         frames=40, eye=(0, -1.5, 0.7), target=(0, 0, 0.05), touching=[("ball", "wall")],
     )  # fmt: skip
+
+
+def room() -> Document:
+    """A doorway and a table in a room that a person can walk through; a rubber ball is let go beside the way and bounces."""
+    legs = {f"leg{k}": {"shape": {"kind": "box", "size": [0.06, 0.06, 0.7]}, "pose": {"position": [x, y, 0.35]}}
+            for k, (x, y) in enumerate([(-0.45, -0.25), (0.45, -0.25), (0.45, 0.25), (-0.45, 0.25)])}  # fmt: skip
+    table = block("wooden table", "wood", (1.0, 0.6, 0.74), (0.5, 1.0, 0), "static")
+    table["parts"] = {"top": {"shape": {"kind": "box", "size": [1.0, 0.6, 0.04]}, "pose": {"position": [0, 0, 0.72]}}, **legs}
+    wall = block("stone wall with a doorway", "stone", (0.12, 3.0, 2.4), (-0.8, 0, 0), "static")
+    wall["parts"] = {
+        "south": {"shape": {"kind": "box", "size": [0.12, 1.0, 2.4]}, "pose": {"position": [0, -1.0, 1.2]}},
+        "north": {"shape": {"kind": "box", "size": [0.12, 1.0, 2.4]}, "pose": {"position": [0, 1.0, 1.2]}},
+        "lintel": {"shape": {"kind": "box", "size": [0.12, 1.0, 0.3]}, "pose": {"position": [0, 0, 2.25]}},
+    }
+    floor = block("stone floor", "floor", (5, 3, 0.1), (0, 0, -0.05), "static")
+    made = scene(
+        "Room",
+        {"floor": floor, "wall": wall, "table": table, "ball": ball("red rubber ball", "rubber", 0.08, (0.6, -0.9, 0.6))},
+        {
+            "fall": beat("the ball is let go and falls", "ball", (3, 12), {"kind": "falls", "entity": "ball"}, owner="latch"),
+            "bounce": beat("it bounces off the floor", "ball", (6, 26), {"kind": "bounces", "entity": "ball", "other": "floor"}, "fall"),
+        },
+        frames=42, eye=(2.3, -0.3, 1.5), target=(0, -0.1, 0.55), touching=[("ball", "floor")],
+        drivers={"latch": _latch("ball", 0.125)},
+    )  # fmt: skip
+    made["shots"]["only"]["keys"]["a"]["fov_deg"] = 70
+    made["graph"]["regions"] = {
+        "hall": {"kind": "box", "min": [-2.3, -0.4, -0.05], "max": [-1.6, 0.4, 0.1]},
+        "window": {"kind": "box", "min": [1.6, -0.4, -0.05], "max": [2.3, 0.4, 0.1]},
+    }
+    made["graph"]["relations"] |= {
+        "way": {"kind": "connects", "a": "hall", "b": "window", "carrier": "walker", "width": 0.8, "headroom": 2.0},
+        "floor_table": {"kind": "supports", "a": "floor", "b": "table"},
+        "floor_wall": {"kind": "supports", "a": "floor", "b": "wall"},
+    }
+    return made

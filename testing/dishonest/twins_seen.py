@@ -1,11 +1,11 @@
-"""Honest worlds whose prompts say what is to be seen: colours, light, time of day."""
+"""Honest worlds whose prompts say what is to be seen, and where one can go: colours, light, time of day, ways."""
 
 from __future__ import annotations
 
 from . import scenes
 from .cases import Twin
 
-__all__ = ["COLOURS", "COLOURS_DE", "NOON", "NOON_ES"]
+__all__ = ["COLOURS", "COLOURS_DE", "NOON", "NOON_ES", "ROOM", "ROOM_DE"]
 
 COLOURS = Twin(
     "colours",
@@ -32,4 +32,16 @@ NOON_ES = Twin(
     "[Al mediodía](time /look/sun_elevation_deg) una [bola](thing ball) de [acero](property ball) [rueda](event roll) junto a un [cubo](thing cube) "
     "y [golpea](event strike) una [tabla](thing wall).",
     _SUN,
+)
+ROOM = Twin(
+    "room",
+    scenes.room,
+    "You can [walk from the hall to the window](route way) past a [stone](property wall) [wall](thing wall) and a [wooden](property table) "
+    "[table](thing table). A [rubber](property ball) [ball](thing ball) [falls](event fall) on the [floor](thing floor) and [bounces](event bounce).",
+)
+ROOM_DE = Twin(
+    "room_de",
+    scenes.room,
+    "Man kann [von der Tür zum Fenster gehen](route way), an einem [Tisch](thing table) vorbei. Ein [Ball](thing ball) [fällt](event fall) auf den "
+    "[Boden](thing floor) und [springt wieder hoch](event bounce).",
 )

@@ -25,7 +25,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
     ),
     "subject out of sight": (
         Case("behind the camera", DOMINOES, "shots:visible:*|claim:thing:*", changes={_AIM: [0.1, -5, 0.5]}),
-        Case("the sky alone", BOUNCE, "shots:visible:*|claim:thing:*", changes={_AIM: [0.2, -1.6, 5]}),
+        Case("the sky alone", BOUNCE, "shots:visible:*|claim:thing:*", changes={_AIM: [0.2, -0.2, 3]}),
         Case("a board before it", BLOCKS, "shots:visible:*|claim:thing:*",
              changes={"/entities/board": block("wooden board", "wood", (2, 0.02, 0.8), (0, -0.8, 0.401), "static"),
                       _WITH: ["floor", "steel_block", "wooden_block", "board"]}),

@@ -9,16 +9,15 @@ import numpy as np
 
 from ....geometry.launch import chosen_device, warp
 from ....worlds.errors import LimitError
+from ...grids import columns, multigrid
+from ...grids.runner import Runner
 from ..engine import LiquidSetup
-from . import column_kernels as columns
 from . import cut_kernels as cuts
 from . import distance_kernels as distances
 from . import exchange_kernels as exchanges
 from . import grid_kernels as cells
-from . import multigrid
 from . import solid_kernels as walls
 from .grid import Grid
-from .run import Runner
 from .settings import FlipSettings
 from .solids import Solids
 from .sources import Sources

@@ -4,7 +4,7 @@
 
 import warp as wp
 
-from .column_kernels import vec6i
+from ...grids.columns import vec6i
 from .distance_kernels import FAR, REACH, vec8
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})

@@ -7,7 +7,7 @@ Lengths are in cells; the corner of a cell is its lowest one. Owners are rows of
 
 import warp as wp
 
-from .column_kernels import Columns, cell_at, place_of, vec6i
+from ...grids.columns import Columns, cell_at, place_of, vec6i
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})
 

@@ -12,6 +12,7 @@ from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.errors import EngineError
 from ...boundaries import BodyState
+from ...grids import multigrid
 from ...sealed import from_bytes, to_bytes
 from ..blowing import Blowing
 from ..engine import LiquidReport, LiquidSetup, Particles, by_inflow
@@ -19,7 +20,7 @@ from ..zones import Zones
 from . import distance_kernels as distances
 from . import exchange_kernels as exchanges
 from . import grid_kernels as cells
-from . import multigrid, seeding
+from . import seeding
 from . import solid_kernels as walls
 from . import transfer_kernels as transfer
 from . import viscous_kernels as thick

@@ -13,9 +13,9 @@ import numpy as np
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ...boundaries import BodyState
+from ...grids.multigrid import Level
+from ...grids.runner import Runner
 from . import exchange_kernels as kernels
-from .multigrid import Level
-from .run import Runner
 from .solids import Solids, reacting
 
 __all__ = ["Exchange"]

@@ -7,7 +7,7 @@ Lengths are in cells. Owners are rows of boundaries, then of inflows; -1 is the 
 
 import warp as wp
 
-from .column_kernels import Columns, place_of, vec6i
+from ...grids.columns import Columns, place_of, vec6i
 from .distance_kernels import Walls, wall_speed
 from .solid_kernels import LEAST, face_center
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....geometry.launch import warp
+from ...grids import multigrid_kernels as blocks
+from ...grids.runner import Runner
 from . import column_kernels as kernels
-from . import multigrid_kernels as blocks
-from .run import Runner
 
 __all__ = ["Grid", "build"]
 

@@ -9,7 +9,7 @@ Enright et al. 2003), velocities after it, and their extension beyond the liquid
 
 import warp as wp
 
-from .column_kernels import Columns, place_of, vec6i
+from ...grids.columns import Columns, place_of, vec6, vec6i
 from .cut_kernels import tent_overlap
 from .distance_kernels import Walls, wall_speed
 from .solid_kernels import face_center
@@ -23,14 +23,11 @@ __all__ = [
     "find_hidden",
     "find_surface",
     "measure",
-    "number_rows",
     "open_box",
     "project",
     "rate_density",
-    "vec6",
 ]
 
-vec6 = wp.types.vector(length=6, dtype=wp.float32)
 LEAST_OPEN = wp.constant(0.02)
 """Faces open by less are closed: their cells would make the system stiff."""
 BURIED = wp.constant(9.0)
@@ -171,23 +168,6 @@ def close_buried(first: wp.int32, near: wp.array(dtype=vec6i), phi: wp.array(dty
             if phi[o] > 5.0:
                 share[axis] = 0.0
     opening[c] = share
-
-
-@wp.kernel
-def number_rows(
-    first: wp.int32, wet: wp.array(dtype=wp.int32), red: wp.array(dtype=wp.int32), wet_before: wp.array(dtype=wp.int32),
-    red_before: wp.array(dtype=wp.int32), reds: int, row: wp.array(dtype=wp.int32), cell: wp.array(dtype=wp.int32),
-):  # fmt: skip
-    """Row of each liquid cell, red ones (even i + j + k) first; -1 elsewhere."""
-    c = first + wp.tid()
-    r = int(-1)
-    if wet[c] == 1:
-        if red[c] == 1:
-            r = red_before[c]
-        else:
-            r = reds + wet_before[c] - red_before[c]
-        cell[r] = c
-    row[c] = r
 
 
 @wp.kernel

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ....geometry.launch import warp
 from ....worlds.arrays import F64, I32
+from ...grids.runner import Runner
 from ..engine import Particles
 from . import column_kernels as columns
 from . import transfer_kernels as kernels
-from .run import Runner
 
 __all__ = ["Markers"]
 

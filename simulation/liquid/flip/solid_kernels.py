@@ -7,7 +7,7 @@ Lengths are in cells. Owners are rows of boundaries, then of inflows; -1 is the 
 
 import warp as wp
 
-from .column_kernels import Columns, place_of, vec6i
+from ...grids.columns import Columns, place_of, vec6i
 from .cut_kernels import value_at
 from .distance_kernels import FAR, Walls, wall_speed
 

@@ -11,9 +11,9 @@ from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.errors import InputError
 from ...boundaries import BodyState, Boundary
+from ...grids.runner import Runner
 from ..engine import LiquidSetup
 from . import distance_kernels as kernels
-from .run import Runner
 
 __all__ = ["Solids"]
 

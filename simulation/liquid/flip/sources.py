@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.errors import InputError
+from ...grids.runner import Runner
 from ..engine import Inflow, LiquidSetup, Particles
 from . import solid_kernels
 from .markers import Markers
-from .run import Runner
 
 __all__ = ["Sources"]
 

@@ -8,7 +8,7 @@ vector per cell. Weights are trilinear (tents of half width one cell).
 
 import warp as wp
 
-from .column_kernels import Columns, vec6i
+from ...grids.columns import Columns, vec6i
 
 wp.set_module_options({"enable_backward": False})
 

@@ -10,14 +10,14 @@ import numpy as np
 
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
+from ...grids import columns
+from ...grids.runner import Runner
 from ..engine import Fluid, LiquidSetup
-from . import grid_kernels as cells
 from . import viscous_kernels as kernels
 from .exchange import Exchange
 from .exchange_kernels import vec6d
 from .grid import Grid
 from .markers import Markers
-from .run import Runner
 
 __all__ = ["Viscosity"]
 
@@ -90,7 +90,7 @@ class Viscosity:
         state = [grid.columns, grid.head, markers.position, markers.slot, known, scale, thickness, numbers("viscous/count")]
         run(kernels.thicken, many, state, grain=64)
         opening, owner = faces("opening"), run.array("face_owner", n, wp.vec3i)
-        mass, legs = faces("viscous/mass"), run.array("viscous/legs", n, cells.vec6)
+        mass, legs = faces("viscous/mass"), run.array("viscous/legs", n, columns.vec6)
         run(
             kernels.find_mass, n, [grid.near, numbers("phi"), solids, numbers("solid"), opening, owner, self.friction, mass, wall]
         )

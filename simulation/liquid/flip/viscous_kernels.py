@@ -9,10 +9,10 @@ a = d + 1 and b = d + 2 are the other axes. Masses are in cells of liquid, visco
 
 import warp as wp
 
-from .column_kernels import Columns, place_of, vec6i
+from ...grids.columns import Columns, place_of, vec6, vec6i
 from .distance_kernels import Walls, wall_speed
 from .exchange_kernels import vec6d
-from .grid_kernels import LEAST_OPEN, vec6
+from .grid_kernels import LEAST_OPEN
 from .solid_kernels import face_center
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})

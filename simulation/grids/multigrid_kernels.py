@@ -1,21 +1,20 @@
 # mypy: ignore-errors
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
-"""Multigrid on rows of liquid cells, and the vector work of conjugate gradients around it.
+"""Multigrid on rows of the cells of a fluid, and the vector work of conjugate gradients around it.
 
-Coarse cells are blocks of 2 x 2 x 2 that hold liquid; their couplings are half the sums over faces, which is what coarser cells
-of the same liquid would have. Sweeps are red-black: a row reads only rows of the other colour.
+Coarse cells are blocks of 2 x 2 x 2 that hold rows; their couplings are half the sums over faces, which is what coarser cells
+of the same fluid would have. Sweeps are red-black: a row reads only rows of the other colour.
 """
 
 import warp as wp
 
-from .column_kernels import NONE, Columns, cell_at, place_of, vec6i
-from .grid_kernels import vec6
+from .columns import NONE, Columns, cell_at, place_of, vec6, vec6i
 
 wp.set_module_options({"enable_backward": False})
 
 __all__ = [
-    "coarse_columns", "coarse_rows", "copy_direction", "inner", "mark_blocks", "multiply", "name_columns", "relax", "restrict",
-    "return_up", "settle", "start_red", "update", "vec8i",
+    "coarse_columns", "coarse_rows", "copy_direction", "inner", "mark_blocks", "multiply", "name_columns", "number_rows", "relax",
+    "restrict", "return_up", "settle", "start_red", "update", "vec8i",
 ]  # fmt: skip
 
 vec8i = wp.types.vector(length=8, dtype=wp.int32)
@@ -72,6 +71,23 @@ def mark_blocks(
                 w = 1
     wet[c] = w
     red[c] = w * (1 - ((at[0] + at[1] + at[2]) & 1))
+
+
+@wp.kernel
+def number_rows(
+    first: wp.int32, wet: wp.array(dtype=wp.int32), red: wp.array(dtype=wp.int32), wet_before: wp.array(dtype=wp.int32),
+    red_before: wp.array(dtype=wp.int32), reds: int, row: wp.array(dtype=wp.int32), cell: wp.array(dtype=wp.int32),
+):  # fmt: skip
+    """Row of each marked cell, red ones (even i + j + k) first; -1 elsewhere."""
+    c = first + wp.tid()
+    r = int(-1)
+    if wet[c] == 1:
+        if red[c] == 1:
+            r = red_before[c]
+        else:
+            r = reds + wet_before[c] - red_before[c]
+        cell[r] = c
+    row[c] = r
 
 
 @wp.kernel

@@ -1,4 +1,4 @@
-"""Passes of the grid engine on one device (`simulation/passes.py`), and arrays that are kept from step to step.
+"""Passes of grid engines on one device (`simulation/passes.py`), and arrays that are kept from step to step.
 
 A GPU is waited for only where numbers are read.
 """
@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....geometry.launch import warp
-from ...passes import Pass
+from ...geometry.launch import warp
+from ..passes import Pass
 
 __all__ = ["Runner"]
 

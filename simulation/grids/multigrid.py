@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ....geometry.launch import warp
-from ...passes import Pass
-from . import column_kernels as columns
-from . import grid_kernels as cells
+from ...geometry.launch import warp
+from ..passes import Pass
+from . import columns
 from . import multigrid_kernels as kernels
-from .run import Runner
+from .runner import Runner
 
 __all__ = ["Level", "Solution", "Solver", "hierarchy"]
 
@@ -109,7 +108,7 @@ def rows_of(array: Any, grid: Any, total: int, row: Any, rows: int, reds: int) -
         rows,
         reds,
         array("link", rows, columns.vec6i),
-        array("coefficient", rows, cells.vec6),
+        array("coefficient", rows, columns.vec6),
         array("diagonal", rows, wp.float32),
         array("right", rows, wp.float32),
         array("x", rows, wp.float32),
@@ -125,7 +124,7 @@ def number(run: Runner, array: Any, total: int, red: Any, wet: Any) -> tuple[Any
     rows = run.scan(wet, wet_before, total + 1)
     reds = run.scan(red, red_before, total + 1)
     row, cell = array("row", total, wp.int32), array("cell", rows, wp.int32)
-    run(cells.number_rows, total, [wet, red, wet_before, red_before, reds, row, cell])
+    run(kernels.number_rows, total, [wet, red, wet_before, red_before, reds, row, cell])
     return row, cell, rows, reds
 
 

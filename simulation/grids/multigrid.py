@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from . import columns
 from . import multigrid_kernels as kernels
 from .runner import Runner
 
-__all__ = ["Level", "Solution", "Solver", "hierarchy"]
+__all__ = ["Level", "Solution", "Solver", "hierarchy", "refresh"]
 
 FEWEST = 128
 """Rows below which no coarser level is made."""
@@ -90,12 +91,20 @@ def _coarser(run: Runner, fine: Level, depth: int) -> Level:
     run(kernels.join_blocks, rows, [grid, fine.grid, cell, fine.row, children, parent])
     level = rows_of(array, grid, total, row, rows, reds)
     level.children, level.parent = children, parent
-    run(
-        kernels.coarse_rows,
-        rows,
-        [children, parent, fine.link, fine.coefficient, fine.diagonal, level.link, level.coefficient, level.diagonal],
-    )
+    _couple(run, fine, level)
     return level
+
+
+def _couple(run: Runner, fine: Level, level: Level) -> None:
+    """Couplings of a level from those of the next finer one."""
+    inputs = [level.children, level.parent, fine.link, fine.coefficient, fine.diagonal]
+    run(kernels.coarse_rows, level.rows, [*inputs, level.link, level.coefficient, level.diagonal])
+
+
+def refresh(run: Runner, levels: list[Level]) -> None:
+    """Couplings of all coarser levels anew, after those of the finest one changed but not its cells."""
+    for fine, coarse in pairwise(levels):
+        _couple(run, fine, coarse)
 
 
 def rows_of(array: Any, grid: Any, total: int, row: Any, rows: int, reds: int) -> Level:

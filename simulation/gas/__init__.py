@@ -1,0 +1,1 @@
+"""Gas on a grid: smoke, steam and hot air."""

@@ -1,0 +1,206 @@
+# mypy: ignore-errors
+# The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
+"""What the gas carries: amounts per cell, moved by fluxes through faces, so that their sums stay.
+
+Lightness is 1 - density / density of the ambient air. The others are amounts per volume. Sweeps along one axis after the other, second order (slopes limited, monotonized
+central, van Leer 1977, doi:10.1016/0021-9991(77)90095-X), with the volume that the same fluxes leave in each cell: a uniform
+concentration stays uniform (as Weymouth and Yue 2010, doi:10.1016/j.jcp.2009.12.018). What comes in from outside is ambient air.
+"""
+
+import warp as wp
+
+from .box_kernels import Box, beside, is_cell, place_of, upper
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["amounts", "conduct", "expansion_of", "finish", "inject", "start", "sweep"]
+
+
+@wp.func
+def limited(a: float, b: float):
+    """Slope between the differences to the lower and the upper neighbour."""
+    s = float(0.0)
+    if a * b > 0.0:
+        s = wp.sign(a) * wp.min(wp.min(2.0 * wp.abs(a), 2.0 * wp.abs(b)), 0.5 * wp.abs(a + b))
+    return s
+
+
+@wp.func
+def slope_of(a: wp.vec4, b: wp.vec4):
+    """Limited slopes of four quantities."""
+    return wp.vec4(limited(a[0], b[0]), limited(a[1], b[1]), limited(a[2], b[2]), limited(a[3], b[3]))
+
+
+@wp.func
+def part_of(amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), c: wp.int32):
+    """Concentrations in an element."""
+    return amount[c] / volume[c]
+
+
+@wp.func
+def flux(
+    box: Box, axis: wp.int32, below: wp.int32, above: wp.int32, below_at: wp.vec3i, above_at: wp.vec3i, through: float,
+    amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """Amounts that a volume takes along from a cell to the one above it, or back where it is negative; elements are -1 outside."""
+    moved = wp.vec4(0.0, 0.0, 0.0, 0.0)
+    donor = above
+    at = above_at
+    side = float(-1.0)
+    if through > 0.0:
+        donor = below
+        at = below_at
+        side = 1.0
+    if donor >= 0:
+        here = part_of(amount, volume, donor)
+        lower = beside(box, at, axis, -1)
+        higher = beside(box, at, axis, 1)
+        if lower >= 0 and higher >= 0:
+            up = upper(box, at, axis)
+            if opening[donor][axis] > 0.0 and opening[up][axis] > 0.0:
+                s = slope_of(here - part_of(amount, volume, lower), part_of(amount, volume, higher) - here)
+                here = here + 0.5 * side * (1.0 - wp.min(wp.abs(through) / volume[donor], 1.0)) * s
+        moved = through * here
+    return moved
+
+
+@wp.kernel
+def start(
+    first: wp.int32, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4), amount: wp.array(dtype=wp.vec4),
+    volume: wp.array(dtype=float),
+):  # fmt: skip
+    """Amounts and volume of each cell before the sweeps; a cell without room counts as one, so that nothing is divided by zero."""
+    c = first + wp.tid()
+    v = room[c]
+    if v <= 0.0:
+        v = 1.0
+    volume[c] = v
+    amount[c] = state[c] * v
+
+
+@wp.kernel
+def sweep(
+    first: wp.int32, box: Box, axis: int, cells: float, velocity: wp.array(dtype=wp.vec3), opening: wp.array(dtype=wp.vec3),
+    amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), amount_after: wp.array(dtype=wp.vec4),
+    volume_after: wp.array(dtype=float),
+):  # fmt: skip
+    """Move amounts along one axis; `cells` is time over cell size."""
+    c = first + wp.tid()
+    at = place_of(box, c)
+    if is_cell(box, at):
+        up = upper(box, at, axis)
+        low_through = cells * velocity[c][axis] * opening[c][axis]
+        high_through = cells * velocity[up][axis] * opening[up][axis]
+        below = beside(box, at, axis, -1)
+        above = beside(box, at, axis, 1)
+        below_at = at
+        if below >= 0:
+            below_at = place_of(box, below)
+        above_at = at
+        if above >= 0:
+            above_at = place_of(box, above)
+        came = flux(box, axis, below, c, below_at, at, low_through, amount, volume, opening)
+        went = flux(box, axis, c, above, at, above_at, high_through, amount, volume, opening)
+        amount_after[c] = amount[c] + came - went
+        volume_after[c] = volume[c] + low_through - high_through
+
+
+@wp.kernel
+def finish(
+    first: wp.int32, box: Box, expands: int, room: wp.array(dtype=float), amount: wp.array(dtype=wp.vec4),
+    volume: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
+):  # fmt: skip
+    """Concentrations after the sweeps. Where the gas expands, what left a cell in excess of its room made it lighter: density is kept."""
+    c = first + wp.tid()
+    if is_cell(box, place_of(box, c)):
+        v = room[c]
+        q = wp.vec4(0.0, 0.0, 0.0, 0.0)
+        if v > 0.0:
+            q = amount[c]
+            if expands == 1:
+                q[0] = q[0] + v - volume[c]
+            q = q / v
+        state[c] = q
+
+
+@wp.kernel
+def inject(
+    first: wp.int32, seconds: float, expands: int, rate: wp.array(dtype=float), content: wp.array(dtype=wp.vec4),
+    state: wp.array(dtype=wp.vec4),
+):  # fmt: skip
+    """Gas of a composition that a source adds: volume per volume and second. What it displaces has left by the fluxes."""
+    c = first + wp.tid()
+    if rate[c] > 0.0:
+        added = content[c]
+        if expands == 1:
+            added[0] = added[0] - 1.0
+        state[c] = state[c] + seconds * rate[c] * added
+
+
+@wp.kernel
+def expansion_of(
+    first: wp.int32, rate: wp.array(dtype=float), heating: wp.array(dtype=float), expands: int, out: wp.array(dtype=float)
+):
+    """Volume per volume and second that sources and heat ask for; heat only where the gas expands."""
+    c = first + wp.tid()
+    d = rate[c]
+    if expands == 1:
+        d = d + heating[c]
+    out[c] = d
+
+
+@wp.kernel
+def conduct(
+    first: wp.int32, box: Box, number: float, walls: wp.array(dtype=wp.vec2), opening: wp.array(dtype=wp.vec3),
+    state: wp.array(dtype=wp.vec4), expands: int, seconds: float, out: wp.array(dtype=wp.vec4), expansion: wp.array(dtype=float),
+):  # fmt: skip
+    """Heat conduction over a step of `number` = diffusivity time / cell^2. `walls` holds of each side whether it has a temperature, and its excess
+    over the ambient one as a share of that. Gas that expands takes the heat up as volume, else its lightness is its excess."""
+    c = first + wp.tid()
+    at = place_of(box, c)
+    q = state[c]
+    if is_cell(box, at):
+        here = q[0]
+        if expands == 1:
+            here = q[0] / (1.0 - q[0])
+        total = float(0.0)
+        for side in range(6):
+            axis = side // 2
+            step = 2 * (side - 2 * axis) - 1
+            other = beside(box, at, axis, step)
+            face = c
+            if step == 1:
+                face = upper(box, at, axis)
+            if other >= 0:
+                there = state[other][0]
+                if expands == 1:
+                    there = there / (1.0 - there)
+                total += opening[face][axis] * (there - here)
+            else:
+                wall = walls[side]
+                if wall[0] > 0.0:
+                    total += 2.0 * (wall[1] - here)
+        if expands == 1:
+            expansion[c] = expansion[c] + number * total / seconds
+        else:
+            q[0] = q[0] + number * total
+    out[c] = q
+
+
+@wp.kernel
+def amounts(
+    first: wp.int32, box: Box, total: int, block: int, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
+    out: wp.array2d(dtype=wp.float64),
+):  # fmt: skip
+    """Sums of the four quantities times the room of their cells, of blocks of elements, and the greatest lightness."""
+    b = first + wp.tid()
+    sums = wp.vec4d(wp.float64(0.0), wp.float64(0.0), wp.float64(0.0), wp.float64(0.0))
+    top = float(0.0)
+    for c in range(b * block, wp.min((b + 1) * block, total)):
+        if is_cell(box, place_of(box, c)):
+            q = state[c] * room[c]
+            sums = sums + wp.vec4d(wp.float64(q[0]), wp.float64(q[1]), wp.float64(q[2]), wp.float64(q[3]))
+            top = wp.max(top, wp.abs(state[c][0]))
+    for n in range(4):
+        out[n, b] = sums[n]
+    out[4, b] = wp.float64(top)

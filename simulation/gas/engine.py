@@ -318,8 +318,9 @@ class Gas:
                 run.swap("volume", "volume/next")
             done = [self._cells("amount"), run.array("volume", self.elements, wp.float32), self._cells("state")]
             run(transport.finish, self.elements, [self._box, expands, self._room, *done])
-            rate = run.array("gas/rate", self.elements, wp.float32)
-            run(transport.inject, self.elements, [dt, expands, rate, self._cells("gas/content"), self._cells("state")])
+            rate, heating = (run.array(name, self.elements, wp.float32) for name in ("gas/rate", "gas/heating"))
+            source = [dt, expands, rate, self._cells("gas/content"), heating, self._cells("state")]
+            run(transport.inject, self.elements, source)
         self.injected = self.injected + seconds * self._emitted
 
     # ------------------------------------------------------------ sums

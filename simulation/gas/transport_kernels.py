@@ -126,15 +126,20 @@ def finish(
 @wp.kernel
 def inject(
     first: wp.int32, seconds: float, expands: int, rate: wp.array(dtype=float), content: wp.array(dtype=wp.vec4),
-    state: wp.array(dtype=wp.vec4),
+    heating: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
-    """Gas of a composition that a source adds: volume per volume and second. What it displaces has left by the fluxes."""
+    """Gas of a composition that a source adds: volume per volume and second. What it displaces has left by the fluxes; gas that does not
+    expand takes up heat as it is."""
     c = first + wp.tid()
+    q = state[c]
     if rate[c] > 0.0:
         added = content[c]
         if expands == 1:
             added[0] = added[0] - 1.0
-        state[c] = state[c] + seconds * rate[c] * added
+        q = q + seconds * rate[c] * added
+    if expands == 0:
+        q[0] = q[0] + seconds * heating[c]
+    state[c] = q
 
 
 @wp.kernel

@@ -138,10 +138,16 @@ def number(run: Runner, array: Any, total: int, red: Any, wet: Any) -> tuple[Any
 
 
 class Solver:
-    """Launches of one system, prepared once: a solve repeats them in each iteration."""
+    """Launches of one system, prepared once: a solve repeats them in each iteration.
 
-    def __init__(self, run: Runner, levels: list[Level]) -> None:
-        self.run, self.levels = run, levels
+    Args:
+        run: arrays and launches.
+        levels: of `hierarchy`.
+        sweeps: over each level on the way down, and as many on the way up.
+    """
+
+    def __init__(self, run: Runner, levels: list[Level], *, sweeps: int = 1) -> None:
+        self.run, self.levels, self.sweeps = run, levels, sweeps
         wp, fine = warp(), levels[0]
         rows = self.rows = fine.rows
         self.blocks = -(-rows // run.block)
@@ -165,7 +171,9 @@ class Solver:
         for depth, level in enumerate(levels):
             system = [level.link, level.coefficient, level.diagonal, level.right, level.x]
             calls.append(run.prepare(kernels.start_red, level.reds, [level.right, level.diagonal, level.x], grain=32768))
-            calls.append(run.prepare(kernels.relax, level.rows - level.reds, [level.reds, *system], grain=SOME))
+            black = run.prepare(kernels.relax, level.rows - level.reds, [level.reds, *system], grain=SOME)
+            red = run.prepare(kernels.relax, level.reds, [0, *system], grain=SOME)
+            calls += [black, *[red, black] * (self.sweeps - 1)]
             if depth == last:
                 calls += self._prepare_bottom(level, system)
             else:
@@ -176,8 +184,8 @@ class Solver:
             level, coarse = levels[depth], levels[depth + 1]
             system = [level.link, level.coefficient, level.diagonal, level.right, level.x]
             calls.append(run.prepare(kernels.return_up, level.reds, [coarse.parent, coarse.x, level.x], grain=32768))
-            calls.append(run.prepare(kernels.relax, level.rows - level.reds, [level.reds, *system], grain=SOME))
-            calls.append(run.prepare(kernels.relax, level.reds, [0, *system], grain=SOME))
+            black = run.prepare(kernels.relax, level.rows - level.reds, [level.reds, *system], grain=SOME)
+            calls += [black, run.prepare(kernels.relax, level.reds, [0, *system], grain=SOME)] * self.sweeps
         return calls
 
     def _prepare_bottom(self, level: Level, system: list[Any]) -> list[Pass]:

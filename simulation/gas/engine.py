@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from ...geometry.launch import chosen_device, warp
 from ...worlds.arrays import F64
 from ..grids.columns import vec6i
+from ..grids.multigrid import Solution
 from ..grids.runner import Runner
 from . import box_kernels as boxes
 from . import force_kernels as forces
 from . import transport_kernels as transport
-from .pressure import Projection
+from .pressure import Flow, Projection
 from .settings import GasSettings, Side
 
 __all__ = ["SOOT", "Gas", "GasReport", "Solids"]
@@ -38,7 +39,7 @@ AIR = 1.2
 
 @dataclass(frozen=True)
 class Solids:
-    """What fixed or moving solids leave open of a box; fields have one element more than cells along each axis.
+    """Open shares of a box between solids that stand or move; fields have one element more than cells along each axis.
 
     Attributes:
         room: (nx + 1, ny + 1, nz + 1) open share of each cell.
@@ -240,7 +241,8 @@ class Gas:
         self.steps += 1
         self._last = seconds
         speed = max(self._fastest("velocity"), LEAST_SPEED)
-        left = self.projection.residual(self._face("velocity"), self._solid, self._expansion, self.cell)
+        flow = Flow(self._face("velocity"), self._solid, self._expansion, self._cells("state"), self.cell, self.load)
+        left = self.projection.residual(flow)
         return GasReport(seconds, iterations + last.iterations, capped or last.capped, left / speed, speed * seconds / self.cell)
 
     def _face(self, name: str) -> Any:
@@ -276,14 +278,17 @@ class Gas:
             run(forces.spread, self.elements, [self._box, number, self._no_slip, self._face(name), self._face("spread")])
             run.swap("spread", name)
 
-    def _project(self, name: str) -> Any:
-        settings = self.settings
-        self.projection.weigh(self._cells("state"), self.load, expands=settings.expands)
-        bound = settings.tolerance * max(self._fastest(name), LEAST_SPEED)
-        return self.projection(
-            self._face(name), self._solid, self._expansion, self.cell, self._cells("state"), self.load, expands=settings.expands,
-            bound=0.5 * bound, cap=settings.iterations,
-        )  # fmt: skip
+    def _project(self, name: str) -> Solution:
+        # Half of what is allowed: the residual that the solver knows is rounded otherwise than the flow's.
+        bound = 0.5 * self.settings.tolerance * max(self._fastest(name), LEAST_SPEED)
+        return self.solve(bound, self.settings.iterations, name)
+
+    def solve(self, bound: float, cap: int, name: str = "velocity") -> Solution:
+        """Project a velocity until no residual exceeds a bound [m/s], in at most `cap` iterations."""
+        state, expands = self._cells("state"), self.settings.expands
+        self.projection.weigh(state, self.load, expands=expands)
+        flow = Flow(self._face(name), self._solid, self._expansion, state, self.cell, self.load)
+        return self.projection(flow, expands=expands, bound=bound, cap=cap)
 
     def _expand(self, seconds: float) -> None:
         """Volume per volume and second that sources and heat ask for, and conduction."""

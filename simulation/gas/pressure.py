@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,24 @@ from . import pressure_kernels as kernels
 if TYPE_CHECKING:
     from ..grids.runner import Runner
 
-__all__ = ["Projection"]
+__all__ = ["Flow", "Projection"]
+
+
+class Flow(NamedTuple):
+    """Fields of a flow: arrays on the device, one element per cell and its lower faces."""
+
+    velocity: Any
+    """Of faces [m/s]; a projection changes it."""
+    solid: Any
+    """Velocities of what closes them [m/s]."""
+    expansion: Any
+    """Of cells [1/s]."""
+    state: Any
+    """Concentrations, for densities."""
+    cell: float
+    """Size of a cell [m]."""
+    load: float
+    """Density that a unit of soot adds, relative to the air's."""
 
 
 SWEEPS = 2
@@ -53,7 +70,7 @@ class Projection:
         run(kernels.link, rows, [self.grid, box, cell, self.row, self.fine.link, self.element])
         self.sealed = not any(self.sides[n] for n in range(6))
         self._solver: multigrid.Solver | None = None
-        self._levels: list[multigrid.Level] = []
+        self.levels: list[multigrid.Level] = []
         self.shared = 0.0
         """Mean outflow that a closed box cannot give [m/s]: it changes the pressure of all its gas instead."""
 
@@ -70,45 +87,38 @@ class Projection:
         inputs = [self.box, self.sides, load, int(expands), self.element, fine.link, self.opening, state]
         self.run(kernels.weigh, fine.rows, [*inputs, fine.coefficient, fine.diagonal])
         if self._solver is None:
-            self._levels = multigrid.hierarchy(self.run, fine)
-            self._solver = multigrid.Solver(self.run, self._levels, sweeps=SWEEPS)
+            self.levels = multigrid.hierarchy(self.run, fine)
+            self._solver = multigrid.Solver(self.run, self.levels, sweeps=SWEEPS)
         else:
-            multigrid.refresh(self.run, self._levels)
+            multigrid.refresh(self.run, self.levels)
 
-    def __call__(
-        self, velocity: Any, solid: Any, expansion: Any, size: float, state: Any, load: float, *, expands: bool, bound: float,
-        cap: int,
-    ) -> multigrid.Solution:  # fmt: skip
+    def __call__(self, flow: Flow, *, expands: bool, bound: float, cap: int) -> multigrid.Solution:
         """Make the flow through each cell what its expansion asks for.
 
         Args:
-            velocity: of faces [m/s], changed.
-            solid: velocities of what closes them [m/s].
-            expansion: of cells [1/s].
-            size: of a cell [m].
-            state: concentrations, for densities.
-            load: what a unit of soot adds to the density.
+            flow: its velocity is changed.
             expands: whether densities count.
             bound: largest residual [m/s].
             cap: most iterations.
         """
         run, rows = self.run, self.rows
         assert self._solver is not None
-        run(kernels.gather, rows, [self.box, size, self.element, velocity, self.opening, solid, self.room, expansion, self.right])
+        inputs = [self.box, flow.cell, self.element, flow.velocity, self.opening, flow.solid, self.room, flow.expansion]
+        run(kernels.gather, rows, [*inputs, self.right])
         self.shared = 0.0
         if self.sealed:
             self.shared = float(run.read(self.right, rows).astype(np.float64).mean())
             run(kernels.shift, rows, [self.shared, self.right])
         found = self._solver(self.right, self.pressure, bound, cap)
-        inputs = [self.grid, self.box, self.sides, load, int(expands), self.row, self.pressure, self.opening, solid, state]
-        run(kernels.project, self.elements, [*inputs, velocity])
+        inputs = [self.grid, self.box, self.sides, flow.load, int(expands), self.row, self.pressure, self.opening, flow.solid]
+        run(kernels.project, self.elements, [*inputs, flow.state, flow.velocity])
         return found
 
-    def residual(self, velocity: Any, solid: Any, expansion: Any, size: float) -> float:
+    def residual(self, flow: Flow) -> float:
         """Largest difference between the flux out of a cell and what it should be [m/s]."""
         run, rows = self.run, self.rows
         many = -(-rows // run.block)
         out = run.array("gas/divergence", many, warp().float64)
-        inputs = [rows, run.block, self.box, size, self.element, velocity, self.opening, solid, self.room, expansion, self.shared]
-        run(kernels.divergence, many, [*inputs, out], grain=16)
+        inputs = [rows, run.block, self.box, flow.cell, self.element, flow.velocity, self.opening, flow.solid, self.room]
+        run(kernels.divergence, many, [*inputs, flow.expansion, self.shared, out], grain=16)
         return float(run.read(out, many).max())

@@ -12,7 +12,7 @@ Side = Literal["open", "closed", "periodic"]
 
 @dataclass(frozen=True)
 class GasSettings:
-    """What a gas is and how it is solved; SI units."""
+    """Material of a gas, and numbers of its solver; SI units."""
 
     scheme: Literal["maccormack", "reflection"] = "reflection"
     """How velocities are carried. Reflection (Zehnder, Narain and Thomaszewski 2018, doi:10.1145/3197517.3201324) makes two half steps with two

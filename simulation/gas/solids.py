@@ -1,4 +1,4 @@
-"""What solids leave open of a box of cells, from distances at the corners of cells."""
+"""Open shares of a box of cells between solids, from distances at the corners of cells."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def cut(distance: F64, velocity: NDArray[np.float32] | None = None) -> Solids:
     opening = np.zeros((*shape, 3), np.float32)
     for axis in range(3):
         u, v = ((axis + 1) % 3, (axis + 2) % 3)
-        low = [slice(None)] * 3
+        low: list[slice] = [slice(None)] * 3
         low[u] = low[v] = slice(0, -1)
         corners = []
         for du, dv in ((0, 0), (1, 0), (1, 1), (0, 1)):
@@ -73,13 +73,13 @@ def cut(distance: F64, velocity: NDArray[np.float32] | None = None) -> Solids:
             part[u] = slice(du, shape[u] - 1 + du)
             part[v] = slice(dv, shape[v] - 1 + dv)
             corners.append(distance[tuple(part)])
-        opening[(*low, axis)] = open_share(*corners)
+        opening[..., axis][tuple(low)] = open_share(*corners)
     inner = tuple(slice(0, n - 1) for n in shape)
     room = np.zeros(shape, np.float32)
     # Mean of the open shares of a cell's six faces: exact for planes along the axes, within a hundredth for other planes that cut it.
-    sides = [opening[(*inner, a)] for a in range(3)]
+    sides = [opening[..., a][inner] for a in range(3)]
     for a in range(3):
         ahead = tuple(slice(1, n) if k == a else slice(0, n - 1) for k, n in enumerate(shape))
-        sides.append(opening[(*ahead, a)])
+        sides.append(opening[..., a][ahead])
     room[inner] = np.mean(sides, axis=0)
     return Solids(room, opening, np.zeros((*shape, 3), np.float32) if velocity is None else velocity)

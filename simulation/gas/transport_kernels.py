@@ -1,9 +1,9 @@
 # mypy: ignore-errors
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
-"""What the gas carries: amounts per cell, moved by fluxes through faces, so that their sums stay.
+"""Amounts that the gas carries, per cell, moved by fluxes through faces, so that their sums stay.
 
-Lightness is 1 - density / density of the ambient air. The others are amounts per volume. Sweeps along one axis after the other, second order (slopes limited, monotonized
-central, van Leer 1977, doi:10.1016/0021-9991(77)90095-X), with the volume that the same fluxes leave in each cell: a uniform
+Lightness is 1 - density / density of the ambient air. The others are amounts per volume. Sweeps along one axis after the other, second
+order (slopes limited, monotonized central, van Leer 1977, doi:10.1016/0021-9991(77)90095-X), with the volume that the same fluxes leave in each cell: a uniform
 concentration stays uniform (as Weymouth and Yue 2010, doi:10.1016/j.jcp.2009.12.018). What comes in from outside is ambient air.
 """
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....geometry.launch import warp
+from ...grids import columns
 from ...grids import multigrid_kernels as blocks
 from ...grids.runner import Runner
 from . import column_kernels as kernels
@@ -48,13 +49,13 @@ def build(run: Runner, head: Any, position: Any, shape: tuple[int, ...], reach: 
     count, start = run.array("count", many + 1, wp.int32), run.array("start", many + 1, wp.int32)
     run(kernels.count_cells, many + 1, [nz, reach, many, wide, tall, count])
     total = run.scan(count, start, many + 1)
-    grid = kernels.Columns()
+    grid = columns.Columns()
     grid.nx, grid.ny, grid.nz = nx, ny, nz
     grid.low, grid.start = wide, start
     grid.column = run.array("column", total, wp.int32)
     run(blocks.name_columns, many, [grid, grid.column])
     grid.base = run.array("base", many, wp.int32)
     run(kernels.find_bases, many, [grid, grid.base], grain=16384)
-    near = run.array("near", total, kernels.vec6i)
+    near = run.array("near", total, columns.vec6i)
     run(kernels.link, many, [grid, near], grain=256)
     return Grid(grid, total, near, head, low, room, places)

@@ -49,7 +49,12 @@ def specification(entities: int) -> dict[str, Any]:
     rests = {"kind": "rests_on", "entity": "box000", "on": "floor"}
     return {
         "title": "Boxes on a floor",
-        "clauses": {"c1": {"met_by": ["/story/requirements/rest"]}},
+        "spec_version": "2",
+        "claims": {
+            "boxes": {"quote": "Boxes", "type": "thing", "by": [f"/entities/{name}" for name in boxes]},
+            "stand": {"quote": "stand", "type": "property", "by": ["/story/requirements/rest"]},
+            "floor": {"quote": "floor", "type": "thing", "by": ["/entities/floor"]},
+        },
         "story": {"requirements": {"rest": {"text": "a box stands on the floor", "predicate": rests}}},
         "materials": {"wood": {"density": 600.0, "friction": 0.5, "restitution": 0.2, "substance": "wood"}},
         "entities": {"floor": floor, **boxes},

@@ -33,6 +33,8 @@ NAIVE: dict[str, Any] = {
 }
 """Bodies exactly on each other, dominoes a height apart, beats just as estimated, a camera in the corner of the room."""
 CORNER = {"position": [3.0, -3.0, 2.0], "target": [0.0, 0.0, 0.0], "fov_deg": 40}
+WORDS = {"Wooden": "wood", "steel": "steel", "stone": "stone"}
+"""Material by its word in the prompt."""
 G, FPS = 9.81, 24
 FRICTION = 0.3
 SETTINGS = RigidSettings(step=2.5e-4)
@@ -116,16 +118,22 @@ class _Draft:
             }
         floor = {**_box("floor", "stone", [6, 6, 0.2], [0, 0, -0.1]), "motion": "static"}
         names = ["floor", *self.entities]
+        all_of = {"floor": floor, **self.entities}
+        made = {kind: [f"/entities/{n}" for n, e in all_of.items() if e["material"] == kind] for kind in WORDS.values()}
         return {
             "title": "From a brief",
-            "clauses": {"c1": {"met_by": [f"/story/beats/{n}" for n in self.beats]}},
+            "spec_version": "2",
+            "claims": {
+                **{word: {"quote": word, "type": "property", "by": made[kind]} for word, kind in WORDS.items() if made[kind]},
+                "floor": {"quote": "floor", "type": "thing", "by": ["/entities/floor"]},
+            },
             "story": {"beats": self.beats},
             "materials": {
                 "steel": {"density": 7850, "substance": "steel", "friction": FRICTION, "rolling_friction": 0.0005},
                 "wood": {"density": 600, "substance": "wood", "friction": FRICTION},
                 "stone": {"density": 2600, "substance": "stone", "friction": FRICTION},
             },
-            "entities": {"floor": floor, **self.entities},
+            "entities": all_of,
             "graph": {"relations": self.relations},
             "shots": {"only": {"frames": [0, last], "covers": list(self.beats), "keys": {"a": {"frame": 0, **camera}}}},
             "simulation": {

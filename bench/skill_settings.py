@@ -110,7 +110,13 @@ def scene(case: Mapping[str, Any], rng: random.Random, arm: str) -> tuple[str, d
             "predicate": {"kind": "contact", "a": "ball", "b": "slab", "min_impulse": blow}}  # fmt: skip
     spec = {
         "title": "Impact",
-        "clauses": {"c1": {"met_by": ["/story/beats/hit"]}},
+        "spec_version": "2",
+        "claims": {
+            "ball": {"quote": "steel ball", "type": "property", "by": ["/entities/ball"]},
+            "slab": {"quote": "slab", "type": "thing", "by": ["/entities/slab"]},
+            "steel": {"quote": "steel", "nth": 2, "type": "property", "by": ["/entities/slab"]},
+            "floor": {"quote": "floor", "type": "thing", "by": ["/entities/floor"]},
+        },
         "story": {"beats": {"hit": beat}},
         "materials": {"steel": {"density": 7850, "substance": "steel", "friction": 0.3, "rolling_friction": 0.002}},
         "entities": {"floor": floor, "slab": target, "ball": body},

@@ -50,13 +50,14 @@ def _solvers(rigid: list[str], cloth: list[str]) -> dict[str, Any]:
     return {"rigid": {"engine": "mujoco", "members": rigid}, "cloth": {"engine": "shell", "members": cloth}}
 
 
-def _beat(text: str, owner: str, subject: str, moved: str, least: float) -> dict[str, Any]:
-    return {
-        "text": text,
-        "owner": owner,
-        "subject": subject,
-        "predicate": {"kind": "displacement", "entity": moved, "min": least},
-    }
+def _beat(text: str, owner: str, subject: str, predicate: dict[str, Any]) -> dict[str, Any]:
+    return {"text": text, "owner": owner, "subject": subject, "predicate": predicate}
+
+
+def _claims(event: str, **things: str) -> dict[str, Any]:
+    """The words of the event and of the things of a prompt: entity by word."""
+    told = {"event": {"quote": event, "type": "event", "by": ["/story/beats/event"]}}
+    return told | {n: {"quote": n, "type": "thing", "by": [f"/entities/{e}"]} for n, e in things.items()}
 
 
 def _world(
@@ -64,6 +65,7 @@ def _world(
     entities: dict[str, Any],
     simulation: dict[str, Any],
     beat: dict[str, Any],
+    claims: dict[str, Any],
     shot: dict[str, Any],
     changes: dict[str, Any],
 ) -> dict[str, Any]:
@@ -71,12 +73,13 @@ def _world(
     relations = {"no_lift": {"kind": "supports", "a": "ground", "b": "pole"}} if "pole" in entities else {}
     return {
         "title": title,
+        "spec_version": "2",
+        "claims": claims,
         "materials": MATERIALS,
         "entities": entities,
         "graph": {"relations": relations},
         "story": {"beats": {"event": {"frames": [0, frames - 1], **beat}}},
         "shots": {"main": {"frames": [0, frames - 1], "covers": ["event"], "keys": {"k0": {"frame": 0, **shot}}}},
-        "clauses": {"c1": {"met_by": ["/story/beats/event"]}},
         "simulation": {"fps": 24, **simulation},
         "look": {"width": 480, "height": 360, "samples": 16},
         **changes,
@@ -108,7 +111,8 @@ def flag_spec(*, frames: int = 48, resolution: float = 0.05, **changes: Any) -> 
             "solvers": _solvers(["ground", "pole"], ["flag"]),
             "drivers": {"breeze": wind},
         },
-        _beat("the flag flies", "breeze", "flag", "flag", 0.02),
+        _beat("the flag flies", "breeze", "flag", {"kind": "rises", "entity": "flag"}),
+        _claims("flies", flag="flag") | {"wind": {"quote": "wind", "type": "weather", "by": ["/simulation/drivers/breeze"]}},
         {"position": [0.7, -3.2, 2.0], "target": [0.6, 0.0, 1.8], "fov_deg": 45},
         changes,
     )
@@ -138,7 +142,8 @@ def drape_spec(*, frames: int = 36, resolution: float = 0.035, **changes: Any) -
                 "let_go": {"kind": "release", "entity": "cloth", "time": 0.0},
             },
         },
-        _beat("the cloth drapes the ball", "let_go", "cloth", "cloth", 0.05),
+        _beat("the cloth drapes the ball", "let_go", "cloth", {"kind": "falls", "entity": "cloth"}),
+        _claims("falls", cloth="cloth", ball="ball"),
         {"position": [1.3, -1.6, 1.1], "target": [0.0, 0.0, 0.25], "fov_deg": 40},
         changes,
     )
@@ -174,7 +179,8 @@ def catch_spec(*, frames: int = 24, resolution: float = 0.05, coupled: bool = Tr
             },
             "couplings": {"both": both} if coupled else {},
         },
-        _beat("the ball falls into the cloth", "rigid", "ball", "ball", 0.1),
+        _beat("the ball falls into the cloth", "let_go", "ball", {"kind": "falls", "entity": "ball", "min": 0.1}),
+        _claims("falls", ball="ball", cloth="cloth"),
         {"position": [1.3, -1.6, 1.3], "target": [0.0, 0.0, 0.7], "fov_deg": 40},
         changes,
     )
@@ -226,7 +232,9 @@ def pulled_spec(
             "solvers": _solvers(["post", "rod"], ["strip"]),
             "drivers": {"pull": {"kind": "path", "entity": "rod", "keys": keys}},
         },
-        _beat("the strip tears", "cloth", "strip", "rod", 0.02),
+        _beat("the strip tears", "cloth", "strip", {"kind": "tears", "entity": "strip"}),
+        _claims("pulled until it tears", strip="strip")
+        | {"rods": {"quote": "two rods", "type": "count", "by": ["/entities/post", "/entities/rod"]}},
         {"position": [0.0, -1.0, 1.5], "target": [0.0, 0.0, 1.0], "fov_deg": 45},
         changes,
     )

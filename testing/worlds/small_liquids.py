@@ -72,11 +72,15 @@ def tank_spec(
         domain = {"center": [0, 0, base + 0.25], "size": [*wide, 0.5], "sides": ["closed"] * 5 + ["open"]}
     spec: dict[str, Any] = {
         "title": "A tank of water",
-        "clauses": {"c1": {"met_by": ["/entities/water", "/entities/tank", *(["/story/beats/drop"] if crate else [])]}},
+        "spec_version": "2",
+        "claims": {
+            **({"drops": {"quote": "drops", "type": "event", "by": ["/story/beats/drop"]}} if crate else {}),
+            **{n: {"quote": n, "type": "thing", "by": [f"/entities/{n}"]} for n in (*(["crate"] if crate else []), "tank", "water")},
+        },
         "story": {
             "beats": {
                 "drop": {"text": "the crate drops into the water", "owner": "rigid", "subject": "crate", "frames": [0, 12],
-                         "predicate": {"kind": "displacement", "entity": "crate", "axis": [0, 0, 1], "max": -0.03}},
+                         "predicate": {"kind": "crosses", "entity": "crate", "point": [0, 0, round((crate_at or 0) - 0.03, 6)], "normal": [0, 0, -1]}},
             }
             if crate
             else {}
@@ -138,6 +142,8 @@ def jelly_tank_spec(*, frames: int = 24, young: float = 15000.0, density: float 
     for beat in spec["story"]["beats"].values():
         beat["owner"], beat["subject"] = "let_go", "jelly"
         beat["predicate"]["entity"] = "jelly"
+    if "crate" in spec["claims"]:
+        spec["claims"]["crate"]["by"] = ["/entities/jelly"]
     return spec
 
 
@@ -189,11 +195,17 @@ def sea_spec(*, spacing: float = 0.05, engine: str = "flip", crate: bool = True,
     }  # fmt: skip
     return {
         "title": "A sea",
-        "clauses": {"c1": {"met_by": ["/entities/water", *(["/story/beats/bob"] if crate else [])]}},
+        "spec_version": "2",
+        "claims": {
+            **({"bobs": {"quote": "bobs", "type": "event", "by": ["/story/beats/bob"]}} if crate else {}),
+            **({"crate": {"quote": "crate", "type": "thing", "by": ["/entities/crate"]}} if crate else {}),
+            "waves": {"quote": "waves", "type": "weather", "by": ["/simulation/drivers/sea"]},
+            "sea": {"quote": "sea", "type": "thing", "by": ["/entities/water"]},
+        },
         "story": {
             "beats": {
                 "bob": {"text": "the crate bobs in the waves", "owner": "rigid", "subject": "crate", "frames": [0, frames - 1],
-                        "predicate": {"kind": "displacement", "entity": "crate", "axis": [0, 0, 1], "min": 0.01}},
+                        "predicate": {"kind": "crosses", "entity": "crate", "point": [0, 0, round(depth + 0.012, 6)], "normal": [0, 0, 1]}},
             }
             if crate
             else {}

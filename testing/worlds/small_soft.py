@@ -100,6 +100,12 @@ def hammock_spec(
     both = {"source": "cloth", "target": "bodies", "direction": "two_way", "variables": ["motion", "wrench"]}
     return {
         "title": "Jelly on a cloth",
+        "spec_version": "2",
+        "claims": {
+            "drops": {"quote": "drops", "type": "event", "by": ["/story/beats/drops"]},
+            "four": {"quote": "between four", "type": "place", "by": ["/entities/posts"]},
+            **{n: {"quote": n, "type": "thing", "by": [f"/entities/{n}"]} for n in ("jelly", "cloth", "posts", "tray", "sand") if n in entities},
+        },
         "materials": _matter(),
         "entities": entities,
         "graph": {},
@@ -107,7 +113,7 @@ def hammock_spec(
             "beats": {
                 "drops": {
                     "text": "the jelly drops on the cloth", "owner": "let_go", "subject": "jelly", "frames": [0, frames - 1],
-                    "predicate": {"kind": "displacement", "entity": "jelly", "axis": [0, 0, -1], "min": 0.08},
+                    "predicate": {"kind": "crosses", "entity": "jelly", "point": [0, 0, round(HIGH + drop - 0.05, 6)], "normal": [0, 0, -1]},
                 }
             }
         },
@@ -117,7 +123,6 @@ def hammock_spec(
                 "keys": {"k0": {"frame": 0, "position": [0.8, -0.85, 0.6], "target": [0, 0, 0.2], "fov_deg": 40}},
             }
         },
-        "clauses": {"c1": {"met_by": ["/story/beats/drops", "/entities/posts", "/entities/tray", "/entities/sand"][: 3 + (radius is not None)]}},
         "simulation": {
             "fps": 24,
             "frames": frames,
@@ -185,5 +190,5 @@ def caught_spec(
         "predicate": drops,
     }
     spec["story"] = {"beats": {"drops": {**beat, "causes": []}}}
-    spec["clauses"] = {"c1": {"met_by": ["/story/beats/drops", "/entities/posts", "/entities/water"]}}
+    spec["claims"] = {n: spec["claims"][n] for n in ("cloth", "four", "posts")}
     return spec

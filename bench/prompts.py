@@ -1,9 +1,8 @@
 """Benchmark prompts: how many strangers' prompts a shipped world would be accepted for, and what the lexicon finds in honest ones.
 
-Every shipped world is left as it is, but for its prompt: each of 500 prompts in twelve languages that it is not about takes its place.
-Claims stay as they are; in a world of version 1 every clause is mapped to all beats, requirements and entities, as somebody does who wants a
-pass and not a world, and what the audit lets through would be accepted as "physics accepted; prompt judged by clauses". Target: none.
-`attack` counts the same for the example whose spans a scripted attacker binds to the best that passes (`prompt_attack.py`).
+Every shipped world is left as it is, its claims too, but for its prompt: each of 500 prompts in twelve languages that it is not about takes
+its place. Whatever the audit lets through would be accepted. Target: none. `attack` counts the same for the example of the skill with claims
+that a scripted attacker binds (`prompt_attack.py`).
 
 The lexicon labels the English prompts whose spans somebody marked: how many of the marked events and things it finds, how many of its labels are
 marked so, how many marks left out or mistyped it warns of, and of how many right ones. A label inside a longer span of another type (a table in
@@ -22,18 +21,16 @@ from ..testing.defects.accepted import SKILLS, recorded, showcases, specificatio
 from ..testing.prompts import Marked, Stranger, honest, placed, strangers, verbs
 from ..worlds.audits.audit import audit
 from ..worlds.audits.claims import claim_problems
-from ..worlds.audits.clauses import clauses_of
 from ..worlds.patch import parse_spec
 from ..worlds.prompts.lexicon import Reading, labelled, verb_kinds, warnings_for
 from ..worlds.prompts.proposals import proposed
 from ..worlds.spec import WorldSpec
-from .prompt_attack import attack_figures
+from .prompt_attack import attack_figures, stolen
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 __all__ = [
-    "dressed_for",
     "found_and_right",
     "passes",
     "proposal_figures",
@@ -51,37 +48,20 @@ HOLDS: dict[str, frozenset[str]] = {
 """By type of a label, types of longer spans that may hold such a word and say nothing of it."""
 
 
-def dressed_for(spec: WorldSpec, prompt: str) -> WorldSpec:
-    """The same world with another prompt, every clause of which is mapped to all that the story and the scene hold."""
-    places: dict[str, dict[str, Any]] = {
-        "story/beats": spec.story.beats,
-        "story/requirements": spec.story.requirements,
-        "entities": spec.entities,
-    }
-    everything = [f"/{place}/{name}" for place, members in places.items() for name in members]
-    clauses = {key: {"met_by": everything} for key in clauses_of(prompt)}
-    return WorldSpec.model_validate({**spec.model_dump(mode="json"), "prompt": prompt, "clauses": clauses})
-
-
 def passes(spec: WorldSpec, prompt: str) -> bool:
-    """True where the audit lets the world through as one of this prompt; its claims stay as they are."""
-    if spec.spec_version == "1":
-        return audit(dressed_for(spec, prompt)).passed
-    stolen = spec.model_copy(update={"prompt": prompt})
-    return not claim_problems(stolen) and audit(stolen).passed
+    """True where the audit lets the world through, unchanged, as one of this prompt."""
+    world = stolen(spec, prompt)
+    # Claims are the quicker half: most strangers fail there.
+    return not claim_problems(world) and audit(world).passed
 
 
 def shipped() -> Iterator[tuple[str, WorldSpec]]:
-    """Name and specification of every accepted world that is kept, and of all others of version 2: recorded, shown, examples of skills."""
+    """Name and specification of every accepted world that is kept, recorded, shown, or an example of a skill."""
     yield from specifications()
-    examples = ((f"{path.parts[-3]}/{path.stem}", _parsed(path)) for path in sorted(SKILLS.glob("*/examples/*.json")))
-    for name, spec in (*recorded(), *showcases(), *examples):
-        if spec.spec_version == "2":
-            yield name, spec
-
-
-def _parsed(path: Path) -> WorldSpec:
-    return parse_spec(json.loads(path.read_text(encoding="utf-8")))
+    yield from recorded()
+    yield from showcases()
+    for path in sorted(SKILLS.glob("*/examples/*.json")):
+        yield f"{path.parts[-3]}/{path.stem}", parse_spec(json.loads(path.read_text(encoding="utf-8")))
 
 
 def run(prompts: Sequence[Stranger] | None = None) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from collections import Counter
 from itertools import pairwise
 
 import pytest
-from worldagent.bench.prompts import dressed_for, passes, run, shipped
+from worldagent.bench.prompts import passes, run, shipped
 from worldagent.testing.defects.accepted import specifications
 from worldagent.testing.prompts import Marked, Stranger, honest, strangers
 from worldagent.worlds.audits.audit import audit
@@ -64,17 +64,16 @@ def test_a_world_passes_with_its_own_prompt_and_mapping() -> None:
 
 def test_a_shipped_world_passes_with_its_own_prompt_and_unchanged_with_no_strangers() -> None:
     """All 500 are asked by the benchmark; here every tenth."""
-    claimed = [(name, spec) for name, spec in shipped() if spec.spec_version == "2"]
-    assert "world-building/two_blocks" in dict(claimed)
-    assert [name for name, spec in claimed if not passes(spec, spec.prompt)] == []
-    assert [(name, p.id) for name, spec in claimed for p in strangers()[::10] if passes(spec, p.text)] == []
+    worlds = dict(shipped())
+    assert "world-building/two_blocks" in worlds
+    assert [name for name, spec in worlds.items() if not passes(spec, spec.prompt)] == []
+    assert [(name, p.id) for name, spec in worlds.items() for p in strangers()[::10] if passes(spec, p.text)] == []
 
 
-def test_a_prompt_whose_words_ask_for_an_event_of_another_kind_is_refused() -> None:
-    """What the gate of today does see: a clause that tells a way to walk needs a route."""
-    two = WORLDS["two_blocks"]
-    assert dressed_for(two, "A cat sleeps.").entities == two.entities
-    assert not passes(two, "A person walks from the gate along the path to the pond.")
+@pytest.mark.parametrize("world", WORLDS)
+def test_a_world_with_its_own_claims_is_refused_for_a_stranger(world: str) -> None:
+    assert not passes(WORLDS[world], "A person walks from the gate along the path to the pond.")
+    assert not passes(WORLDS[world], WORLDS[world].prompt.replace("A", "One", 1).replace(" the ", " no "))
 
 
 def test_the_count_is_of_the_prompts_that_the_audit_lets_through() -> None:

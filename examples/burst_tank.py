@@ -8,12 +8,18 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from ..worlds.claim_marks import with_claims
 from .client_run import accept, play
 from .domino_run import Agent
 
 __all__ = ["PROMPT", "flood_spec", "main", "run"]
 
 PROMPT = "A tank bursts when its gate is lifted, and the flood sweeps crates of bricks along a model street."
+CLAIMS = (
+    "A [tank](thing {0}/rear {0}/tank_north {0}/tank_south) [bursts](event bursts) [when](order lifts bursts) its [gate](thing gate) is "
+    "[lifted](event lifts), and the [flood](thing water) [sweeps](event sweeps) [crates of bricks](thing crate_a crate_b crate_c) "
+    "[along](route sweeps) a [model street](thing {0}/floor {0}/kerb_north {0}/kerb_south)."
+).format("entities/basin/parts")
 FPS = 24
 STREET = (2.4, 1.0)
 """Length beyond the gate and inner width [m]."""
@@ -91,13 +97,12 @@ def flood_spec(spacing: float, engine: str = "dfsph", seconds: float = 2.5) -> d
         }  # fmt: skip
 
     last = frames - 1
-    swept = {"kind": "displacement", "entity": "each", "axis": [1, 0, 0], "min": SWEPT}
-    return {
+    through = {"kind": "liquid_flux_through", "entity": "water", "point": [0, 0, HIGH / 2], "normal": [1, 0, 0], "size": [width, HIGH],
+               "measure": "total", "min": 0.02}  # fmt: skip
+    swept = {"kind": "and", "of": [{"kind": "slides", "entity": "each"},
+                                   {"kind": "displacement", "entity": "each", "axis": [1, 0, 0], "min": SWEPT}]}  # fmt: skip
+    spec = {
         "title": "Burst tank",
-        "clauses": {
-            "c1": {"met_by": ["/entities/gate", "/entities/basin", "/story/beats/lifts", "/story/beats/bursts"]},
-            "c2": {"met_by": [*(f"/entities/{n}" for n in CRATES), "/story/beats/floods", "/story/beats/sweeps"]},
-        },
         "materials": {
             "water": {"density": 1000, "substance": "water", "appearance": {"color": [0.75, 0.88, 0.93], "transmission": 1, "roughness": 0.02}},
             "stone": {"density": 2400, "substance": "concrete", "friction": 0.6, "appearance": {"pattern": "concrete", "roughness": 0.7}},
@@ -121,9 +126,9 @@ def flood_spec(spacing: float, engine: str = "dfsph", seconds: float = 2.5) -> d
             "semantics": "A dam break in a model street; the crates stand free on its floor.",
             "beats": {
                 "lifts": beat("the gate is lifted", "lift", "gate", [4, 30],
-                              {"kind": "displacement", "entity": "gate", "axis": [0, 0, 1], "min": 0.3}),
+                              {"kind": "rises", "entity": "gate", "min": 0.3}),
                 "bursts": beat("water bursts out", "water", "water", [6, 36],
-                               {"kind": "liquid_speed", "entity": "water", "measure": "largest", "min": 2.0}, "lifts"),
+                               {"kind": "and", "of": [through, {"kind": "liquid_speed", "entity": "water", "measure": "largest", "min": 2.0}]}, "lifts"),
                 "floods": beat("the far half of the street is flooded", "water", "water", [10, last],
                                {"kind": "liquid_volume_in", "entity": "water", "region": "street", "min": 0.02}, "lifts"),
                 "sweeps": beat("the flood sweeps all crates along the street", "bodies", "crate_a", [10, last],
@@ -146,6 +151,7 @@ def flood_spec(spacing: float, engine: str = "dfsph", seconds: float = 2.5) -> d
             "couplings": {"push": {"source": "water", "target": "bodies", "direction": "two_way", "variables": ["motion", "wrench"]}},
         },
     }  # fmt: skip
+    return with_claims(spec, PROMPT, CLAIMS)
 
 
 async def _work(agent: Agent, options: argparse.Namespace) -> dict[str, Any]:

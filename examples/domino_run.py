@@ -34,7 +34,6 @@ class Agent:
         self.calls = 0
         self.tried: set[str] = set()
         self.repairs: list[dict[str, Any]] = []
-        self.clauses: dict[str, str] = {}
 
     def say(self, text: str) -> None:
         """One line of progress."""
@@ -88,7 +87,7 @@ class Agent:
             point = await self.landing(*missed) if missed is not None else None
             if point is not None:
                 landings[row["id"]] = point
-        edit = propose(spec, rows, self.clauses, self.tried, landings)
+        edit = propose(spec, rows, self.tried, landings)
         if edit is None or len(self.repairs) >= MAX_EDITS:
             self.say("  no repair known for these rows")
             return False
@@ -108,7 +107,6 @@ class Agent:
         if refused:
             self.say(data["refused"])
             return False
-        self.clauses = data["clauses"]
         return await self._until(lambda: self.call("run_checks", scope="audit", detail="full"), "passed", "audit")
 
     async def _until(self, step: Any, key: str, stage: str) -> bool:

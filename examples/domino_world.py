@@ -5,12 +5,22 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..worlds.claim_marks import with_claims
+
 __all__ = ["PROMPT", "domino_spec"]
 
 PROMPT = (
     "A steel ball is released at the top of a wooden ramp on a workbench, rolls down and strikes the first of twenty dominoes. "
     "The chain runs around a corner, the last domino tips a seesaw, and the seesaw throws a small wooden cube into a bowl on the floor."
 )
+CLAIMS = (
+    "A [steel](property ball) [ball](thing ball) is [released](event release) at the top of a [wooden](property ramp) [ramp](thing ramp) on a "
+    "[workbench](thing bench), [rolls down](event release) and [strikes](event strike) [the first](thing d01) of [twenty dominoes](count {}). "
+    "[The chain runs around a corner](event corner chain), [the last domino](thing d20) [tips](event tip) a [seesaw](thing beam fulcrum), "
+    "and the [seesaw](thing same_as=seesaw) [throws](event throw) a [small wooden](property cube) [cube](thing cube) [into](route catch) a "
+    "[bowl](thing bowl) on the [floor](thing floor)."
+)
+"""The prompt, marked; `{}` stands for the ids of the dominoes."""
 TOP = 0.72
 """Height of the bench top [m]."""
 DOMINO = (0.01, 0.03, 0.06)
@@ -210,19 +220,21 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.57)) -> dict[str, Any]:
     topple = {"kind": "topples", "entity": "each", "min_angle": 0.7}
     beats: dict[str, Any] = {
         "release": {"text": "the ball is released and starts to roll", "owner": "let_go", "subject": "ball", "frames": [4, 12],
-                    "predicate": {"kind": "speed", "entity": "ball", "min": 0.2}},
+                    "predicate": {"kind": "rolls", "entity": "ball"}},
         "strike": {"text": "the ball strikes the first domino", "owner": "rigid", "subject": "d01", "frames": [8, 24], "causes": ["release"],
-                   "predicate": {"kind": "contact", "a": "ball", "b": "d01", "min_impulse": 0.001}},
+                   "predicate": {"kind": "hits", "entity": "ball", "other": "d01"}},
         "corner": {"text": "the chain runs around the corner", "owner": "rigid", "subject": "d14", "frames": [16, 40], "causes": ["strike"],
-                   "predicate": {"kind": "tilts", "entity": "d14", "min": 0.5}},
+                   "predicate": {**topple, "entity": "d14"}},
         "chain": {"text": "all twenty dominoes fall", "owner": "rigid", "subject": "d20", "frames": [16, 44], "causes": ["corner"],
                   "predicate": {"kind": "and", "of": [
                       {"kind": "count", "entities": dominoes[:-1], "min": COUNT - 1, "predicate": topple},
                       {"kind": "tilts", "entity": "d20", "min": 0.3}]}},
         "tip": {"text": "the last domino tips the seesaw", "owner": "rigid", "subject": "beam", "frames": [24, 44], "causes": ["corner"],
-                "predicate": {"kind": "tilts", "entity": "beam", "min": 0.08}},
+                "predicate": {"kind": "and", "of": [{"kind": "hits", "entity": "d20", "other": "beam"}, {"kind": "tilts", "entity": "beam", "min": 0.08}]}},
         "throw": {"text": "the seesaw throws the cube", "owner": "rigid", "subject": "cube", "frames": [26, 42], "causes": ["tip"],
-                  "predicate": {"kind": "separation", "a": "cube", "b": "beam", "min": 0.02, "when": "eventually"}},
+                  "predicate": {"kind": "and", "of": [
+                      {"kind": "rises", "entity": "cube", "min": 0.02},
+                      {"kind": "separation", "a": "cube", "b": "beam", "min": 0.02, "when": "eventually"}]}},
         "catch": {"text": "the cube lands in the bowl and stays", "owner": "rigid", "subject": "cube", "frames": [34, FRAMES - 1], "causes": ["throw"],
                   "predicate": {"kind": "reaches", "entity": "cube", "region": "in_bowl", "when": "end"}},
     }  # fmt: skip
@@ -250,15 +262,8 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.57)) -> dict[str, Any]:
                      "c": {"frame": FRAMES - 1, "position": [0.56, 0.86, 0.58], "target": [0.2, 0.61, 0.04], "fov_deg": 34}},
         },
     }  # fmt: skip
-    return {
+    spec = {
         "title": "Domino run on a workbench",
-        "clauses": {
-            "c1": {"met_by": ["/simulation/drivers/let_go", "/entities/ramp", "/entities/ball", "/story/beats/release"]},
-            "c2": {"met_by": ["/story/beats/release", "/story/beats/strike", "/entities/d20"]},
-            "c3": {"met_by": ["/story/beats/corner", "/story/beats/chain"]},
-            "c4": {"met_by": ["/story/beats/tip"]},
-            "c5": {"met_by": ["/story/beats/throw", "/story/beats/catch"]},
-        },
         "story": {"semantics": "a chain reaction on a workbench", "beats": beats},
         "materials": {
             "steel": {
@@ -324,3 +329,4 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.57)) -> dict[str, Any]:
         },
         "look": {"sky": "studio", "samples": 16, "width": 640, "height": 360},
     }
+    return with_claims(spec, PROMPT, CLAIMS.format(" ".join(dominoes)))

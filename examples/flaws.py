@@ -96,11 +96,11 @@ def misspelt_reference(spec: Spec, rng: random.Random) -> str:
     return "a relation names the unknown entity flor"
 
 
-def unmapped_clause(spec: Spec, rng: random.Random) -> str:
-    """A clause of the prompt is forgotten."""
-    key = rng.choice(sorted(spec["clauses"]))
-    del spec["clauses"][key]
-    return f"clause {key} is not mapped"
+def forgotten_claim(spec: Spec, rng: random.Random) -> str:
+    """Words for a thing of the prompt are not claimed, of which events are told."""
+    key = rng.choice(["ball", "cube"])
+    del spec["claims"][key]
+    return f"the words of the {key} are not claimed"
 
 
 def missed_bowl(spec: Spec, rng: random.Random) -> str:
@@ -156,7 +156,7 @@ FLAWS: dict[str, Flaw] = {
         undriven_kinematic,
         wrong_density,
         misspelt_reference,
-        unmapped_clause,
+        forgotten_claim,
         missed_bowl,
         late_release,
         averted_camera,

@@ -8,11 +8,16 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..testing.worlds.small_soft import HAMMOCK_PROMPT, HIGH, hammock_spec
+from ..worlds.claim_marks import with_claims
 from .client_run import main_of, play_spec
 
 __all__ = ["FRAMES", "PROMPT", "jelly_spec", "main", "run"]
 
 PROMPT = HAMMOCK_PROMPT
+CLAIMS = (
+    "A [jelly](thing jelly) [drops on](event drops) a [cloth](thing cloth) hung [between four](place posts) [posts](thing posts) over a "
+    "[tray](thing tray) of [sand](thing sand)."
+)
 FRAMES = 24
 
 
@@ -38,7 +43,7 @@ def jelly_spec(frames: int = FRAMES, edge: float = 0.025, radius: float = 0.009)
         "semantics": "a soft body falls into a cloth, which gives way, catches it and throws it back",
         "beats": {
             "drops": beat("the jelly drops", "let_go", "jelly", [0, 8],
-                          {"kind": "displacement", "entity": "jelly", "axis": [0, 0, -1], "min": 0.08}),
+                          {"kind": "falls", "entity": "jelly", "min": 0.08}),
             "caught": beat("the cloth gives way and catches it", "bodies", "jelly", [3, 14],
                            {"kind": "reaches", "entity": "jelly", "region": "under"}, "drops"),
             "wobbles": beat("the jelly is squeezed and wobbles", "bodies", "jelly", [3, last],
@@ -55,18 +60,7 @@ def jelly_spec(frames: int = FRAMES, edge: float = 0.025, radius: float = 0.009)
         "frames": [0, last], "covers": ["drops", "caught", "wobbles"], "subjects": ["jelly", "cloth"],
         "keys": {"k0": {"frame": 0, "position": [0.72, -0.95, 0.55], "target": [0, 0, 0.22], "fov_deg": 40}},
     }}  # fmt: skip
-    spec["clauses"] = {
-        "c1": {
-            "met_by": [
-                "/story/beats/drops",
-                "/story/beats/caught",
-                "/entities/posts",
-                "/entities/tray",
-                "/story/requirements/sand",
-            ]
-        }
-    }
-    return spec
+    return with_claims(spec, PROMPT, CLAIMS)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

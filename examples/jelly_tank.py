@@ -8,11 +8,16 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..testing.worlds.small_liquids import jelly_tank_spec
+from ..worlds.claim_marks import with_claims
 from .client_run import main_of, play_spec
 
 __all__ = ["FRAMES", "PROMPT", "main", "run", "tank_of_jelly"]
 
 PROMPT = "A jelly cube drops into a tank of water, comes up again and bobs."
+CLAIMS = (
+    "A [jelly](thing jelly) [cube](property jelly) [drops into](event drops dips) a [tank](thing tank) of [water](thing water), "
+    "[comes up](event rises) again and [bobs](event bobs)."
+)
 FRAMES = 30
 
 
@@ -40,20 +45,18 @@ def tank_of_jelly(frames: int = FRAMES) -> dict[str, Any]:
     spec["story"] = {
         "semantics": "a soft body lighter than water falls into it and is borne up",
         "beats": {
-            "drops": beat("the jelly drops", [0, 6], {"kind": "displacement", "entity": "jelly", "axis": [0, 0, -1], "min": 0.05}),
+            "drops": beat("the jelly drops", [0, 6], {"kind": "falls", "entity": "jelly"}),
             "dips": beat("the water gives way to it", [2, 12], {"kind": "reaches", "entity": "jelly", "region": "deep"}, "drops"),
-            "rises": beat("the water bears it up again", [8, last], {"kind": "reaches", "entity": "jelly", "region": "up"}, "dips"),
+            "rises": beat("the water bears it up again", [8, last],
+                          {"kind": "and", "of": [{"kind": "rises", "entity": "jelly", "min": 0.02}, {"kind": "reaches", "entity": "jelly", "region": "up"}]}, "dips"),
+            "bobs": beat("it bobs", [8, last], {"kind": "floats", "entity": "jelly", "other": "water"}, "dips"),
         },
     }  # fmt: skip
     spec["shots"] = {"main": {
-        "frames": [0, last], "covers": ["drops", "dips", "rises"], "subjects": ["jelly", "water"],
+        "frames": [0, last], "covers": ["drops", "dips", "rises", "bobs"], "subjects": ["jelly", "water"],
         "keys": {"k0": {"frame": 0, "position": [0.75, -0.95, 0.75], "target": [0, 0, 0.14], "fov_deg": 40}},
     }}  # fmt: skip
-    spec["clauses"] = {
-        "c1": {"met_by": ["/entities/tank", "/entities/water", "/story/beats/drops", "/story/beats/dips"]},
-        "c2": {"met_by": ["/story/beats/rises"]},
-    }
-    return spec
+    return with_claims(spec, PROMPT, CLAIMS)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

@@ -7,6 +7,7 @@ the server's own suggested edit where there is one, and otherwise a rule for the
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +29,8 @@ ORDER = (
 )
 """Upstream first: a wrong size explains an overlap, an overlap explains a missing support, and so on."""
 
+UNCLAIMED = re.compile(r"is told of '([^']+)', which no claim of a thing names")
+
 
 @dataclass(frozen=True)
 class Edit:
@@ -44,19 +47,17 @@ def _evidence(row: dict[str, Any]) -> dict[str, Any]:
     return evidence if isinstance(evidence, dict) else {}
 
 
-def _clause(spec: dict[str, Any], row: dict[str, Any], clauses: dict[str, str]) -> Edit | None:
-    """Map forgotten clauses to the beats that share most of their words, and to those that share half as many."""
+def _claim(spec: dict[str, Any], row: dict[str, Any]) -> Edit | None:
+    """Claim the words of things that events are told of: the last word of their role that stands in the prompt."""
+    names = dict.fromkeys(n for p in _evidence(row).get("problems", ()) for n in UNCLAIMED.findall(p))
     patch = []
-    for key, text in clauses.items():
-        if spec.get("clauses", {}).get(key, {}).get("met_by"):
-            continue
-        words = {w.strip(",.").lower() for w in text.split() if len(w) > 3}
-        scores = {k: len(words & {w.strip(",.").lower() for w in b["text"].split()}) for k, b in spec["story"]["beats"].items()}
-        best = [k for k, v in scores.items() if v and 2 * v >= max(scores.values())]
-        patch.append(
-            {"op": "add", "path": f"/clauses/{key}", "value": {"met_by": [f"/story/beats/{k}" for k in best or list(scores)[:1]]}}
-        )
-    return Edit(row["id"], "the clause was forgotten; the beats with its words meet it", patch, "text") if patch else None
+    for name in names:
+        role = spec["entities"][name]["role"].split()
+        word = next((w for w in reversed(role) if re.search(rf"\b{re.escape(w)}\b", spec["prompt"])), None)
+        if word is not None:
+            claim = {"quote": word, "type": "thing", "by": [f"/entities/{name}"]}
+            patch.append({"op": "add", "path": f"/claims/{name}", "value": claim})
+    return Edit(row["id"], f"the words of {', '.join(names)} were not claimed", patch, "text") if patch else None
 
 
 def missed_carrier(spec: dict[str, Any], row: dict[str, Any]) -> tuple[str, str] | None:
@@ -151,11 +152,10 @@ def _edit_of(
     spec: dict[str, Any],
     row: dict[str, Any],
     rows: list[dict[str, Any]],
-    clauses: dict[str, str],
     landings: dict[str, list[float]],
 ) -> Edit | None:
-    if row["id"] == "audit:clauses":
-        return _clause(spec, row, clauses)
+    if row["id"] == "audit:claims":
+        return _claim(spec, row)
     if row["check"] == "scale":
         return _rescale(spec, row) or _suggested(row)
     if row["check"] == "beat":
@@ -166,7 +166,6 @@ def _edit_of(
 def propose(
     spec: dict[str, Any],
     rows: list[dict[str, Any]],
-    clauses: dict[str, str],
     tried: set[str],
     landings: dict[str, list[float]],
 ) -> Edit | None:
@@ -175,13 +174,12 @@ def propose(
     Args:
         spec: the present specification.
         rows: open rows as the server returned them.
-        clauses: clauses of the prompt.
         tried: edits made before, as JSON of their patches; none is repeated.
         landings: per failing row, where its body first touched what the entity that should have caught it stands on.
     """
     ranked = sorted(rows, key=lambda r: (ORDER.index(r["check"]), r["status"] != "fail", not r.get("mandatory", True)))
     for row in ranked:
-        edit = _edit_of(spec, row, rows, clauses, landings)
+        edit = _edit_of(spec, row, rows, landings)
         if edit is not None and json.dumps(edit.patch) not in tried:
             return edit
     return None

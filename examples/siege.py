@@ -9,12 +9,17 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from ..worlds.claim_marks import with_claims
 from .client_run import accept, play
 from .domino_run import Agent
 
 __all__ = ["PROMPT", "SECONDS", "main", "run", "siege_spec"]
 
 PROMPT = "A cannonball breaches a city wall, the breach collapses, and the flag on the tower whips in the gust."
+CLAIMS = (
+    "A [cannonball](thing ball) [breaches](event strikes breaches) a [city wall](thing wall), the [breach](thing same_as=city_wall) "
+    "[collapses](event collapses), and the [flag](thing flag) on the [tower](thing tower_east) [whips](event whips) in the [gust](weather gust)."
+)
 FPS = 24
 WALL = (3.6, 0.25, 2.0)
 STONE = (0.39, 0.25, 0.19)
@@ -108,14 +113,10 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
             "text": text, "owner": owner, "subject": subject, "frames": frames, "predicate": predicate, "causes": list(causes)
         }  # fmt: skip
 
+    fallen = {"kind": "debris", "entity": "wall", "axis": [0, 0, -1], "region": "over_the_ball", **FALLEN}
     fired, gust, out = (round(t * FPS) for t in (FIRED, GUST, GUST + SWUNG))
-    return {
+    spec = {
         "title": "Siege",
-        "clauses": {
-            "c1": {"met_by": ["/entities/wall", "/entities/ball", *(f"/story/beats/{b}" for b in ("fires", "strikes", "breaches"))]},
-            "c2": {"met_by": ["/story/beats/collapses"]},
-            "c3": {"met_by": ["/entities/flag", "/entities/tower_east", "/story/beats/blows", "/story/beats/whips", "/simulation/drivers/gust"]},
-        },
         "materials": {
             "ashlar": {"density": 2200, "substance": "stone", "friction": 0.6, "appearance": {"color": [0.62, 0.54, 0.4], "roughness": 0.9}},
             "earth": {"density": 1800, "substance": "soil", "friction": 0.8, "appearance": {"color": [0.3, 0.36, 0.17], "roughness": 1}},
@@ -156,11 +157,11 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
                 "fires": beat("the cannon fires", "charge", "ball", [fired - 1, fired + 3],
                               {"kind": "displacement", "entity": "ball", "axis": [0, 1, 0], "min": 0.5}),
                 "strikes": beat("the ball strikes the wall", "stones", "wall", [fired, fired + 8],
-                                {"kind": "contact", "a": "ball", "b": "wall", "min_impulse": 200}, "fires"),
+                                {"kind": "hits", "entity": "ball", "other": "wall"}, "fires"),
                 "breaches": beat("the ball breaks the wall", "stones", "wall", [fired, fired + 12],
                                  {"kind": "broken", "entity": "wall", "by": "ball", "min": 0.02}, "strikes"),
                 "collapses": beat("the breach collapses", "stones", "wall", [fired + 2, last],
-                                  {"kind": "debris", "entity": "wall", "axis": [0, 0, -1], "region": "over_the_ball", **FALLEN}, "breaches"),
+                                  {"kind": "and", "of": [{"kind": "breaks", "entity": "wall"}, fallen]}, "breaches"),
                 "blows": beat("the gust lifts the flag", "gust", "flag", [gust, out + 6],
                               {"kind": "displacement", "entity": "flag", "axis": [0, 0, 1], "min": RISEN}),
                 "whips": beat("the flag whips in the gust", "silk", "flag", [out, last], {"kind": "flutters", "entity": "flag", **WHIP}, "blows"),
@@ -191,6 +192,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
             },
         },
     }  # fmt: skip
+    return with_claims(spec, PROMPT, CLAIMS)
 
 
 async def _work(agent: Agent, options: argparse.Namespace) -> dict[str, Any]:

@@ -25,6 +25,11 @@ from .domino_run import Agent
 __all__ = ["PROMPT", "land_spec", "main", "run"]
 
 PROMPT = "A stream carries beams and a log under a footbridge."
+CLAIMS = (
+    "A [stream](thing river) [carries](event flows log_passes beams_drift) [beams](thing {}) and a [log](thing log) [under](route log_passes) a "
+    "[footbridge](thing footbridge)."
+)
+"""The prompt, marked; `{}` stands for the ids of the beams."""
 WAIT_SECONDS = 25.0
 EXTENT = (320.0, 128.0)
 """Of the landscape x, y [m]."""
@@ -200,7 +205,8 @@ class Ranger(Agent):
         self.course = Course((await self.spec())["entities"]["river"])
         self.say(f"the stream runs {self.course.length:.0f} m through the ground, {self.course.width:.1f} m wide")
         patch = await self.things(options)
-        data, refused = await self.call("edit_spec", patch=patch)
+        claims = CLAIMS.format(" ".join(f"beam_{n}" for n in range(options.beams)))
+        data, refused = await self.call("edit_spec", patch=patch, claims=claims)
         if refused or not data["audit"]["passed"]:
             self.say(data.get("refused") or json.dumps(data["audit"]["open_rows"])[:2000])
             return False
@@ -306,8 +312,6 @@ class Ranger(Agent):
             {"op": "add", "path": "/graph", "value": {"relations": relations}},
             {"op": "add", "path": "/story", "value": {"semantics": "A calm day; nothing but the stream moves anything.", "beats": beats}},
             {"op": "add", "path": "/shots", "value": shots},
-            {"op": "add", "path": "/clauses", "value": {"c1": {"met_by": [
-                "/entities/footbridge", "/entities/river", *(f"/story/beats/{b}" for b in beats)]}}},
         ]  # fmt: skip
 
     async def rigid_instance(self) -> str:

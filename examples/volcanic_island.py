@@ -19,6 +19,10 @@ from .domino_run import Agent
 __all__ = ["PROMPT", "island_spec", "main", "run"]
 
 PROMPT = "A volcanic island with a crater lake, a river to the sea, and forest on the wet side."
+CLAIMS = (
+    "A [volcanic island](thing island) with a [crater lake](property lake), a [river to the sea](property river), and [forest](property forest) "
+    "[on the wet side](place forest)."
+)
 EXTENT = 6144.0
 """[m]"""
 CRATER = (-250.0, -200.0)
@@ -101,11 +105,6 @@ def island_spec(cells: int) -> dict[str, Any]:
     }
     return {
         "title": "Volcanic island",
-        "clauses": {
-            "c1": {"met_by": ["/terrains/island", "/story/requirements/lake"]},
-            "c2": {"met_by": ["/story/requirements/river"]},
-            "c3": {"met_by": ["/story/requirements/forest"]},
-        },
         "materials": {
             "basalt": _material(2900, 0.055, 0.05, 0.047, substance="stone"),
             "sand": _material(1600, 0.30, 0.25, 0.17),
@@ -128,7 +127,7 @@ class Islander(Agent):
 
     async def settle(self, cells: int) -> bool:
         """Declare and build the land, and choose where the cameras stand."""
-        data, refused = await self.call("edit_spec", prompt=PROMPT, spec=island_spec(cells))
+        data, refused = await self.call("edit_spec", prompt=PROMPT, spec=island_spec(cells), claims=CLAIMS)
         if refused:
             self.say(data["refused"])
             return False

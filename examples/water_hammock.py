@@ -8,11 +8,16 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..testing.worlds.small_soft import caught_spec
+from ..worlds.claim_marks import with_claims
 from .client_run import main_of, play_spec
 
 __all__ = ["FRAMES", "PROMPT", "held_spec", "main", "run"]
 
 PROMPT = "Water drops on a cloth hung between four posts, which sags and holds it."
+CLAIMS = (
+    "[Water](thing water) [drops](event drops) on a [cloth](thing cloth) hung [between four](place posts) [posts](thing posts), "
+    "[which](thing same_as=cloth) [sags](property sags) and [holds](property holds) [it](thing same_as=water)."
+)
 FRAMES = 13
 
 
@@ -24,11 +29,15 @@ def held_spec(frames: int = FRAMES) -> dict[str, Any]:
     def beat(text: str, owner: str, subject: str, when: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
         return {"text": text, "owner": owner, "subject": subject, "frames": when, "predicate": predicate, "causes": list(causes)}
 
+    water = spec["entities"]["water"]
+    lowest = water["pose"]["position"][2] - water["dimensions"]["size"][2] / 2
+    down = {"kind": "liquid_flux_through", "entity": "water", "point": [0, 0, round(lowest, 6)], "normal": [0, 0, -1], "size": [0.4, 0.4],
+            "measure": "total", "min": 2e-4}  # fmt: skip
     spec["graph"] = {"regions": {"under": {"kind": "box", "min": [-0.2, -0.2, 0.0], "max": [0.2, 0.2, 0.15]}}}
     spec["story"] = {
         "semantics": "a sheet that is hung up gives way under water until its tension carries it",
         "beats": {
-            "drops": beat("the water drops", "water", "water", [0, 6], {"kind": "liquid_speed", "entity": "water", "min": 0.3}),
+            "drops": beat("the water drops", "water", "water", [0, 6], {"kind": "and", "of": [down, {"kind": "liquid_speed", "entity": "water", "min": 0.3}]}),
             "sags": beat("the cloth sags under it", "cloth", "cloth", [1, last],
                          {"kind": "displacement", "entity": "cloth", "axis": [0, 0, -1], "min": 0.015}, "drops"),
         },
@@ -41,12 +50,8 @@ def held_spec(frames: int = FRAMES) -> dict[str, Any]:
         "frames": [0, last], "covers": ["drops", "sags"], "subjects": ["water", "cloth"],
         "keys": {"k0": {"frame": 0, "position": [0.62, -0.8, 0.72], "target": [0, 0, 0.28], "fov_deg": 42}},
     }}  # fmt: skip
-    spec["clauses"] = {
-        "c1": {"met_by": ["/entities/water", "/entities/posts", "/story/beats/drops"]},
-        "c2": {"met_by": ["/story/beats/sags", "/story/requirements/holds"]},
-    }
     spec["title"] = "Water in a cloth"
-    return spec
+    return with_claims(spec, PROMPT, CLAIMS)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:

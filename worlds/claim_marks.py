@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from .errors import InputError
+from .patch import parse_spec
 from .prompts.marks import Mark, marked_text, occurrence, parse_marks
 from .references import closest
 from .spec import CLAIM_TYPES, WorldSpec
 
-__all__ = ["claim_operations", "claims_from", "marked_claims", "target_pointer"]
+__all__ = ["claim_operations", "claims_from", "marked_claims", "target_pointer", "with_claims"]
 
 _ID = re.compile(r"[^a-z0-9]+")
 _ALL = ("entities", "terrains", "story/beats", "story/requirements", "graph/relations", "graph/regions", "shots", "materials")
@@ -65,6 +66,17 @@ def claim_operations(marked: str, spec: WorldSpec) -> list[dict[str, Any]]:
     if spec.spec_version == "2":
         return [claims]
     return [{"op": "replace", "path": "/spec_version", "value": "2"}, {"op": "remove", "path": "/clauses"}, claims]
+
+
+def with_claims(document: Mapping[str, Any], prompt: str, marked: str) -> dict[str, Any]:
+    """The JSON of a specification without its prompt, as version 2 with the claims of marked text.
+
+    Raises:
+        InputError: as `claims_from`.
+        SpecError: the document does not validate.
+    """
+    plain = {key: part for key, part in document.items() if key not in ("claims", "clauses")} | {"spec_version": "2"}
+    return plain | {"claims": claims_from(marked, parse_spec({**plain, "prompt": prompt}))}
 
 
 def marked_claims(spec: WorldSpec) -> str:

@@ -28,7 +28,7 @@ def _flag_alone(folder: Path, drivers: tuple[str, ...]) -> Candidate:
     spec = siege_spec(0.12, SHOWN)
     spec["entities"] = {n: spec["entities"][n] for n in ("ground", "pole", "flag")}
     spec["story"] = {"beats": {n: spec["story"]["beats"][n] for n in ("blows", "whips")}}
-    spec["shots"], spec["clauses"] = {}, {}
+    spec["shots"], spec["claims"] = {}, {}
     plan = spec["simulation"]
     plan["solvers"]["stones"]["members"] = ["ground", "pole"]
     plan["drivers"] = {n: plan["drivers"][n] for n in drivers}

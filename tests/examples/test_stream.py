@@ -12,7 +12,7 @@ from scipy import ndimage
 from worldagent.construction.build import build_entity
 from worldagent.construction.terrain.grid import Grid
 from worldagent.construction.terrain.store import build_terrain_file, cut_patch
-from worldagent.examples.stream import BEAM, BEAM_DENSITY, LOG, PROMPT, Course, land_spec, options_of, run
+from worldagent.examples.stream import BEAM, BEAM_DENSITY, BEAMS, CLAIMS, LOG, PROMPT, Course, land_spec, options_of, run
 from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.scene import build_scene
@@ -20,8 +20,10 @@ from worldagent.tests.physics.test_flip import box_mesh, one_body
 from worldagent.tests.simulation.liquid.flip_setup import block, tank
 from worldagent.workflow.waters import water_operations
 from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.claim_marks import with_claims
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import apply_patch, parse_spec
+from worldagent.worlds.prompts.marks import parse_marks
 
 SPACING = 0.8
 SIZE = (230.0, 52.0)
@@ -121,7 +123,7 @@ def test_the_course_bends_smoothly(tmp_path: Path) -> None:
 
 
 def test_painted_water_carries_no_log() -> None:
-    """The same beats, but the stream is a blue slab, or only the landscape's: nothing that flows, so no evidence."""
+    """The stream is a blue slab: nothing that flows, and nothing that bears a log, so no evidence."""
     world = land_spec(1.0, 12)
     box = {"shape": {"kind": "box", "size": [20, 6, 0.1]}}
     slab = {"role": "blue water of the stream", "motion": "static", "material": "water", "dimensions": {"size": [20, 6, 0.1]}, "parts": {"body": box}}  # fmt: skip
@@ -132,14 +134,24 @@ def test_painted_water_carries_no_log() -> None:
                 "pose": {"position": [0, 0, 2]}},
     }  # fmt: skip
     world["simulation"]["solvers"] = {"bodies": {"engine": "mujoco", "members": ["river", "log"]}}
-    beat = {"text": "the log is carried on", "owner": "bodies", "subject": "log", "frames": [0, 11],
-            "predicate": {"kind": "displacement", "entity": "log", "min": 1.0}, "causes": []}  # fmt: skip
-    world["story"] = {"semantics": "s", "beats": {"drifts": beat}}
-    for shown in ("/entities/river", "/terrains/valley"):
-        world["clauses"] = {"c1": {"met_by": [shown, "/entities/log", "/story/beats/drifts"]}}
-        row = next(r for r in audit(parse_spec({"prompt": PROMPT, **world})).rows if r.id == "audit:clauses")
-        assert row.status == "fail"
-        assert "that nothing simulates" in " ".join(row.evidence["problems"])
+    carries = {"kind": "floats", "entity": "log", "other": "river"}
+    flows = {"kind": "liquid_flux_through", "entity": "river", "point": [0, 0, 0], "normal": [1, 0, 0], "radius": 2, "min": 1}
+    beats = {"carries": ("log", carries), "flows": ("river", flows)}
+    world["story"] = {"semantics": "s", "beats": {
+        n: {"text": n, "owner": "bodies", "subject": subject, "frames": [0, 11], "predicate": p} for n, (subject, p) in beats.items()
+    }}  # fmt: skip
+    marked = "A [stream](thing river) [carries](event carries flows) beams and a [log](thing log) under a footbridge."
+    row = next(
+        r for r in audit(parse_spec({"prompt": PROMPT, **with_claims(world, PROMPT, marked)})).rows if r.id == "audit:evidence"
+    )
+    assert row.status == "fail"
+    for name in beats:
+        assert f"/story/beats/{name}/predicate: no engine in use writes" in " ".join(row.evidence["problems"])
+
+
+def test_the_marks_of_the_prompt_name_all_beams() -> None:
+    told = parse_marks(CLAIMS.format(" ".join(f"beam_{n}" for n in range(len(BEAMS)))), PROMPT)
+    assert next(m.targets for m in told if m.quote == "beams") == tuple(f"beam_{n}" for n in range(len(BEAMS)))
 
 
 @pytest.mark.slow

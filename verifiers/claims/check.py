@@ -2,7 +2,7 @@
 
 - `claim:thing:<claim>`: what a span names is in a picture: the least shown of its entities fills `limits.visible_pixels` of one.
 - `claim:event:<claim>`: its beats come true, and no rival reading of its words does (`rivals.py`).
-- `claim:order:<claim>`: its beats come true one after the other, in the order in which it names them.
+- `claim:order:<claim>`: what it says comes first does, and neither the reverse nor simultaneity is true (`order.py`).
 - `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames.
 
 Claims of other types are judged by the audit (counts, quantities) or printed as the agent's reading; waived ones are printed.
@@ -11,7 +11,6 @@ Claims of other types are judged by the audit (counts, quantities) or printed as
 from __future__ import annotations
 
 from functools import partial
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from ...worlds.claims import named_in
@@ -22,6 +21,8 @@ from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..shots.plan import shots_at
 from ..shots.sight import sight_of
+from .naming import beats_of, requirements_of
+from .order import order_of
 from .questions import EVENT, NEGATION, ORDER, THING
 from .rivals import rivals_of
 
@@ -52,13 +53,8 @@ def check(candidate: Candidate) -> list[Row]:
 def _told(candidate: Candidate, name: str) -> list[object]:
     """Beats and requirements that a claim names, as JSON: the verdict depends on them."""
     story = candidate.spec.story
-    found = [story.beats[b].model_dump(mode="json") for b in _named(candidate, name, "beats")]
-    return [*found, *(story.requirements[r].model_dump(mode="json") for r in _named(candidate, name, "requirements"))]
-
-
-def _named(candidate: Candidate, name: str, group: str) -> list[str]:
-    members = getattr(candidate.spec.story, group)
-    return [n for n in named_in(candidate.spec, name, f"story/{group}") if n in members]
+    found = [story.beats[b].model_dump(mode="json") for b in beats_of(candidate.spec, name)]
+    return [*found, *(story.requirements[r].model_dump(mode="json") for r in requirements_of(candidate.spec, name))]
 
 
 # ---------------------------------------------------------------- things
@@ -109,7 +105,7 @@ def _most(candidate: Candidate, sight: Sight, entity: str, enough: float) -> flo
 
 def _event(candidate: Candidate, name: str) -> Finding:
     claim, times = candidate.spec.claims[name], beat_times(candidate)
-    beats = _named(candidate, name, "beats")
+    beats = beats_of(candidate.spec, name)
     outcomes = {b: times.outcome(b) for b in beats}
     missed = [b for b, o in outcomes.items() if o.status == "fail"]
     unknown = [b for b, o in outcomes.items() if o.status == "unverified"]
@@ -143,33 +139,9 @@ def _event(candidate: Candidate, name: str) -> Finding:
     return Finding("fail", said, float(bad), 0.0, hints=(hint,), evidence=evidence)
 
 
-def _order(candidate: Candidate, name: str) -> Finding:
-    claim, times = candidate.spec.claims[name], beat_times(candidate)
-    beats = _named(candidate, name, "beats")
-    if len(beats) < 2:
-        return Finding("not_applicable", "judged by the beat or requirement that it names, whose predicate is of order")
-    first = {b: times.first(b) for b in beats}
-    never = [b for b, at in first.items() if at is None]
-    evidence = {"quote": claim.quote, "first_true_frames": first}
-    if never:
-        status = "fail" if times.outcome(never[0]).status == "fail" else "unverified"
-        return Finding(status, f"{claim.quote!r}: {never[0]} has no first true frame", evidence=evidence)  # type: ignore[arg-type]
-    at = [first[b] or 0 for b in beats]
-    gaps = [b - a for a, b in pairwise(at)]
-    worst = min(range(len(gaps)), key=gaps.__getitem__)
-    told = f"{claim.quote!r}: {beats[worst]} comes true at frame {at[worst]}, {beats[worst + 1]} at {at[worst + 1]}"
-    hint = correction(
-        told,
-        "story",
-        "name the beats in the order of the prompt, or change the motion so that they follow each other",
-        pointers=("/story/beats",),
-    )
-    return Finding("pass" if gaps[worst] >= 1 else "fail", told, float(gaps[worst]), 1.0, hints=(hint,), evidence=evidence)
-
-
 def _negation(candidate: Candidate, name: str) -> Finding:
     spec, last = candidate.spec, candidate.spec.simulation.frames - 1
-    asked = {r: spec.story.requirements[r] for r in _named(candidate, name, "requirements")}
+    asked = {r: spec.story.requirements[r] for r in requirements_of(spec, name)}
     outcomes = {r: evaluate(candidate, q.asked, q.frames or (0, last)) for r, q in asked.items()}
     bad = [r for r, o in outcomes.items() if o.status == "fail"]
     unknown = [r for r, o in outcomes.items() if o.status == "unverified"]
@@ -188,6 +160,6 @@ def _negation(candidate: Candidate, name: str) -> Finding:
 _JUDGES = {
     "thing": (THING, _thing),
     "event": (EVENT, _event),
-    "order": (ORDER, _order),
+    "order": (ORDER, order_of),
     "negation": (NEGATION, _negation),
 }

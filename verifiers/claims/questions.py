@@ -28,11 +28,11 @@ EVENT = Question(
 )
 ORDER = Question(
     "claim:order",
-    "the beats of the claim {0} come true one after the other, as it names them",
-    "least time between two of them",
-    "frame",
+    "what the claim {0} tells comes true in its order, and neither the reverse nor both at once is true",
+    "least time from one event to the next, 0 where another order is true as well",
+    "s",
     ">=",
-    "1",
+    "the longer of one frame and ORDER_SEEN",
     ("claim",),
     matrix_group="temporal",
 )

@@ -14,6 +14,7 @@ from typing import Any
 from ..claims import Reading, named_in, reading_of
 from ..predicates import entities_of
 from ..predicates.events import EVENT_KINDS, event_atoms
+from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
 from ..problems import Problem, replaced
 from ..prompts.languages import Held, language_of
@@ -246,7 +247,12 @@ def _order(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
     beats = [n for n in named_in(spec, name, _BEATS) if n in spec.story.beats]
     asked: list[Beat | Requirement] = [spec.story.beats[n] for n in beats]
     asked += [spec.story.requirements[n] for n in named_in(spec, name, _REQUIREMENTS) if n in spec.story.requirements]
-    if len(beats) < 2 and not any(kinds_of(a.predicate) & _ORDERED for a in asked):
+    for key in named_in(spec, name, _REQUIREMENTS):
+        requirement = spec.story.requirements.get(key)
+        if requirement is not None and requirement.never and kinds_of(requirement.predicate) & _ORDERED:
+            text = f"{key!r} must never be in an order, which both at once meets too; give the order that holds, without never"
+            yield Problem(f"/story/requirements/{key}/never", text)
+    if len(beats) < 2 and not any(orderings_of(a.predicate) for a in asked):
         text = (
             f"{claim.quote!r} is an order: name two beats, the first first, or one requirement of {', '.join(sorted(_ORDERED))}"
         )

@@ -43,7 +43,7 @@ def test_a_motion_that_is_what_the_words_say_passes_every_row(tmp_path: Path) ->
     )
     assert any("roles swapped" in text for text in found["hits"].evidence["rivals"])
     assert found["then"].measured is not None
-    assert found["then"].measured >= 1
+    assert found["then"].measured >= 1 / 24
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_an_order_told_the_other_way_round_fails(tmp_path: Path) -> None:
     row = rows(tmp_path, marked=MARKED.replace("(order hit slide)", "(order slide hit)"))["then"]
     assert row.status == "fail"
     assert row.measured is not None
-    assert row.measured < 1
+    assert row.measured <= 0
 
 
 def test_an_event_of_which_the_swapped_roles_are_as_true_is_void(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Claims of the prompt against the motion and the pictures (R2, R131, R154, R155).
 
 - `claim:thing:<claim>`: what a span names is in a picture: the least shown of its entities fills `limits.visible_pixels` of one.
+- `claim:count:<claim>`: exactly so many separate bodies are there, and do what is told of them (`counts.py`).
 - `claim:event:<claim>`: its beats come true, and no rival reading of its words does (`rivals.py`).
 - `claim:order:<claim>`: what it says comes first does, and neither the reverse nor simultaneity is true (`order.py`).
 - `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames.
@@ -21,9 +22,11 @@ from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..shots.plan import shots_at
 from ..shots.sight import sight_of
+from . import counts
+from .counts import count_of
 from .naming import beats_of, requirements_of
 from .order import order_of
-from .questions import EVENT, NEGATION, ORDER, THING
+from .questions import COUNT, EVENT, NEGATION, ORDER, THING
 from .rivals import rivals_of
 
 if TYPE_CHECKING:
@@ -42,17 +45,22 @@ def check(candidate: Candidate) -> list[Row]:
     rows = []
     for name, claim in candidate.spec.claims.items():
         judge = _JUDGES.get(claim.type)
-        if judge is None or claim.waived is not None:
+        measured = _MEASURED.get(claim.type)
+        if judge is None or claim.waived is not None or (measured is not None and not measured(candidate.spec, name)):
             continue
         question, function = judge
         extra = [claim.model_dump(mode="json"), _told(candidate, name)]
-        rows.append(row_of(candidate, question, (name,), partial(function, candidate, name), extra=extra))
+        finding = partial(function, candidate, name)
+        whole = candidate.spec.entities if claim.type in _WHOLE else None
+        rows.append(row_of(candidate, question, (name,), finding, extra=extra, recipe_entities=whole))
     return rows
 
 
 def _told(candidate: Candidate, name: str) -> list[object]:
-    """Beats and requirements that a claim names, as JSON: the verdict depends on them."""
+    """Beats and requirements that a claim names, as JSON: the verdict depends on them; of some types on all, and on all claims."""
     story = candidate.spec.story
+    if candidate.spec.claims[name].type in _WHOLE:
+        return [story.model_dump(mode="json"), {n: c.model_dump(mode="json") for n, c in candidate.spec.claims.items()}]
     found = [story.beats[b].model_dump(mode="json") for b in beats_of(candidate.spec, name)]
     return [*found, *(story.requirements[r].model_dump(mode="json") for r in requirements_of(candidate.spec, name))]
 
@@ -159,7 +167,12 @@ def _negation(candidate: Candidate, name: str) -> Finding:
 
 _JUDGES = {
     "thing": (THING, _thing),
+    "count": (COUNT, count_of),
     "event": (EVENT, _event),
     "order": (ORDER, order_of),
     "negation": (NEGATION, _negation),
 }
+_MEASURED = {"count": counts.is_measured}
+"""By type, whether something measured tells of a claim; of the other types all have a row."""
+_WHOLE = frozenset({"count", "order"})
+"""Types whose rows look at what else is claimed and told."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..rows.questions import Question
 
-__all__ = ["EVENT", "NEGATION", "ORDER", "QUESTIONS", "THING"]
+__all__ = ["COUNT", "EVENT", "NEGATION", "ORDER", "QUESTIONS", "THING"]
 
 THING = Question(
     "claim:thing",
@@ -15,6 +15,16 @@ THING = Question(
     "limits.visible_pixels",
     ("claim",),
     matrix_group="observational",
+)
+COUNT = Question(
+    "claim:count",
+    "exactly as many separate bodies as the claim {0} counts are there and do what is told of them, neither one less nor one more",
+    "how many there are, or do it",
+    "1",
+    "==",
+    "the number of its words",
+    ("claim",),
+    matrix_group="temporal",
 )
 EVENT = Question(
     "claim:event",
@@ -47,4 +57,4 @@ NEGATION = Question(
     matrix_group="temporal",
 )
 
-QUESTIONS = (THING, EVENT, ORDER, NEGATION)
+QUESTIONS = (THING, COUNT, EVENT, ORDER, NEGATION)

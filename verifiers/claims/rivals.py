@@ -11,13 +11,12 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...worlds.predicates import atoms_of, describe_predicate, entities_of
+from ...worlds.predicates import describe_predicate, entities_of
 from ...worlds.predicates.registry import PREDICATES
 from ..categories.registry import judge_of
+from .mapping import mapped
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ...worlds.candidate import Candidate
     from ...worlds.spec import SpecModel
 
@@ -40,12 +39,12 @@ def rivals_of(candidate: Candidate, beat_id: str) -> list[Rival]:
     """Rivals of a beat's predicate over its own frames."""
     beat = candidate.spec.story.beats[beat_id]
     found = []
-    swapped = _mapped(beat.predicate, _swapped)
+    swapped = mapped(beat.predicate, _swapped)
     if swapped != beat.predicate:
         found.append(Rival(beat_id, f"{describe_predicate(swapped)} (roles swapped)", swapped, beat.frames))
     told = set(entities_of(beat.predicate))
     for body in [n for n in still_bodies(candidate) if n not in told][:STILL_BODIES]:
-        of_body = _mapped(beat.predicate, partial(_about, beat.subject, body))
+        of_body = mapped(beat.predicate, partial(_about, beat.subject, body))
         if of_body != beat.predicate:
             found.append(Rival(beat_id, f"{describe_predicate(of_body)} (of a body that rests throughout)", of_body, beat.frames))
     return found
@@ -71,17 +70,3 @@ def _about(subject: str, body: str, atom: SpecModel) -> SpecModel:
     info = PREDICATES.get(str(getattr(atom, "kind", "")))
     event = info is not None and info.event and getattr(atom, "entity", None) == subject
     return atom.model_copy(update={"entity": body}) if event else atom
-
-
-def _mapped(predicate: SpecModel, change: Callable[[SpecModel], SpecModel]) -> SpecModel:
-    """The predicate with every atom changed."""
-    if atoms_of(predicate) == [predicate]:
-        return change(predicate)
-    changes: dict[str, object] = {}
-    for name in type(predicate).model_fields:
-        value = getattr(predicate, name)
-        if hasattr(value, "model_fields_set"):
-            changes[name] = _mapped(value, change)
-        elif isinstance(value, list) and value and hasattr(value[0], "model_fields_set"):
-            changes[name] = [_mapped(v, change) for v in value]
-    return predicate.model_copy(update=changes)

@@ -12,27 +12,26 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..claims import Reading, named_in, reading_of
-from ..predicates import entities_of
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
 from ..problems import Problem, replaced
 from ..prompts.languages import Held, language_of
-from ..prompts.numbers import Quantity, number_in, ordinal_in, quantity_in
+from ..prompts.numbers import Quantity, ordinal_in, quantity_in
 from ..references import kinds_of, resolves
-from ..slices import geometry_slice
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
+from .counts import count_problems
 from .properties import substance_problems
 from .unclaimed import unclaimed_problems
 
-__all__ = ["claim_problems", "counted", "leaf_at"]
+__all__ = ["claim_problems", "leaf_at"]
 
 WAIVED_SHARE = 0.2
 """Own choice: with more of its letters waived, a world is not the prompt's any more."""
 _BEATS, _REQUIREMENTS = "story/beats", "story/requirements"
 _ALLOWED: Mapping[ClaimType, tuple[str, ...]] = {
     "thing": ("entities", "terrains"),
-    "count": ("entities", "terrains", "simulation"),
+    "count": ("entities", "terrains", "simulation", _BEATS, _REQUIREMENTS),
     "quantity": ("entities", "terrains", "materials", "graph", "story", "simulation", "look", "shots"),
     "property": ("entities", "terrains", "materials", _BEATS, _REQUIREMENTS, "graph/relations"),
     "event": (_BEATS,),
@@ -111,69 +110,30 @@ def _shared(spec: WorldSpec) -> Iterator[Problem]:
                 yield Problem(f"/claims/{name}/by", text)
 
 
-def counted(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Bodies that a count claim is about."""
-    return tuple(dict.fromkeys(named_in(spec, name, "entities")))
-
-
 def _count(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
-    number, place = number_in(claim.quote, language_of(spec.prompt)), f"/claims/{name}/by"
-    leaves = [leaf_at(document, p) for p in claim.by]
-    if number is not None and any(leaf is not None and leaf == number for leaf in leaves):
-        return
-    bodies = counted(spec, name)
-    if number is not None and len(bodies) != number:
-        text = f"{claim.quote!r} counts {number:g}, by names {len(bodies)} ({', '.join(bodies[:4])}); name exactly {number:g} separate entities"
-        yield Problem(place, text)
-        return
-    like = _alike(spec, bodies)
-    if like:
-        text = f"{claim.quote!r} counts {len(bodies)}, but {', '.join(like[:3])} has the same shape and material: name it too, or take it away"
-        yield Problem(place, text)
-    yield from _partly_told(spec, name, claim, set(bodies))
-
-
-def _alike(spec: WorldSpec, bodies: tuple[str, ...]) -> list[str]:
-    """Entities beside the counted ones of the very same shape and material."""
-    known = [n for n in bodies if n in spec.entities]
-    forms = [geometry_slice(spec, n) for n in known]
-    others = {n for other, c in spec.claims.items() if c.type in ("thing", "count") for n in named_in(spec, other, "entities")}
-    return [n for n in spec.entities if n not in others and n not in known and geometry_slice(spec, n) in forms]
-
-
-def _partly_told(spec: WorldSpec, name: str, claim: Claim, bodies: set[str]) -> Iterator[Problem]:
-    """Events about some of the counted bodies and not about all of them."""
-    single = {n for o, c in spec.claims.items() if c.type == "thing" for n in named_in(spec, o, "entities") if len(c.by) == 1}
-    for other, event in spec.claims.items():
-        if event.type != "event" or event.waived is not None:
-            continue
-        told = {e for b in named_in(spec, other, _BEATS) if b in spec.story.beats for e in _about(spec.story.beats[b])}
-        left = bodies - told - single
-        if told & (bodies - single) and left:
-            text = f"{event.quote!r} is told of {', '.join(sorted(told & bodies)[:3])} and not of {', '.join(sorted(left)[:3])}, of {claim.quote!r}: add a "
-            text += "beat about them, use a `count` predicate over all, or claim single ones by spans of their own"
-            yield Problem(f"/claims/{other}/by", text)
-
-
-def _about(beat: Beat) -> tuple[str, ...]:
-    return (beat.subject, *entities_of(beat.predicate))
+    # Counts are whole numbers in the specification; a length that happens to be 3 counts nothing.
+    whole = [p for p in claim.by if isinstance(_value_at(document, p), int)]
+    yield from count_problems(spec, name, claim, [leaf_at(document, p) for p in whole])
 
 
 # ---------------------------------------------------------------- numbers
 
 
-def leaf_at(document: Any, pointer: str) -> float | None:
-    """Number at a JSON pointer; None where there is none."""
+def _value_at(document: Any, pointer: str) -> Any:
+    """Value at a JSON pointer; None where there is none."""
     at = document
     for token in pointer.strip("/").split("/"):
         key = token.replace("~1", "/").replace("~0", "~")
-        at = (
-            at.get(key)
-            if isinstance(at, dict)
-            else at[int(key)]
-            if isinstance(at, list) and key.isdigit() and int(key) < len(at)
-            else None
-        )
+        if isinstance(at, dict):
+            at = at.get(key)
+        else:
+            at = at[int(key)] if isinstance(at, list) and key.isdigit() and int(key) < len(at) else None
+    return at
+
+
+def leaf_at(document: Any, pointer: str) -> float | None:
+    """Number at a JSON pointer; None where there is none."""
+    at = _value_at(document, pointer)
     return float(at) if isinstance(at, (int, float)) and not isinstance(at, bool) else None
 
 

@@ -2,11 +2,13 @@
 
 - `claim:thing:<claim>`: what a span names is in a picture: the least shown of its entities fills `limits.visible_pixels` of one.
 - `claim:count:<claim>`: exactly so many separate bodies are there, and do what is told of them (`counts.py`).
+- `claim:quantity:<claim>`: what is measured is the number of its words, and neither half nor twice of it (`quantities.py`).
 - `claim:event:<claim>`: its beats come true, and no rival reading of its words does (`rivals.py`).
 - `claim:order:<claim>`: what it says comes first does, and neither the reverse nor simultaneity is true (`order.py`).
 - `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames.
 
-Claims of other types are judged by the audit (counts, quantities) or printed as the agent's reading; waived ones are printed.
+Claims of other types are judged by the audit or printed as the agent's reading, as are counts and quantities that nothing measures; waived
+ones are printed.
 """
 
 from __future__ import annotations
@@ -22,11 +24,12 @@ from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..shots.plan import shots_at
 from ..shots.sight import sight_of
-from . import counts
+from . import counts, quantities
 from .counts import count_of
 from .naming import beats_of, requirements_of
 from .order import order_of
-from .questions import COUNT, EVENT, NEGATION, ORDER, THING
+from .quantities import quantity_of
+from .questions import COUNT, EVENT, NEGATION, ORDER, QUANTITY, THING
 from .rivals import rivals_of
 
 if TYPE_CHECKING:
@@ -168,11 +171,12 @@ def _negation(candidate: Candidate, name: str) -> Finding:
 _JUDGES = {
     "thing": (THING, _thing),
     "count": (COUNT, count_of),
+    "quantity": (QUANTITY, quantity_of),
     "event": (EVENT, _event),
     "order": (ORDER, order_of),
     "negation": (NEGATION, _negation),
 }
-_MEASURED = {"count": counts.is_measured}
+_MEASURED = {"count": counts.is_measured, "quantity": quantities.is_measured}
 """By type, whether something measured tells of a claim; of the other types all have a row."""
-_WHOLE = frozenset({"count", "order"})
+_WHOLE = frozenset({"count", "order", "quantity"})
 """Types whose rows look at what else is claimed and told."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..rows.questions import Question
 
-__all__ = ["COUNT", "EVENT", "NEGATION", "ORDER", "QUESTIONS", "THING"]
+__all__ = ["COUNT", "EVENT", "NEGATION", "ORDER", "QUANTITY", "QUESTIONS", "THING"]
 
 THING = Question(
     "claim:thing",
@@ -56,5 +56,15 @@ NEGATION = Question(
     ("claim",),
     matrix_group="temporal",
 )
+QUANTITY = Question(
+    "claim:quantity",
+    "what the claim {0} names measures what its words say, and neither half nor twice of it",
+    "measured value of what it names, the farthest from the words",
+    "various",
+    "",
+    "the number of its words, up to a factor of NEARER where they give no least or most",
+    ("claim",),
+    matrix_group="physical",
+)
 
-QUESTIONS = (THING, COUNT, EVENT, ORDER, NEGATION)
+QUESTIONS = (THING, COUNT, QUANTITY, EVENT, ORDER, NEGATION)

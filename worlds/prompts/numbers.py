@@ -45,6 +45,7 @@ HEDGES: dict[How, tuple[str, ...]] = {
     ),
     "at most": (
         "at most", "no more than", "not more than", "less than", "fewer than", "shorter than", "lighter than", "lower than", "up to",
+        "within", "no farther than", "no further than",
         "maximum", "or less", "or fewer", "höchstens", "maximal", "nicht mehr als", "weniger als", "bis zu", "kürzer als",
         "au plus", "moins de", "jusqu'à", "pas plus de", "como máximo", "a lo sumo", "menos de", "hasta", "no más de",
         "al massimo", "meno di", "fino a", "non più di", "no máximo", "até", "não mais de", "hooguit", "hoogstens", "minder dan",

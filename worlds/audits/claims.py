@@ -20,6 +20,7 @@ from ..prompts.languages import Held, language_of
 from ..prompts.numbers import Quantity, ordinal_in, quantity_in
 from ..references import kinds_of, resolves
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
+from .contradictions import contradiction_problems
 from .counts import count_problems
 from .properties import substance_problems
 from .unclaimed import unclaimed_problems
@@ -54,7 +55,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
     found = [Problem(f"/claims/{name}/quote", text) for name, text in reading.problems]
     for name, claim in spec.claims.items():
         found += _claim(spec, document, name, claim)
-    return [*found, *_shared(spec), *unclaimed_problems(spec), *_whole(spec, reading)]
+    return [*found, *_shared(spec), *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]
 
 
 def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:

@@ -12,7 +12,7 @@ from ..problems import Problem
 from ..prompts.units import folded, units_of
 from ..spec import WorldSpec
 
-__all__ = ["SUBSTANCE_WORDS", "substance_problems"]
+__all__ = ["SUBSTANCE_WORDS", "allowed_substances", "substance_problems"]
 
 _METALS = ("steel", "iron", "aluminium")
 SUBSTANCE_WORDS: Mapping[str, tuple[str, ...]] = {
@@ -47,10 +47,15 @@ SUBSTANCE_WORDS: Mapping[str, tuple[str, ...]] = {
 """Substances that each word of a material allows."""
 
 
+def allowed_substances(quote: str) -> list[tuple[str, tuple[str, ...]]]:
+    """Words of materials in a quote, each with the substances that it allows."""
+    return [(u.text, SUBSTANCE_WORDS[folded(u.text)]) for u in units_of(quote) if folded(u.text) in SUBSTANCE_WORDS]
+
+
 def substance_problems(spec: WorldSpec, name: str) -> Iterator[Problem]:
     """A property claim that names a material which nothing in its `by` is made of."""
     claim = spec.claims[name]
-    asked = [(u.text, SUBSTANCE_WORDS[folded(u.text)]) for u in units_of(claim.quote) if folded(u.text) in SUBSTANCE_WORDS]
+    asked = allowed_substances(claim.quote)
     made = {n: spec.materials[n].substance for p in claim.by for n in _materials(spec, p) if n in spec.materials}
     for word, allowed in asked:
         if made and not set(made.values()) & set(allowed):

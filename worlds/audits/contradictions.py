@@ -1,0 +1,211 @@
+"""Claims that cannot all be true: what one of them says another denies (R131, R155).
+
+- an event, and a negation of it of the same entity: a negation holds over all frames;
+- an order, and its reverse, over any number of claims; or one that the frames of the beats leave no room for;
+- different numbers of the same bodies; different quantities of the same field;
+- words of materials that exclude each other, of the same part.
+
+Only what the specification shows is told here; what the motion shows is told by its rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+from typing import NamedTuple
+
+from ..claims import named_in, targets_of
+from ..predicates import After, Always, And, Before, Count, Eventually, Until, Within
+from ..predicates.ordering import orderings_of
+from ..predicates.registry import is_event
+from ..problems import Problem
+from ..prompts.languages import language_of
+from ..prompts.numbers import quantity_in
+from ..references import cycle_in
+from ..spec import Claim, SpecModel, WorldSpec
+from .counts import counted_of
+from .properties import allowed_substances
+
+__all__ = ["contradiction_problems"]
+
+_BEATS, _REQUIREMENTS = "story/beats", "story/requirements"
+
+
+def contradiction_problems(spec: WorldSpec) -> Iterator[Problem]:
+    """Every two claims, or chain of them, that contradict each other."""
+    yield from _denied(spec)
+    yield from _orders(spec)
+    yield from _numbers(spec)
+    yield from _quantities(spec)
+    yield from _substances(spec)
+
+
+def _claims(spec: WorldSpec, *types: str) -> list[tuple[str, Claim]]:
+    return [(n, c) for n, c in spec.claims.items() if c.type in types and c.waived is None]
+
+
+# ---------------------------------------------------------------- events and their negations
+
+
+def certain(predicate: SpecModel, each: str | None = None) -> list[SpecModel]:
+    """Events that happen wherever a predicate holds, `each` of a count that wants all told of every one."""
+    if is_event(predicate):
+        return [predicate if each is None else _told_of(predicate, each)]
+    if isinstance(predicate, And):
+        return [a for member in predicate.of for a in certain(member, each)]
+    if isinstance(predicate, Before | After | Within | Eventually | Always):
+        return certain(predicate.predicate, each)
+    if isinstance(predicate, Until):
+        return certain(predicate.goal, each)
+    if isinstance(predicate, Count) and (predicate.min or 0) >= len(predicate.entities):
+        return [a for name in predicate.entities for a in certain(predicate.predicate, name)]
+    return []
+
+
+def _told_of(atom: SpecModel, entity: str) -> SpecModel:
+    fields = (n for n in ("entity", "a", "b", "other") if getattr(atom, n, None) == "each")
+    return atom.model_copy(update=dict.fromkeys(fields, entity))
+
+
+def denying(predicate: SpecModel) -> list[SpecModel]:
+    """Events none of which happens where a predicate never holds."""
+    if is_event(predicate):
+        return [predicate]
+    if getattr(predicate, "kind", "") == "or":
+        return [a for member in predicate.of for a in denying(member)]  # type: ignore[attr-defined]
+    if isinstance(predicate, Eventually) and predicate.frames is None:
+        return denying(predicate.predicate)
+    if isinstance(predicate, Count) and predicate.max is None and (predicate.min or 0) <= 1:
+        return [_told_of(a, name) for name in predicate.entities for a in denying(predicate.predicate)]
+    return []
+
+
+def implies(event: SpecModel, other: SpecModel) -> bool:
+    """Whether an event cannot happen without another: the same kind of the same, at least as much."""
+    if type(event) is not type(other):
+        return False
+    for name in type(event).model_fields:
+        mine, theirs = getattr(event, name), getattr(other, name)
+        if name in ("min", "min_impulse", "min_angle"):
+            if (theirs or 0.0) > (mine or 0.0):
+                return False
+        elif (name == "other" and theirs is None) or (name in ("a", "b") and {event.a, event.b} == {other.a, other.b}):
+            continue
+        elif mine != theirs:
+            return False
+    return True
+
+
+def _denied(spec: WorldSpec) -> Iterator[Problem]:
+    """Events that a claim tells and a negation denies."""
+    denials = [
+        (claim, atom)
+        for name, claim in _claims(spec, "negation")
+        for r in named_in(spec, name, _REQUIREMENTS)
+        if r in spec.story.requirements and spec.story.requirements[r].never
+        for atom in denying(spec.story.requirements[r].predicate)
+    ]
+    for name, claim in _claims(spec, "event"):
+        for b in named_in(spec, name, _BEATS):
+            beat = spec.story.beats.get(b)
+            for atom in certain(beat.predicate) if beat is not None else ():
+                for denial, never in denials:
+                    if implies(atom, never):
+                        text = f"{claim.quote!r} says by {b!r} what {denial.quote!r} denies: {getattr(atom, 'kind', '')} of the same; one of the two is not what the words mean"
+                        yield Problem(f"/claims/{name}/by", text)
+
+
+# ---------------------------------------------------------------- orders
+
+
+class _Step(NamedTuple):
+    """One event before another, by a claim."""
+
+    earlier: str
+    later: str
+    claim: str
+
+
+def _steps(spec: WorldSpec) -> Iterator[_Step]:
+    beats, requirements = spec.story.beats, spec.story.requirements
+    for name, _ in _claims(spec, "order"):
+        named = [b for b in named_in(spec, name, _BEATS) if b in beats]
+        yield from (_Step(a, b, name) for a, b in pairwise(named))
+        told: list[tuple[str, SpecModel]] = [(b, beats[b].predicate) for b in named]
+        for r in named_in(spec, name, _REQUIREMENTS):
+            if r in requirements and not requirements[r].never:
+                told.append((_beat_of(spec, requirements[r].predicate) or f"requirement {r}", requirements[r].predicate))
+        for own, predicate in told:
+            for ordering in orderings_of(predicate):
+                if isinstance(ordering, Before):
+                    yield _Step(own, ordering.beat, name)
+                elif isinstance(ordering, After | Within):
+                    yield _Step(ordering.beat, own, name)
+
+
+def _beat_of(spec: WorldSpec, predicate: SpecModel) -> str | None:
+    """The beat that tells the event of a requirement of order."""
+    inner = getattr(predicate, "predicate", None)
+    return next((n for n, b in spec.story.beats.items() if b.predicate == inner), None)
+
+
+def _orders(spec: WorldSpec) -> Iterator[Problem]:
+    steps = list(_steps(spec))
+    edges: dict[str, list[str]] = {}
+    for step in steps:
+        edges.setdefault(step.earlier, []).append(step.later)
+        edges.setdefault(step.later, [])
+    cycle = cycle_in(edges)
+    if cycle:
+        pairs = list(pairwise(cycle))
+        names = dict.fromkeys(s.claim for s in steps if (s.earlier, s.later) in pairs)
+        quotes = " and ".join(repr(spec.claims[n].quote) for n in names)
+        yield Problem(
+            f"/claims/{next(iter(names))}/by",
+            f"{quotes} put the same events in orders that exclude each other: {' before '.join(cycle)}",
+        )
+    beats = spec.story.beats
+    for step in steps:
+        one, two = beats.get(step.earlier), beats.get(step.later)
+        if one is not None and two is not None and two.frames[1] <= one.frames[0]:
+            text = f"{spec.claims[step.claim].quote!r} wants {step.earlier} before {step.later}, whose frames {list(two.frames)} end before its own {list(one.frames)} begin"
+            yield Problem(f"/claims/{step.claim}/by", text)
+
+
+# ---------------------------------------------------------------- numbers and materials
+
+
+def _numbers(spec: WorldSpec) -> Iterator[Problem]:
+    """Counts of the same bodies, or of the same beat, that say different numbers."""
+    counts = [(n, counted_of(spec, n)) for n, _ in _claims(spec, "count")]
+    for (a, one), (b, two) in combinations(counts, 2):
+        same = (set(one.units) == set(two.units) and one.units) or set(one.stories) & set(two.stories)
+        if same and None not in (one.number, two.number) and one.number != two.number:
+            text = f"{spec.claims[a].quote!r} and {spec.claims[b].quote!r} count the same and are different numbers: {one.number:g} and {two.number:g}"
+            yield Problem(f"/claims/{b}/by", text)
+
+
+def _quantities(spec: WorldSpec) -> Iterator[Problem]:
+    """Quantities of the same field that no number meets."""
+    language, told = language_of(spec.prompt), []
+    for name, claim in _claims(spec, "quantity"):
+        found = quantity_in(claim.quote, language)
+        if found is not None:
+            told.append((name, found, set(targets_of(spec.claims, name))))
+    for (a, one, here), (b, two, there) in combinations(told, 2):
+        if here & there and (one.dimension != two.dimension or max(one.low, two.low) > min(one.high, two.high)):
+            text = f"{spec.claims[a].quote!r} and {spec.claims[b].quote!r} are both {min(here & there)}, and no number is both"
+            yield Problem(f"/claims/{b}/by", text)
+
+
+def _substances(spec: WorldSpec) -> Iterator[Problem]:
+    """Words of materials of the same pointer that exclude each other."""
+    told = [
+        (name, word, set(substances), set(targets_of(spec.claims, name)))
+        for name, claim in _claims(spec, "property")
+        for word, substances in allowed_substances(claim.quote)
+    ]
+    for (a, word, one, here), (b, other, two, there) in combinations(told, 2):
+        if here & there and not one & two:
+            text = f"{word!r} of {spec.claims[a].quote!r} and {other!r} of {spec.claims[b].quote!r} are both said of {min(here & there)}, and no material is both"
+            yield Problem(f"/claims/{b}/by", text)

@@ -5,7 +5,7 @@
 - `claim:quantity:<claim>`: what is measured is the number of its words, and neither half nor twice of it (`quantities.py`).
 - `claim:event:<claim>`: its beats come true, and no rival reading of its words does (`rivals.py`).
 - `claim:order:<claim>`: what it says comes first does, and neither the reverse nor simultaneity is true (`order.py`).
-- `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames.
+- `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames, and what they deny could happen (`negations.py`).
 
 Claims of other types are judged by the audit or printed as the agent's reading, as are counts and quantities that nothing measures; waived
 ones are printed.
@@ -27,6 +27,7 @@ from ..shots.sight import sight_of
 from . import counts, quantities
 from .counts import count_of
 from .naming import beats_of, requirements_of
+from .negations import negation_of
 from .order import order_of
 from .quantities import quantity_of
 from .questions import COUNT, EVENT, NEGATION, ORDER, QUANTITY, THING
@@ -150,33 +151,15 @@ def _event(candidate: Candidate, name: str) -> Finding:
     return Finding("fail", said, float(bad), 0.0, hints=(hint,), evidence=evidence)
 
 
-def _negation(candidate: Candidate, name: str) -> Finding:
-    spec, last = candidate.spec, candidate.spec.simulation.frames - 1
-    asked = {r: spec.story.requirements[r] for r in requirements_of(spec, name)}
-    outcomes = {r: evaluate(candidate, q.asked, q.frames or (0, last)) for r, q in asked.items()}
-    bad = [r for r, o in outcomes.items() if o.status == "fail"]
-    unknown = [r for r, o in outcomes.items() if o.status == "unverified"]
-    quote = spec.claims[name].quote
-    if unknown and not bad:
-        return Finding("unverified", f"{quote!r}: {outcomes[unknown[0]].explanation}")
-    if bad:
-        said = f"{quote!r}, but {outcomes[bad[0]].explanation}"
-        hint = correction(
-            said, "story", "change the motion so that it does not happen", pointers=(f"/story/requirements/{bad[0]}",)
-        )
-        return Finding("fail", said, float(len(bad)), 0.0, hints=(hint,), frame=outcomes[bad[0]].first_failing_frame)
-    return Finding("pass", f"{quote!r}: {', '.join(asked)} held over frames 0..{last}", 0.0, 0.0)
-
-
 _JUDGES = {
     "thing": (THING, _thing),
     "count": (COUNT, count_of),
     "quantity": (QUANTITY, quantity_of),
     "event": (EVENT, _event),
     "order": (ORDER, order_of),
-    "negation": (NEGATION, _negation),
+    "negation": (NEGATION, negation_of),
 }
 _MEASURED = {"count": counts.is_measured, "quantity": quantities.is_measured}
 """By type, whether something measured tells of a claim; of the other types all have a row."""
-_WHOLE = frozenset({"count", "order", "quantity"})
+_WHOLE = frozenset({"count", "negation", "order", "quantity"})
 """Types whose rows look at what else is claimed and told."""

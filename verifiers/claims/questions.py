@@ -48,8 +48,8 @@ ORDER = Question(
 )
 NEGATION = Question(
     "claim:negation",
-    "what the claim {0} denies never comes true",
-    "requirements that are not met",
+    "what the claim {0} denies never comes true, and does where it plainly happens",
+    "requirements that are not met, or that deny what is more than the words",
     "1",
     "<=",
     "0",

@@ -15,13 +15,14 @@ from ..claims import Reading, named_in, reading_of
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
-from ..problems import Problem, replaced
+from ..problems import Problem
 from ..prompts.languages import Held, language_of
 from ..prompts.numbers import Quantity, ordinal_in, quantity_in
 from ..references import kinds_of, resolves
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from .contradictions import contradiction_problems
 from .counts import count_problems
+from .negations import negation_problems
 from .properties import substance_problems
 from .unclaimed import unclaimed_problems
 
@@ -221,24 +222,7 @@ def _order(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
 
 
 def _negation(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
-    named = {n: spec.story.requirements[n] for n in named_in(spec, name, _REQUIREMENTS) if n in spec.story.requirements}
-    for key, requirement in named.items():
-        place = f"/story/requirements/{key}"
-        if not requirement.never:
-            text = f"{claim.quote!r} is a negation: give {key!r} the predicate of what must not happen and never: true, the server negates it"
-            yield Problem(f"{place}/never", text, {"op": "add", "path": f"{place}/never", "value": True})
-        elif not requirement.mandatory:
-            yield Problem(
-                f"{place}/mandatory",
-                f"{key!r} is optional; a negation of the prompt is mandatory",
-                replaced(f"{place}/mandatory", True),
-            )
-        elif requirement.frames is not None and requirement.frames != (0, spec.simulation.frames - 1):
-            text = f"{key!r} looks at frames {list(requirement.frames)} alone; a negation holds over all frames, leave frames out"
-            yield Problem(f"{place}/frames", text, {"op": "remove", "path": f"{place}/frames"})
-        elif is_invariant(requirement.predicate):
-            text = f"{key!r} negates {requirement.predicate.kind}, which tells of a state; give the event that must not happen"
-            yield Problem(f"{place}/predicate", text)
+    yield from negation_problems(spec, name, claim)
 
 
 def _route(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:

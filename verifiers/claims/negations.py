@@ -1,0 +1,100 @@
+"""Claims of a negation: what is denied never comes true, and could have (R131, R154).
+
+A negation has no rival, but one of what cannot happen says nothing. What it denies is therefore tried on the forged motion of its kind
+(`verifiers/forged`): a plain one, of a body as large as the one that is spoken of. What does not even come true there asks for more than its
+words, unless a claim of a quantity quotes the bound. Bodies that cannot move or break are told by the audit.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...worlds.claims import targets_of
+from ...worlds.predicates import And, Count, Not, Or, Until, atoms_of, describe_predicate
+from ...worlds.predicates.registry import PREDICATES
+from ..forged.trial import forged_outcome, is_forged
+from ..predicates import evaluate
+from ..predicates.combine import substitute
+from ..rows.corrections import correction
+from ..rows.findings import Finding
+from .naming import requirements_of
+
+if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
+    from ...worlds.spec import SpecModel, WorldSpec
+
+__all__ = ["negation_of"]
+
+
+def negation_of(candidate: Candidate, name: str) -> Finding:
+    """The finding about a claim of a negation."""
+    spec, last = candidate.spec, candidate.spec.simulation.frames - 1
+    asked = {r: spec.story.requirements[r] for r in requirements_of(spec, name)}
+    outcomes = {r: evaluate(candidate, q.asked, q.frames or (0, last)) for r, q in asked.items()}
+    bad = [r for r, o in outcomes.items() if o.status == "fail"]
+    unknown = [r for r, o in outcomes.items() if o.status == "unverified"]
+    quote = spec.claims[name].quote
+    if bad:
+        said = f"{quote!r}, but {outcomes[bad[0]].explanation}"
+        hint = correction(
+            said, "story", "change the motion so that it does not happen", pointers=(f"/story/requirements/{bad[0]}",)
+        )
+        return Finding("fail", said, float(len(bad)), 0.0, hints=(hint,), frame=outcomes[bad[0]].first_failing_frame)
+    vacuous = {r: why for r, q in asked.items() if not _quoted(spec, r) and (why := impossible(candidate, q.predicate))}
+    evidence = {"vacuous": vacuous}
+    if vacuous:
+        first, why = next(iter(vacuous.items()))
+        said = f"{quote!r} denies by {first!r} what is more than its words: {why}"
+        hint = correction(
+            said,
+            "story",
+            f"leave the bounds of {first!r} to the kind, or quote them by a claim of a quantity",
+            pointers=(f"/story/requirements/{first}/predicate",),
+        )
+        return Finding("fail", said, float(len(vacuous)), 0.0, hints=(hint,), evidence=evidence)
+    if unknown:
+        return Finding("unverified", f"{quote!r}: {outcomes[unknown[0]].explanation}", evidence=evidence)
+    return Finding("pass", f"{quote!r}: {', '.join(asked)} held over frames 0..{last}", 0.0, 0.0, evidence=evidence)
+
+
+def _quoted(spec: WorldSpec, requirement: str) -> bool:
+    """Whether a claim of a quantity quotes a bound of a requirement."""
+    place = f"/story/requirements/{requirement}/predicate/"
+    told = [n for n, c in spec.claims.items() if c.type == "quantity" and c.waived is None]
+    return any(p.startswith(place) for n in told for p in targets_of(spec.claims, n))
+
+
+def impossible(candidate: Candidate, predicate: SpecModel) -> str | None:
+    """Why a predicate cannot come true on forged motions of its kinds; None where it can, or where nothing tells."""
+    if isinstance(predicate, Count):
+        reasons = [impossible(candidate, substitute(predicate.predicate, n)) for n in predicate.entities]
+        able = sum(r is None for r in reasons)
+        if able >= max(1.0, predicate.min or 0.0):
+            return None
+        return next((r for r in reasons if r), f"{predicate.min:g} of {len(predicate.entities)} cannot do it")
+    if isinstance(predicate, Or):
+        found = [impossible(candidate, member) for member in predicate.of]
+        return found[0] if all(found) else None
+    if isinstance(predicate, And):
+        return next((why for member in predicate.of if (why := impossible(candidate, member))), None)
+    if isinstance(predicate, Until):
+        return impossible(candidate, predicate.goal)
+    if isinstance(predicate, Not):
+        return None
+    if atoms_of(predicate) != [predicate]:
+        return impossible(candidate, predicate.predicate)  # type: ignore[attr-defined]
+    return _atom(candidate, predicate)
+
+
+def _atom(candidate: Candidate, atom: SpecModel) -> str | None:
+    info = PREDICATES.get(str(getattr(atom, "kind", "")))
+    if info is None:
+        return None
+    if not is_forged(info.kind):
+        # Of matter nothing is forged: its kinds of event have thresholds of their own, and more has to be quoted.
+        more = [n for n in info.tightens if getattr(atom, n, None)] if info.event else []
+        return f"{describe_predicate(atom)} asks for a {more[0]} of its own" if more else None
+    outcome = forged_outcome(candidate, atom)
+    if outcome.status != "fail":
+        return None
+    return f"{describe_predicate(atom)} does not come true where it plainly happens: {outcome.explanation}"

@@ -29,7 +29,7 @@ from .mapping import told_of
 from .naming import beats_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from ...worlds.candidate import Candidate
     from ...worlds.spec import SpecModel, WorldSpec
@@ -208,7 +208,7 @@ def _doers(candidate: Candidate, name: str, count: Count, frames: tuple[int, int
 
 
 def _tally(
-    candidate: Candidate, name: str, tellers: list[tuple[SpecModel, tuple[int, int]]], bodies: tuple[str, ...], what: str
+    candidate: Candidate, name: str, tellers: Sequence[tuple[SpecModel, tuple[int, int]]], bodies: tuple[str, ...], what: str
 ) -> Tally:
     """How many of some bodies, and of others like them, do what predicates tell of the bodies."""
     does, unknown = [], ""
@@ -226,7 +226,7 @@ def _tally(
     return Tally(len(does) + len(more), text, unknown)
 
 
-def _of_body(tellers: Iterable[tuple[SpecModel, tuple[int, int]]], body: str) -> list[tuple[SpecModel, tuple[int, int]]]:
+def _of_body(tellers: Sequence[tuple[SpecModel, tuple[int, int]]], body: str) -> list[tuple[SpecModel, tuple[int, int]]]:
     """What predicates say of one body, with their frames."""
     return [(own, frames) for predicate, frames in tellers if (own := _restricted(predicate, body)) is not None]
 
@@ -246,7 +246,7 @@ def _restricted(predicate: SpecModel, body: str) -> SpecModel | None:
 
 
 def _does_too(
-    candidate: Candidate, tellers: list[tuple[SpecModel, tuple[int, int]]], bodies: tuple[str, ...], other: str
+    candidate: Candidate, tellers: Sequence[tuple[SpecModel, tuple[int, int]]], bodies: tuple[str, ...], other: str
 ) -> bool:
     """Whether another body does what predicates say of one of the bodies."""
     for body in bodies:
@@ -258,7 +258,7 @@ def _does_too(
 
 
 def _others(
-    candidate: Candidate, name: str, tellers: list[tuple[SpecModel, tuple[int, int]]], bodies: tuple[str, ...]
+    candidate: Candidate, name: str, tellers: Sequence[tuple[SpecModel, tuple[int, int]]], bodies: tuple[str, ...]
 ) -> list[str]:
     """Bodies like the counted ones: of the same words, or that look the same; but for those of which another event says the same."""
     spec, own = candidate.spec, set(bodies)

@@ -1,9 +1,13 @@
 """Rival readings of an event: other truths that its words exclude. One that holds in the recorded motion voids the claim (R154, R156).
 
 - *Roles swapped*, where the kind is directed: the block that is hit hits the one that hits it.
-- *A body at rest*: the same of a body that rests throughout. What is true of it is no event.
+- *A body at rest*: the same of a body that rests throughout, in the place of who does it. What is true of it is no event.
 
-The same event before its onset is asked by `beat:vacuous`. Rivals that follow from the event itself are not made.
+- *Before its onset*: the same before the beat's interval begins, unless another beat of the story tells of that. `beat:vacuous` asks this too,
+  of every kind of predicate; here an event counts that goes on.
+
+Rivals that follow from the event itself are not made: kinds that both do to each
+other have no roles, what leans or floats may well rest throughout, and what is fastened to who does it belongs to that.
 """
 
 from __future__ import annotations
@@ -11,9 +15,11 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...worlds.predicates import describe_predicate, entities_of
-from ...worlds.predicates.registry import PREDICATES
+from ...worlds.predicates import atoms_of, describe_predicate, entities_of
+from ...worlds.predicates.registry import PREDICATES, is_event
 from ..categories.registry import judge_of
+from ..predicates import beat_times
+from ..predicates.events import EVENTS
 from .mapping import mapped
 
 if TYPE_CHECKING:
@@ -24,6 +30,8 @@ __all__ = ["Rival", "rivals_of"]
 
 STILL_BODIES = 3
 """Own choice: bodies at rest that an event is asked of."""
+AT_REST = frozenset({"rests_against", "jams", "floats"})
+"""Kinds of which a body at rest throughout may be as true, by their definitions."""
 
 
 class Rival(NamedTuple):
@@ -43,11 +51,48 @@ def rivals_of(candidate: Candidate, beat_id: str) -> list[Rival]:
     if swapped != beat.predicate:
         found.append(Rival(beat_id, f"{describe_predicate(swapped)} (roles swapped)", swapped, beat.frames))
     told = set(entities_of(beat.predicate))
-    for body in [n for n in still_bodies(candidate) if n not in told][:STILL_BODIES]:
-        of_body = mapped(beat.predicate, partial(_about, beat.subject, body))
-        if of_body != beat.predicate:
-            found.append(Rival(beat_id, f"{describe_predicate(of_body)} (of a body that rests throughout)", of_body, beat.frames))
+    for doer in doers_of(beat.predicate):
+        others = [n for n in still_bodies(candidate) if n not in told | _fastened(candidate, doer)]
+        for body in others[:STILL_BODIES]:
+            of_body = mapped(beat.predicate, partial(_about, doer, body))
+            text = f"{describe_predicate(of_body)} (of a body that rests throughout)"
+            found.append(Rival(beat_id, text, of_body, beat.frames))
+    if beat.frames[0] > 0 and _signature(beat.predicate) and not _told_before(candidate, beat_id):
+        text = f"{describe_predicate(beat.predicate)} (before frame {beat.frames[0]}, where its interval begins)"
+        found.append(Rival(beat_id, text, beat.predicate, (0, beat.frames[0] - 1)))
     return found
+
+
+def _signature(predicate: SpecModel) -> set[tuple[object, ...]]:
+    """Kinds of the events of bodies in a predicate, with whom they are about."""
+    return {(getattr(a, "kind", ""), entities_of(a)) for a in atoms_of(predicate) if getattr(a, "kind", "") in EVENTS}
+
+
+def _told_before(candidate: Candidate, beat_id: str) -> bool:
+    """Whether another beat tells that the same happened before the interval of a beat."""
+    beats, times = candidate.spec.story.beats, beat_times(candidate)
+    mine, start = _signature(beats[beat_id].predicate), beats[beat_id].frames[0]
+    for name, beat in beats.items():
+        if name != beat_id and _signature(beat.predicate) & mine:
+            first = times.first(name)
+            if first is not None and first < start:
+                return True
+    return False
+
+
+def doers_of(predicate: SpecModel) -> list[str]:
+    """Who does the events that a predicate speaks of, but for those of which rest may be as true."""
+    asked = [a for a in atoms_of(predicate) if is_event(a) and getattr(a, "kind", "") not in AT_REST]
+    names = [str(n) for a in asked if (n := getattr(a, "entity", None)) is not None]
+    return [n for n in dict.fromkeys(names) if n != "each"]
+
+
+def _fastened(candidate: Candidate, entity: str) -> set[str]:
+    """Bodies that a weld or a relation fastens to an entity."""
+    plan = candidate.spec.simulation
+    pairs = [{j.child, j.parent} for j in plan.joints.values() if j.kind == "weld"]
+    pairs += [{r.a, r.b} for r in candidate.spec.graph.relations.values() if r.kind == "fastened"]
+    return {str(n) for pair in pairs if entity in pair for n in pair - {entity}}
 
 
 def still_bodies(candidate: Candidate) -> list[str]:
@@ -65,8 +110,6 @@ def _swapped(atom: SpecModel) -> SpecModel:
     return atom.model_copy(update={"entity": atom.other, "other": atom.entity})  # type: ignore[attr-defined]
 
 
-def _about(subject: str, body: str, atom: SpecModel) -> SpecModel:
-    """An event of the subject, told of another body; other atoms stay."""
-    info = PREDICATES.get(str(getattr(atom, "kind", "")))
-    event = info is not None and info.event and getattr(atom, "entity", None) == subject
-    return atom.model_copy(update={"entity": body}) if event else atom
+def _about(doer: str, body: str, atom: SpecModel) -> SpecModel:
+    """What is said of who does it, told of another body."""
+    return atom.model_copy(update={"entity": body}) if getattr(atom, "entity", None) == doer else atom

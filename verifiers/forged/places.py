@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from .stage import FPS, Stage
 
 if TYPE_CHECKING:
     from ...worlds.arrays import F64
-    from ...worlds.spec import SpecModel, WorldSpec
+    from ...worlds.spec import WorldSpec
 
 __all__ = ["PLACES"]
 
@@ -88,7 +88,7 @@ def _apart(spec: WorldSpec, atom: Separation) -> Stage:
     return stage
 
 
-PLACES: Mapping[str, Callable[[WorldSpec, SpecModel], Stage]] = {
+PLACES: Mapping[str, Callable[[WorldSpec, Any], Stage]] = {
     "reaches": _into,
     "stays_in": _into,
     "crosses": _through,
@@ -96,7 +96,7 @@ PLACES: Mapping[str, Callable[[WorldSpec, SpecModel], Stage]] = {
     "tilts": _leans,
     "topples": _leans,
     "separation": _apart,
-}  # type: ignore[dict-item]
+}
 """By kind of predicate."""
 IN_PLACE = frozenset({"reaches", "stays_in", "crosses"})
 """Kinds that are forged at the place and in the size of the world that they are asked in."""

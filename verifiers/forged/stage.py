@@ -195,11 +195,11 @@ class Stage:
             extents = (2.0 * actor.size[0],) * 3 if ball else actor.size
             entities[name] = Entity(
                 role="actor",
-                motion=actor.motion,  # type: ignore[arg-type]
-                dimensions=Dimensions(size=extents),  # type: ignore[arg-type]
+                motion=actor.motion,
+                dimensions=Dimensions(size=extents),
                 pose=Pose(position=tuple(actor.positions[0]), quaternion=tuple(actor.quaternions[0])),
                 material="matter",
-                parts={"p": Part(shape=Sphere(radius=actor.size[0]) if ball else Box(size=actor.size))},  # type: ignore[arg-type]
+                parts={"p": Part(shape=Sphere(radius=actor.size[0]) if ball else Box(size=actor.size))},
             )
         plan = SimulationPlan(
             fps=FPS,

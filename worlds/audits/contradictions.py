@@ -96,6 +96,10 @@ def implies(event: SpecModel, other: SpecModel) -> bool:
     return True
 
 
+def _pair(atom: SpecModel) -> set[object]:
+    return {getattr(atom, "a", None), getattr(atom, "b", None)}
+
+
 def _denied(spec: WorldSpec) -> Iterator[Problem]:
     """Events that a claim tells and a negation denies."""
     denials = [

@@ -132,7 +132,7 @@ BODY_EVENTS = (
     _event(
         "bounces",
         "m",
-        "It closes in on what it touches at least as fast as a fall from 0.01 of its half-size and 0.02 m/s, the contact turns that round to at "
+        "It moves itself and closes in on what it touches at least as fast as a fall from 0.01 of its half-size and 0.02 m/s, the contact turns that round to at "
         "least 0.1 of it, ends, and it comes off by at least 0.2 of its half-size before it touches again.",
         "impact mechanics: the normal velocity changes its sign; the shares are own choices",
         "flies",

@@ -41,6 +41,8 @@ def bounces(scope: Scope, p: TouchEvent) -> Outcome:
         for found in _rebounds(course, other, span):
             if found.closing < slowest or found.leaving < BOUNCE_BACK * found.closing:
                 continue
+            if not course.stirs[found.first : found.last + 1].any():
+                continue  # It rests, and something bounces off it.
             for k, off in enumerate(found.off, found.last + 1 - span.start):
                 if off > value[k]:
                     value[k], told[k] = off, found

@@ -25,6 +25,7 @@ from ..rows.findings import Finding
 from ..shots.plan import shots_at
 from ..shots.sight import sight_of
 from . import counts, quantities
+from .bounds import LOOKS
 from .counts import count_of
 from .naming import beats_of, requirements_of
 from .negations import negation_of
@@ -39,9 +40,6 @@ if TYPE_CHECKING:
     from ..shots.sight import Sight
 
 __all__ = ["check"]
-
-LOOKS = 5
-"""Frames of each shot at which a thing is looked for; own choice: its ends, its middle and between."""
 
 
 def check(candidate: Candidate) -> list[Row]:

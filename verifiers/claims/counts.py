@@ -25,6 +25,7 @@ from ..predicates.combine import substitute
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
+from .bounds import ALIKE
 from .mapping import told_of
 from .naming import beats_of
 
@@ -34,11 +35,8 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import SpecModel, WorldSpec
 
-__all__ = ["ALIKE", "count_of", "is_measured"]
+__all__ = ["count_of", "is_measured"]
 
-ALIKE = 0.1
-"""Own choice: bodies whose extents and volume differ by no more than this share, and their colour by no more than that in each of
-red, green and blue, look the same at a glance."""
 SHOWN = 4
 
 

@@ -21,6 +21,7 @@ from ...worlds.predicates.ordering import orderings_of
 from ..predicates import beat_times, evaluate
 from ..rows.corrections import correction
 from ..rows.findings import Finding
+from .bounds import ORDER_SEEN
 from .naming import beats_of, requirements_of
 
 if TYPE_CHECKING:
@@ -29,10 +30,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import SpecModel
     from ..predicates import Outcome
 
-__all__ = ["ORDER_SEEN", "order_of"]
-
-ORDER_SEEN = 0.02
-"""[s] Least time apart at which people tell which of two things came first (Hirsh and Sherrick 1961, doi:10.1037/h0045283)."""
+__all__ = ["order_of"]
 
 
 class Side(NamedTuple):

@@ -7,7 +7,6 @@ reading, which the verdict prints.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...worlds.claims import targets_of
@@ -15,6 +14,7 @@ from ...worlds.prompts.languages import language_of
 from ...worlds.prompts.numbers import Quantity, quantity_in
 from ..rows.corrections import correction
 from ..rows.findings import Finding
+from .bounds import NEARER
 from .measured import is_told, measured_at
 
 if TYPE_CHECKING:
@@ -22,10 +22,8 @@ if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
     from .measured import Measured
 
-__all__ = ["NEARER", "is_measured", "quantity_of"]
+__all__ = ["is_measured", "quantity_of"]
 
-NEARER = math.sqrt(2.0)
-"""[1] Ratio at which a value lies as near to a number as to twice it."""
 CELSIUS = 273.15
 """[K] Temperatures are doubled in degrees Celsius, as people say them."""
 

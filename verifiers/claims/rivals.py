@@ -20,6 +20,7 @@ from ...worlds.predicates.registry import PREDICATES, is_event
 from ..categories.registry import judge_of
 from ..predicates import beat_times
 from ..predicates.events import EVENTS
+from .bounds import STILL_BODIES
 from .mapping import mapped
 
 if TYPE_CHECKING:
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Rival", "rivals_of"]
 
-STILL_BODIES = 3
-"""Own choice: bodies at rest that an event is asked of."""
 AT_REST = frozenset({"rests_against", "jams", "floats"})
 """Kinds of which a body at rest throughout may be as true, by their definitions."""
 

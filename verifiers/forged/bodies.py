@@ -12,21 +12,16 @@ import numpy as np
 from ...worlds.arrays import F64
 from ...worlds.spec import DetachDriver, ForceDriver, HingeJoint, WeldJoint
 from ...worlds.spec.fields import FieldDriver, WindField
+from .bounds import HALF, SOFT, WAY
 from .stage import FPS, G, Stage
 
-__all__ = ["BODIES", "HALF", "on_floor"]
+__all__ = ["BLOCK", "BODIES", "GAP"]
 
-HALF = 0.1
-"""Half-size of the actors [m]."""
 BLOCK = (2 * HALF,) * 3
 GAP = 0.0005
 """Between what touches [m]."""
-WAY = 3.0 * HALF
-"""Three times the way that makes an event of a motion [m]."""
 STEPS = 6
 """Frames of free fall over about that way: G (6 / 24 s)^2 / 2 = 0.31 m."""
-SOFT = 0.1
-"""[m/s] Own choice: at which things touch that nobody would say hit each other."""
 FLOOR = (20.0, 20.0, 0.2)
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Crosses, Displacement, Reaches, Separation, StaysIn, Tilts, Topples
 from ...worlds.spec import BoxRegion
-from .bodies import BLOCK, GAP, HALF, WAY
+from .bodies import BLOCK, GAP
+from .bounds import HALF, LEANS, WAY
 from .stage import FPS, Stage
 
 if TYPE_CHECKING:
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["PLACES"]
 
-LEANS = 0.8
-"""[rad] Own choice: just over half a right angle, where what is as high as wide has passed its balance."""
 FRAMES = 13
 
 

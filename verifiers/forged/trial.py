@@ -13,7 +13,8 @@ import numpy as np
 
 from ...worlds.predicates.registry import PREDICATES
 from ..predicates import evaluate
-from .bodies import BODIES, HALF
+from .bodies import BODIES
+from .bounds import HALF
 from .places import IN_PLACE, PLACES
 
 if TYPE_CHECKING:

@@ -89,7 +89,7 @@ def implies(event: SpecModel, other: SpecModel) -> bool:
         if name in ("min", "min_impulse", "min_angle"):
             if (theirs or 0.0) > (mine or 0.0):
                 return False
-        elif (name == "other" and theirs is None) or (name in ("a", "b") and {event.a, event.b} == {other.a, other.b}):
+        elif (name == "other" and theirs is None) or (name in ("a", "b") and _pair(event) == _pair(other)):
             continue
         elif mine != theirs:
             return False

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from worldagent.tests.verifiers.claims.claimed import rows
-from worldagent.verifiers.claims.order import ORDER_SEEN
+from worldagent.verifiers.claims.bounds import ORDER_SEEN
 
 HITS = {"kind": "hits", "entity": "hitter", "other": "box"}
 SLIDES = {"kind": "slides", "entity": "box", "other": "floor"}

@@ -1,0 +1,13 @@
+"""Bounds of the checks of claims."""
+
+LOOKS = 5
+"""[1] Own choice: frames of each shot at which a thing is looked for; its ends, its middle and between."""
+STILL_BODIES = 3
+"""[1] Own choice: bodies at rest that an event is asked of."""
+ORDER_SEEN = 0.02
+"""[s] Least time apart at which people tell which of two things came first (Hirsh and Sherrick 1961, doi:10.1037/h0045283)."""
+ALIKE = 0.1
+"""[1] Own choice: bodies whose extents and volume differ by no more than this share, and their colour by no more than that in each of
+red, green and blue, look the same at a glance."""
+NEARER = 1.414
+"""[1] Ratio at which a value lies as near to a number as to twice it. Own choice: nearness is measured in ratios, as half and twice are."""

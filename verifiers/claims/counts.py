@@ -41,7 +41,7 @@ SHOWN = 4
 
 
 class Tally(NamedTuple):
-    """How many there are of something that a claim counts."""
+    """Number of those that a claim counts."""
 
     found: int
     text: str
@@ -208,7 +208,7 @@ def _doers(candidate: Candidate, name: str, count: Count, frames: tuple[int, int
 def _tally(
     candidate: Candidate, name: str, tellers: Sequence[tuple[SpecModel, tuple[int, int]]], bodies: tuple[str, ...], what: str
 ) -> Tally:
-    """How many of some bodies, and of others like them, do what predicates tell of the bodies."""
+    """Number of some bodies, and of others like them, that do what predicates tell of the bodies."""
     does, unknown = [], ""
     for body in bodies:
         outcomes = [evaluate(candidate, p, f) for p, f in _of_body(tellers, body)]
@@ -225,12 +225,12 @@ def _tally(
 
 
 def _of_body(tellers: Sequence[tuple[SpecModel, tuple[int, int]]], body: str) -> list[tuple[SpecModel, tuple[int, int]]]:
-    """What predicates say of one body, with their frames."""
+    """Parts of predicates that speak of one body, with their frames."""
     return [(own, frames) for predicate, frames in tellers if (own := _restricted(predicate, body)) is not None]
 
 
 def _restricted(predicate: SpecModel, body: str) -> SpecModel | None:
-    """What a predicate says of one body; None where it says nothing of it."""
+    """The part of a predicate that speaks of one body; None where it says nothing of it."""
     if isinstance(predicate, Count):
         return substitute(predicate.predicate, body) if body in predicate.entities else None
     if isinstance(predicate, And | Or):

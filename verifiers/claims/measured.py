@@ -47,7 +47,7 @@ def is_told(pointer: str) -> bool:
 
 
 def measured_at(candidate: Candidate, pointer: str) -> list[Measured]:
-    """What is measured of the number at a JSON pointer: of each entity where several are told of; empty where nothing is.
+    """Measurements of the number at a JSON pointer: of each entity where several are told of; empty where nothing is.
 
     Raises:
         EvidenceError: an entity is not built, or its motion is damaged.

@@ -105,7 +105,7 @@ def _beat(candidate: Candidate, name: str) -> Side:
 
 
 def _inner(predicate: SpecModel) -> SpecModel:
-    """What a predicate of order says of its own event, without the order."""
+    """The event of a predicate of order, without the order."""
     return _inner(predicate.predicate) if getattr(predicate, "kind", "") in ("before", "after", "within") else predicate  # type: ignore[attr-defined]
 
 
@@ -164,7 +164,7 @@ def _gap(candidate: Candidate, earlier: Side, later: Side) -> Gap:
 
 
 def _already(candidate: Candidate, later: Side, frame: int) -> str | None:
-    """How the later event was true before a frame, where no other beat tells of that; None where it was not."""
+    """Words on how the later event was true before a frame, where no other beat tells of that; None where it was not."""
     if frame < 1:
         return None
     outcome = evaluate(candidate, later.predicate, (0, frame - 1))
@@ -190,7 +190,7 @@ def _brought_about(candidate: Candidate, earlier: Side, later: Side) -> bool:
 
 
 def _until(candidate: Candidate, predicate: Until, name: str, frames: tuple[int, int]) -> Gap:
-    """How long something holds before its goal comes true, and whether it ends with that at all."""
+    """Time for which something holds before its goal comes true, and whether it ends with that at all."""
     fps, goal = candidate.spec.simulation.fps, evaluate(candidate, predicate.goal, frames)
     hold, aim = describe_predicate(predicate.hold), describe_predicate(predicate.goal)
     told = f"{name}: {hold} holds until {aim} comes true at frame {goal.first_true_frame}"

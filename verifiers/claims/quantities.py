@@ -93,7 +93,7 @@ def _value(measured: Measured, wanted: Quantity) -> float:
 
 
 def _over(value: float, limits: Limits) -> float:
-    """How far within the limits."""
+    """Distance to the nearer limit, negative beyond it."""
     return min(value - limits.low, limits.high - value)
 
 

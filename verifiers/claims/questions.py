@@ -61,7 +61,7 @@ QUANTITY = Question(
     "what the claim {0} names measures what its words say, and neither half nor twice of it",
     "measured value of what it names, the farthest from the words",
     "various",
-    "",
+    "in",
     "the number of its words, up to a factor of NEARER where they give no least or most",
     ("claim",),
     matrix_group="physical",

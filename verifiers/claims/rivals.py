@@ -110,5 +110,5 @@ def _swapped(atom: SpecModel) -> SpecModel:
 
 
 def _about(doer: str, body: str, atom: SpecModel) -> SpecModel:
-    """What is said of who does it, told of another body."""
+    """An atom about who does it, told of another body."""
     return atom.model_copy(update={"entity": body}) if getattr(atom, "entity", None) == doer else atom

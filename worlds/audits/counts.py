@@ -23,7 +23,7 @@ _STORY = ("story/beats", "story/requirements")
 
 
 class Counted(NamedTuple):
-    """What a claim counts."""
+    """Things that a claim counts, and the number of its words."""
 
     number: float | None
     """That its words state; None where they are not understood."""
@@ -36,12 +36,12 @@ class Counted(NamedTuple):
 
     @property
     def asked(self) -> float | None:
-        """How many there have to be."""
+        """The number that there have to be."""
         return self.number if self.number is not None else (float(len(self.units)) if self.units else None)
 
 
 def counted_of(spec: WorldSpec, name: str) -> Counted:
-    """What a claim of a count is about."""
+    """Everything that a claim of a count names."""
     units: dict[str, None] = {}
     for pointer in targets_of(spec.claims, name):
         keys = pointer.strip("/").split("/")

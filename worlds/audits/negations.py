@@ -76,7 +76,7 @@ def never_could(spec: WorldSpec, predicate: SpecModel) -> str | None:
 
 
 def _lacks(spec: WorldSpec, atom: SpecModel, each: str | None) -> str | None:
-    """What an atom needs that a world lacks: somebody who moves, bonds, a joint."""
+    """Words on something that an atom needs and a world lacks: somebody who moves, bonds, a joint; None where nothing does."""
     kind = str(getattr(atom, "kind", ""))
 
     def named(field: str) -> str | None:

@@ -4,7 +4,7 @@ Two events are in the order that is told where the later one comes true at least
 is true as well where the later one
 
 - comes true, or begins, before the earlier one does;
-- happened already before the earlier one came true, and no other beat of the story tells of that.
+- happened already before the earlier one came true, or lasts since then, and no other beat of the story tells of that.
 
 They are simultaneous where they come true, or begin, closer together than that. What a cause brings about may begin with it, as a box
 slides while it is pushed. `until` says that one thing lasts up to another: it has to last for a while before, and no longer throughout.
@@ -19,6 +19,7 @@ from ...worlds.drivers import behind
 from ...worlds.predicates import Always, Until, atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.ordering import orderings_of
 from ..predicates import beat_times, evaluate
+from ..predicates.events import EVENTS
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from .bounds import ORDER_SEEN
@@ -151,7 +152,7 @@ def _gap(candidate: Candidate, earlier: Side, later: Side) -> Gap:
     elif seconds < least * (1.0 - 1e-9):
         rivals.append("both at once is what is true")
     else:
-        before = _already(candidate, later, one)
+        before = _already(candidate, later, one, two)
         if before is not None:
             rivals.append(f"{later.name} before {earlier.name} is true as well: {before}")
         start, end = earlier.begins, later.begins
@@ -163,13 +164,17 @@ def _gap(candidate: Candidate, earlier: Side, later: Side) -> Gap:
     return Gap(told, seconds, rivals)
 
 
-def _already(candidate: Candidate, later: Side, frame: int) -> str | None:
+def _already(candidate: Candidate, later: Side, frame: int, comes: int) -> str | None:
     """Words on how the later event was true before a frame, where no other beat tells of that; None where it was not."""
     if frame < 1:
         return None
     outcome = evaluate(candidate, later.predicate, (0, frame - 1))
     if outcome.status != "pass":
         return None
+    happens = any(getattr(a, "kind", "") in EVENTS for a in atoms_of(later.predicate))
+    lasting = evaluate(candidate, later.predicate, (0, comes)).truth
+    if not happens and lasting is not None and not lasting[frame - 1 :].all():
+        return None  # A state that ended and comes back is new.
     times = beat_times(candidate)
     mine = _signature(later.predicate)
     for name, beat in candidate.spec.story.beats.items():

@@ -57,6 +57,15 @@ def test_what_was_true_before_did_not_come_after(tmp_path: Path) -> None:
     assert ordered(tmp_path / "honest", "slide", moves, stops).status == "pass"
 
 
+def test_a_state_that_ends_and_comes_back_came_after(tmp_path: Path) -> None:
+    # It touches the floor, leaves it and touches it again.
+    touches = {"kind": "contact", "a": "box", "b": "floor"}
+    jumps = {"kind": "jumps", "entity": "box"}
+    beats = {"b": {"subject": "box", "predicate": touches, "frames": [13, 35]}}
+    row = ordered(tmp_path, "jump", jumps, {**touches, "entity": "box"}, **beats)
+    assert row.status == "pass", row.evidence
+
+
 def inside(folder: Path, world: str, predicate: Any, subject: str, beats: dict[str, Any] | None = None, **beat: Any) -> Any:
     """The row of an order that stands in one requirement."""
     claims = {"then": {"quote": "then", "type": "order", "by": ["/story/requirements/r"]}}

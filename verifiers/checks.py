@@ -21,7 +21,7 @@ from .rows.seen import only_seen
 from .scene import interpenetration, relations, scale
 from .shots import check as shots
 from .shots import seen
-from .story import beats, causal, counterfactual, phases, robustness
+from .story import beats, causal, counterfactual, phases, robustness, untold
 from .support import check as support
 
 __all__ = ["CHECKS", "CheckBinding", "diagnosed", "judging_share", "names_of", "rerun_ids", "run_checks", "silent"]
@@ -66,6 +66,7 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("claim", claims.check, ("probe", "full")),
     CheckBinding("delivery", delivery.check, ("full",)),
     CheckBinding("causal", counterfactual.check, ("probe", "full"), counterfactual.row_ids),
+    CheckBinding("causal", untold.check, ("probe", "full"), untold.row_ids),
     CheckBinding("robustness", robustness.check, ("probe", "full"), robustness.row_ids),
 )
 

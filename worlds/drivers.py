@@ -7,7 +7,7 @@ from .fields import acting_on
 from .predicates.registry import is_invariant
 from .spec import DetachDriver, FieldDriver, MotorDriver, PathDriver, ReleaseDriver, WorldSpec
 
-__all__ = ["acts_from", "behind", "deed", "to_declare", "undeclared"]
+__all__ = ["acts_from", "behind", "deed", "to_declare", "undeclared", "untold"]
 
 
 def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
@@ -63,21 +63,39 @@ def behind(spec: WorldSpec, beat_id: str) -> list[str]:
     return found
 
 
-def undeclared(spec: WorldSpec, beat_id: str, until: float) -> str | None:
-    """A driver that acts on the subject of an outcome before `until` [s] without owning a beat that leads to it; None where none does.
+def untold(spec: WorldSpec, beat_id: str) -> tuple[str, ...]:
+    """Drivers of which no beat that leads to a beat tells; of a beat without causes, those that no beat owns.
 
-    An event without causes that a solver owns may start by any driver that some beat owns. Paths are judged by themselves, and a
-    medium at rest brings nothing about.
+    A medium at rest is none: it brings nothing about.
     """
-    plan, beats = spec.simulation, spec.story.beats
-    beat = beats[beat_id]
-    if not beat.causes and (beat.owner in plan.drivers or is_invariant(beat.predicate)):
+    beats = spec.story.beats
+    owners = {beats[n].owner for n in (behind(spec, beat_id) if beats[beat_id].causes else beats)}
+    drivers = spec.simulation.drivers.items()
+    return tuple(n for n, d in drivers if n not in owners and not (d.kind == "field" and d.field.kind == "drag"))
+
+
+def undeclared(spec: WorldSpec, beat_id: str, until: float, bodies: tuple[str, ...] = ()) -> str | None:
+    """A driver that acts on a body of an outcome before `until` [s] without owning a beat that leads to it; None where none does.
+
+    An event without causes that a solver owns may start by any driver that some beat owns. Paths are judged by themselves.
+
+    Args:
+        spec: the specification.
+        beat_id: the outcome.
+        until: when it comes true [s].
+        bodies: those asked about; default its subject, unless its own driver starts it.
+    """
+    beat = spec.story.beats[beat_id]
+    if is_invariant(beat.predicate) and not beat.causes:
         return None
-    owners = {beats[n].owner for n in (behind(spec, beat_id) if beat.causes else beats)}
-    for name, driver in plan.drivers.items():
-        if name in owners or isinstance(driver, PathDriver) or (driver.kind == "field" and driver.field.kind == "drag"):
+    if not bodies:
+        if not beat.causes and beat.owner in spec.simulation.drivers:
+            return None
+        bodies = (beat.subject,)
+    for name in untold(spec, beat_id):
+        if isinstance(spec.simulation.drivers[name], PathDriver):
             continue
         start, entities = acts_from(spec, name)
-        if beat.subject in entities and start < until:
+        if set(bodies) & set(entities) and start < until:
             return name
     return None

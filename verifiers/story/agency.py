@@ -3,9 +3,10 @@
 (R97, R156.)
 
 A helper counts where it worked on the subject of the beat before that came true, directly or through bodies that touched each other
-one after the other: from the frame on in which its work on a body exceeds a share of the greatest kinetic energy that the body had,
-what this body does to others is the helper's work too. Works are those of `ledgers/origins.py`, on bodies of rigid instances; ways through
-liquids, grains and cloth are not followed.
+or are joined one after the other: from the frame on in which its work on a body exceeds a share of the greatest kinetic energy that the body
+had, what this body does to others is the helper's work too. Works are those of `ledgers/origins.py`, on bodies of rigid instances, with that of
+torques. Ways through liquids, grains, cloth and bodies of several joints, and drivers whose work no record tells apart (releases, motors), are
+left to the run without them (`untold.py`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from ...worlds.drivers import acts_from, behind
 from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.spec import ForceDriver, PathDriver, SlideJoint, SpringJoint
+from ..categories.rigid.links import ties
 from ..ledgers.balance import books_of
 from ..ledgers.origins import Origin, origins_of
 from ..support.moved import beat_moves
@@ -141,12 +143,20 @@ class _Helper:
         return Help(self.pointer, self.words, subject, since[way[0]], done, share, tuple(way), self.friction)
 
     def _handed_on(self, name: str, start: int) -> dict[str, F64]:
-        """Work of a body on others by contact from a frame on, summed [J], shape (F,)."""
-        found = {}
+        """Work of a body on others from a frame on, by contact and by a joint that is their only one, summed [J], shape (F,)."""
+        found: dict[str, F64] = {}
+        held = [{a, b} for a, b, _ in ties(self.candidate.spec)]
         for other in self.books.entities:
-            given = origins_of(self.candidate, other).get(Origin("contact", name)) if other != name else None
-            if given is not None:
-                found[other] = _summed(np.where(np.arange(len(given.work)) >= start - 1, given.work, 0.0))
+            if other == name:
+                continue
+            # Of several joints none can be told apart: `unlisted` is what all of them give.
+            joined = [ends for ends in held if other in ends] == [{name, other}]
+            asked = (Origin("contact", name), *((Origin("unlisted", ""),) if joined else ()))
+            origins = origins_of(self.candidate, other)
+            given = [origins[o].work for o in asked if o in origins]
+            if given:
+                work = np.sum(given, axis=0)
+                found[other] = _summed(np.where(np.arange(len(work)) >= start - 1, work, 0.0))
         return found
 
 
@@ -177,7 +187,10 @@ def _helpers(candidate: Candidate, books: Books, tale: _Tale) -> list[_Helper]:
             found.append(_Helper(candidate, books, place, words, _by_hand(candidate, books, driver.entity)))
         elif isinstance(driver, ForceDriver) or (driver.kind == "field" and driver.field.kind != "drag"):
             entities = [n for n in acts_from(spec, name)[1] if n in books.row]
-            found.append(_Helper(candidate, books, place, f"driver {name!r}", _by_driver(candidate, name, entities)))
+            work = _by_driver(candidate, name, entities)
+            if isinstance(driver, ForceDriver) and any(driver.torque) and driver.entity in entities:
+                work[driver.entity] = work.get(driver.entity, 0.0) + _by_torque(books, driver)
+            found.append(_Helper(candidate, books, place, f"driver {name!r}", work))
     return found
 
 
@@ -223,3 +236,11 @@ def _by_driver(candidate: Candidate, name: str, entities: list[str]) -> dict[str
             if origin.kind in ("driver", "fields") and name in origin.name.split(", "):
                 found[entity] = _summed(given.work)
     return found
+
+
+def _by_torque(books: Books, driver: ForceDriver) -> F64:
+    """Work of the torque of a force driver on the turning of its body, summed [J], shape (F,); of bodies in pieces that of the first."""
+    row = books.row[driver.entity]
+    spin = books.spin[:, books.first[row]]
+    acting = books.overlap(max(driver.start, float(books.released[row])), driver.end)
+    return _summed(acting * (0.5 * (spin[:-1] + spin[1:]) @ np.array(driver.torque)))

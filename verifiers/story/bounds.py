@@ -28,3 +28,6 @@ CONFIDENCE = 0.95
 """[1] Own choice: confidence of the interval told beside the share of samples in which a beat comes true."""
 TURNED = 0.02
 """[rad] Own choice: what turns by less has not been moved by anything; as `support_drift` for positions."""
+MOST_WITHOUT = 4
+"""[run] Own choice: most sets of drivers that no beat tells of and that are taken away in runs of their own, and as many again of single
+drivers, to name the one that a beat needs; each costs at most one simulation, and one run mostly serves all beats."""

@@ -1,7 +1,7 @@
 """Causal check: order and connection of beats and their declared causes (R96, R97, S8).
 
 Row `causal:<cause>:<effect>` passes when the cause came true no later than the effect, and an impulse chain (`story/chains.py`)
-leads from the cause's subject to the effect's. Coincidence is no cause: two events without a chain fail. The chain may use contacts
+leads from the cause's subject to the effect's; of a compound effect every body that it tells of is reached from one of its causes. Coincidence is no cause: two events without a chain fail. The chain may use contacts
 from the onset of the cause on (`story/onsets.py`).
 """
 
@@ -18,9 +18,10 @@ from ...worlds.predicates import Contact
 from ..predicates import beat_times
 from ..rows.findings import Finding
 from .beat_corrections import corrections_of
-from .causal_corrections import link_hints, order_hints, wrong_cause
+from .bodies import deeds_of
+from .causal_corrections import link_hints, order_hints, other_body_hints, wrong_cause
 from .chains import MOMENTUM_SHARE
-from .edges import edges_of
+from .edges import Edge, edges_of
 from .interventions import first_absent
 from .onsets import contact_time, onset_of
 from .questions import CAUSAL
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row
     from ..predicates import Outcome
     from .chains import Hop, Reach
-    from .edges import Edge
     from .onsets import Onset
 
 __all__ = ["check"]
@@ -73,6 +73,8 @@ def _judge(edge: Edge) -> Finding:
     if last is None:
         return _absent(edge, edge.effect_id, effect, reach, start)
     found = _late(edge, start, last, moments) or _linked(edge, start, last, reach)
+    if found.status == "pass":
+        found = _each_body(edge, last) or found
     evidence = {
         "order_frames": last - start.frame,
         "cause_frame": start.frame,
@@ -132,6 +134,49 @@ def _linked(edge: Edge, start: Onset, last: int, reach: Reach) -> Finding:
         text = f"{len(chain)} hops lead from {chain[0].source} to {subject}: {steps}"
         found = Finding("pass", text, float(len(chain)), 1.0, "hops")
     return replace(found, evidence={**evidence, **(found.evidence or {})})
+
+
+def _each_body(edge: Edge, last: int) -> Finding | None:
+    """The failure of a compound effect of which some bodies are reached by none of its causes; None where all are, or it has but one body.
+
+    Raises:
+        EvidenceError: a part of the predicate cannot be judged.
+    """
+    deeds = deeds_of(edge.candidate, edge.effect)
+    reached = _reached(edge, last) if deeds else frozenset[str]()
+    idle = dict.fromkeys(body for part in deeds for body in part.lacking(lambda body, _: body in reached))
+    if not idle:
+        return None
+    first, names = next(iter(idle)), ", ".join(idle)
+    causes = ", ".join(edge.effect.causes)
+    told = ", ".join(sorted(reached & {body for part in deeds for body in part.atoms})) or "none of its bodies"
+    text = f"{edge.effect_id} tells of {names} too, and no chain leads there from {causes} by frame {last}: it reaches {told}"
+    return Finding(
+        "fail",
+        text,
+        0.0,
+        1.0,
+        "hops",
+        first,
+        last,
+        other_body_hints(edge, first),
+        {"unreached": list(idle), "reached": sorted(reached)},
+    )
+
+
+def _reached(edge: Edge, last: int) -> frozenset[str]:
+    """Bodies that the causes of an effect start from or reach by a frame, all causes together."""
+    candidate, found = edge.candidate, set[str]()
+    for cause in edge.effect.causes:
+        first = beat_times(candidate).first(cause)
+        if first is None:
+            continue
+        other = Edge(candidate, cause, edge.effect_id)
+        start = onset_of(candidate, cause, first)
+        sources = _sources(other, start)
+        reach = edge.chains.spread(sources, start.start, last, acting_until=start.acting_until)
+        found |= {n for n in reach.names if n in sources or reach.time(n) is not None}
+    return frozenset(found)
 
 
 def _same_subject(edge: Edge, start: Onset, last: int, reach: Reach) -> Finding:

@@ -23,7 +23,15 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from .edges import Edge
 
-__all__ = ["ask_for_displacement", "comes_anyway", "link_hints", "not_prevented", "order_hints", "wrong_cause"]
+__all__ = [
+    "ask_for_displacement",
+    "comes_anyway",
+    "link_hints",
+    "not_prevented",
+    "order_hints",
+    "other_body_hints",
+    "wrong_cause",
+]
 
 NEARLY = 0.95
 """Share of a measured value that a suggested bound asks for."""
@@ -59,6 +67,28 @@ def link_hints(edge: Edge, stuck: str, tip: str | None = None, away: float | Non
         ),
         _faster(edge, tip, stuck),
         wrong_cause(edge),
+    )
+
+
+def other_body_hints(edge: Edge, body: str) -> tuple[Correction, ...]:
+    """Corrections of a compound effect of which a body is brought about by none of its causes."""
+    place, why = f"/story/beats/{edge.effect_id}", f"what moves {body} is none of the causes of {edge.effect_id}"
+    return (
+        correction(
+            why, "story", f"name a beat that leads to {body} in the causes of {edge.effect_id}", pointers=(f"{place}/causes",)
+        ),
+        correction(
+            why,
+            "story",
+            f"tell of {body} in a beat of its own, with its own causes (a weakening edit: give weakening_reason)",
+            pointers=(f"{place}/predicate",),
+        ),
+        correction(
+            "the chain of contacts is broken",
+            "placement",
+            f"bring {body} into the path of what {edge.cause_id} sets in motion",
+            pointers=(f"/entities/{body}/pose/position",),
+        ),
     )
 
 

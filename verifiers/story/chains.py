@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ..categories.judge import Push
 
-__all__ = ["MOMENTUM_SHARE", "PAUSE", "PRESSED", "Chains", "Hop", "Reach"]
+__all__ = ["MOMENTUM_SHARE", "PAUSE", "PRESSED", "Chains", "Hop", "Reach", "chains_of"]
 
 MOMENTUM_SHARE = 0.01
 """Own choice: a contact must give at least this share of the momentum that its receiver has in that frame, and a chain this
@@ -367,6 +367,15 @@ class Chains:
         while frame > 0 and (one, to) in self._pairs[frame]:
             frame -= 1
         return frame
+
+
+def chains_of(candidate: Candidate) -> Chains:
+    """Links and motion of a candidate, prepared once.
+
+    Raises:
+        EvidenceError: a contact or event channel is missing.
+    """
+    return candidate.memo("chains", lambda: Chains(candidate))
 
 
 def _both_ways(found: list[tuple[int, int, float, float, float]]) -> _Links:

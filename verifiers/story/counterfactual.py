@@ -3,31 +3,34 @@
 Row `causal:without:<cause>:<effect>`: the world is continued from just before the onset of the cause, with the cause prevented
 (`story/interventions.py`), up to the end of the effect's interval. The effect must vanish, or change by the margin that the effect
 declares for this cause (`story/without_cause.py`). An intervention counts only if the cause's own predicate then stays false.
-Coincident independent events fail: each comes without the other. An effect that is true in a run without its cause is vacuous.
+Of a compound effect every body must do its part no more in the run without one of the
+causes, where no margin is declared. Coincident independent events fail: each comes without the other. An effect that is true in a run without its cause is vacuous.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ...simulation.variants import first_frame, run_variant, simulated
+from ...simulation.variants import first_frame, run_variant
 from ...worlds.errors import EvidenceError
 from ..predicates import evaluate, last_needed
 from ..rows.corrections import postponed
 from ..rows.findings import Finding, judged
-from .causal_corrections import not_prevented
+from .bodies import deeds_of
+from .causal_corrections import not_prevented, other_body_hints
 from .edges import edges_of
 from .interventions import FollowsError, preventions
 from .questions import WITHOUT
+from .reruns import Rerun
 from .without_cause import compare
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row
-    from ...worlds.spec import WorldSpec
+    from ...worlds.spec import SpecModel, WorldSpec
     from .edges import Edge
     from .interventions import Prevention
 
@@ -66,25 +69,6 @@ def _row(edge: Edge, found: Finding | Callable[[], Finding]) -> Row:
     return edge.row(WITHOUT, found)
 
 
-@dataclass(frozen=True)
-class _Variant:
-    """A run in which a cause is prevented."""
-
-    candidate: Candidate
-    prevention: Prevention
-    frames: int
-    """That were simulated for it."""
-
-    def cost(self) -> dict[str, Any]:
-        """How much was simulated by now; steps are, unlike seconds, equal on every machine."""
-        start, rigid, instances = self.prevention.start, self.candidate.rigid_caches, simulated(self.candidate)
-        return {
-            "frames_rerun": self.frames,
-            "steps_rerun": int(sum(rigid[n].series("record/steps")[start + 1 :].sum() for n in instances if n in rigid)),
-            "instances_rerun": list(instances),
-        }
-
-
 class _Variants:
     """Runs of one candidate in which causes are prevented."""
 
@@ -93,7 +77,7 @@ class _Variants:
         self._edges, self._progress, self._begun = edges, progress, -1
         self._ways: dict[Edge, list[Prevention] | EvidenceError] = {}
         self._ends: dict[Prevention, int] = {}
-        self._runs: dict[Prevention, _Variant | EvidenceError] = {}
+        self._runs: dict[Prevention, Rerun | EvidenceError] = {}
         for edge in edges:
             try:
                 ways = self._ways[edge] = preventions(edge)
@@ -117,14 +101,34 @@ class _Variants:
             return Finding("unverified", str(error), evidence={"follows": error.row})
 
     def _judged(self, edge: Edge) -> Finding:
-        ways = self._ways[edge]
-        if isinstance(ways, EvidenceError):
+        if isinstance(ways := self._ways[edge], EvidenceError):
             raise ways
         _, effect = edge.outcomes
         if effect.status != "pass" or effect.first_true_frame is None:
             text = f"{edge.effect_id} did not come true, so nothing can vanish: {effect.explanation}"
             raise FollowsError(self.candidate, edge.effect_id, text)
-        failed: list[str] = []
+        way, variant, failed = self._absent(edge)
+        if way is not None and variant is not None:
+            found = compare(edge, way, variant.candidate)
+            found = (self._bodies_anyway(edge) if found.status == "pass" and not edge.effect.margins else None) or found
+            told = {"intervention": way.text, "not_enough": failed, "from_frame": way.start, **variant.cost()}
+            return replace(found, evidence={**told, **(found.evidence or {})})
+        text = (
+            f"nothing that this build can do prevents {edge.cause_id} ({'; '.join(failed) or 'no body of it moves'}), so that its absence tells "
+            "nothing: state the cause as an event of a moving body, which is not so while that body is held"
+        )
+        missing = {"missing": text, "not_enough": failed}
+        return Finding("unverified", f"no evidence: {text}", hints=not_prevented(edge), evidence=missing)
+
+    def _absent(self, edge: Edge) -> tuple[Prevention | None, Rerun | None, list[str]]:
+        """The first way that prevents the cause of an edge, its run, and the ways before it that do not; None where none does.
+
+        Raises:
+            EvidenceError: the cause did not come true, a run cannot be made, or nobody can tell whether the cause came in it.
+        """
+        ways, failed = self._ways[edge], list[str]()
+        if isinstance(ways, EvidenceError):
+            raise ways
         for way in ways:
             variant = self._run(way)
             first, last = edge.cause.frames
@@ -132,23 +136,38 @@ class _Variants:
             if removed.status == "unverified":
                 raise EvidenceError(f"cannot tell whether {edge.cause_id} was prevented: {removed.explanation}")
             if removed.status == "fail":
-                found = compare(edge, way, variant.candidate)
-                told = {"intervention": way.text, "not_enough": failed, "from_frame": way.start, **variant.cost()}
-                return replace(found, evidence={**told, **(found.evidence or {})})
+                return way, variant, failed
             failed.append(way.text)
-        text = (
-            f"nothing that this build can do prevents {edge.cause_id} ({'; '.join(failed) or 'no body of it moves'}), so that its absence tells "
-            "nothing: state the cause as an event of a moving body, which is not so while that body is held"
-        )
-        told = {"missing": text, "not_enough": failed}
-        return Finding("unverified", f"no evidence: {text}", hints=not_prevented(edge), evidence=told)
+        return None, None, failed
 
-    def _run(self, way: Prevention) -> _Variant:
+    def _bodies_anyway(self, edge: Edge) -> Finding | None:
+        """The failure of a compound effect of which a body does its part without any of the causes; None where each needs one.
+
+        Raises:
+            EvidenceError: a body does its part without this cause, and no run tells whether it needs another one.
+        """
+        deeds = deeds_of(self.candidate, edge.effect)
+        if not deeds:
+            return None
+        runs = [self._absent(other)[1] for other in self._edges if other.effect_id == edge.effect_id]
+
+        def needs(_: str, atom: SpecModel) -> bool:
+            return any(r is not None and evaluate(r.candidate, atom, edge.effect.frames).status == "fail" for r in runs)
+
+        idle = dict.fromkeys(body for part in deeds for body in part.lacking(needs))
+        if not idle:
+            return None
+        first, causes = next(iter(idle)), ", ".join(edge.effect.causes)
+        text = f"without {edge.cause_id} {edge.effect_id} does not come, but {', '.join(idle)} does its part of it without any of {causes}"
+        hints, told = other_body_hints(edge, first), {"anyway": list(idle)}
+        return Finding("fail", text, float(len(idle)), 0.0, "1", first, hints=hints, evidence=told, comparison="<=")
+
+    def _run(self, way: Prevention) -> Rerun:
         if way not in self._runs:
             try:
                 end = self._ends[way]
                 made = run_variant(self.candidate, way.done, start=way.start, end=end, progress=self._tell)
-                self._runs[way] = _Variant(made, way, end - first_frame(self.candidate, way.start))
+                self._runs[way] = Rerun(made, way.start, end - first_frame(self.candidate, way.start))
             except EvidenceError as error:
                 self._runs[way] = error
         found = self._runs[way]

@@ -23,7 +23,7 @@ import numpy as np
 from ...worlds.candidate import Candidate
 from ...worlds.drivers import acts_from, deed, to_declare, undeclared
 from ...worlds.errors import EvidenceError
-from ...worlds.predicates import atoms_of, entities_of
+from ...worlds.predicates import entities_of
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.spec import PathDriver
 from ..categories.registry import judge_of
@@ -32,6 +32,7 @@ from ..rows.answers import row_of
 from ..rows.corrections import correction, set_value
 from ..rows.findings import Finding
 from .agency import Help, helped
+from .bodies import involved
 from .chains import PAUSE
 from .offers import offered
 from .questions import DRIVEN
@@ -167,21 +168,9 @@ def _comes(candidate: Candidate, beat_id: str) -> int:
     return candidate.spec.story.beats[beat_id].frames[1] if first is None else first
 
 
-def _involved(spec: WorldSpec, beat: Beat) -> list[str]:
-    """Entities that the beat speaks of, with those that carry its regions and joints."""
-    names = [beat.subject, *entities_of(beat.predicate)]
-    for atom in atoms_of(beat.predicate):
-        region = spec.graph.regions.get(getattr(atom, "region", None) or "")
-        joint = spec.simulation.joints.get(getattr(atom, "joint", None) or "")
-        names += [
-            n for n in (getattr(region, "relative_to", None), getattr(joint, "child", None), getattr(joint, "parent", None)) if n
-        ]
-    return [n for n in dict.fromkeys(names) if n in spec.entities]
-
-
 def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
     """The start of an event that names no causes: a driver, a velocity, or weight."""
-    spec, names, frame = candidate.spec, _involved(candidate.spec, beat), _comes(candidate, beat_id)
+    spec, names, frame = candidate.spec, involved(candidate.spec, beat), _comes(candidate, beat_id)
     owned = {b.owner: n for n, b in spec.story.beats.items()}
     unsaid = None
     for driver, declared in spec.simulation.drivers.items():

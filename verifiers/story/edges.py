@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 from ..predicates import Outcome, beat_times
 from ..rows.answers import row_of
 from ..rows.findings import Finding, judged
-from .chains import Chains
+from .chains import chains_of
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row
     from ...worlds.spec import Beat
     from ..rows.questions import Question
+    from .chains import Chains
 
 __all__ = ["Edge", "edges_of"]
 
@@ -67,7 +68,7 @@ class Edge:
         Raises:
             EvidenceError: a contact or event channel is missing.
         """
-        return self.candidate.memo("chains", lambda: Chains(self.candidate))
+        return chains_of(self.candidate)
 
     def row(self, question: Question, found: Finding | Callable[[], Finding]) -> Row:
         """The row that answers a question about the two."""

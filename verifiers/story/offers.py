@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from ...worlds.spec import WorldSpec
 
-__all__ = ["acting", "driver_offers", "earlier", "offered"]
+__all__ = ["acting", "driver_offers", "earlier", "offered", "untold_offers"]
 
 
 def offered(
@@ -79,3 +79,22 @@ def driver_offers(spec: WorldSpec, driver: str, cause: str, effect: str) -> tupl
     if cause in spec.story.beats[effect].margins:
         patch.append({"op": "remove", "path": pointer("story", "beats", effect, "margins", cause)})
     return (offered(spec, told, "story", named, pointers=(causes, place), patch=patch),)
+
+
+def untold_offers(spec: WorldSpec, driver: str, beat_id: str) -> tuple[Correction, ...]:
+    """Corrections of a beat that needs a driver of which the story does not tell: tell of it, or take it away."""
+    beats, place = spec.story.beats, pointer("simulation", "drivers", driver)
+    causes = pointer("story", "beats", beat_id, "causes")
+    why = f"{beat_id} needs {driver}, and no beat that leads to it tells so"
+    owned = [n for n, b in beats.items() if b.owner == driver and beat_id not in behind(spec, n)]
+    if owned:
+        name = f"name {owned[0]}, which {driver} owns, among the causes of {beat_id}"
+        patch = ({"op": "add", "path": f"{causes}/-", "value": owned[0]},)
+        return (offered(spec, why, "story", name, pointers=(causes, place), patch=patch),)
+    body = next(iter(acts_from(spec, driver)[1]), "what it acts on")
+    tell = f"let {driver} own a beat that leads to {beat_id}: a first beat about {body}, named in the causes of what follows"
+    away = f"take {driver} away (remove {place}); {beat_id} must then come by what the story tells"
+    return (
+        correction(why, "story", tell, pointers=("/story/beats", causes)),
+        offered(spec, why, "drivers", away, pointers=(place,), patch=({"op": "remove", "path": place},)),
+    )

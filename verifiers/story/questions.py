@@ -15,6 +15,7 @@ __all__ = [
     "QUESTIONS",
     "REQUIREMENT",
     "ROBUST",
+    "UNTOLD",
     "VACUOUS",
     "WITHOUT",
 ]
@@ -77,6 +78,15 @@ WITHOUT = Question(
     "field of the predicate, which must be missed; the margin of {0}",
     ("cause", "effect"),
 )
+UNTOLD = Question(
+    "causal:untold",
+    "without the drivers of which no beat that leads to {0} tells, as far as they reach its bodies, {0} comes as well",
+    "1 where it does not come without them",
+    "1",
+    "<=",
+    "0",
+    ("beat",),
+)
 ROBUST = Question(
     "robustness",
     "{1} comes true under {0} as well",
@@ -104,4 +114,4 @@ PROMISE = Question(
     matrix_group="temporal",
 )
 
-QUESTIONS = (BEAT, VACUOUS, DRIVEN, BRANCHES, REQUIREMENT, CHOICES, CAUSAL, WITHOUT, ROBUST, PHASES_SHOWN, PROMISE)
+QUESTIONS = (BEAT, VACUOUS, DRIVEN, BRANCHES, REQUIREMENT, CHOICES, CAUSAL, WITHOUT, UNTOLD, ROBUST, PHASES_SHOWN, PROMISE)

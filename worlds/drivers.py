@@ -35,18 +35,18 @@ def deed(spec: WorldSpec, driver_id: str, entity: str) -> str:
     return f"driver {driver_id} acts on {entity} from {time:g} s on"
 
 
-def to_declare(spec: WorldSpec, driver_id: str, beat_id: str) -> str:
-    """Advice on how the story can say that a driver leads to a beat: by a first beat that it could own, else by a new one."""
+def to_declare(spec: WorldSpec, driver_id: str, beat_id: str, body: str | None = None) -> str:
+    """Advice on how the story can say that a driver leads to a beat: by a first beat that it could own, else by a new one about a body."""
     beats, acted = spec.story.beats, acts_from(spec, driver_id)[1]
     subject = beats[beat_id].subject
     first = [n for n in behind(spec, beat_id)[1:] if beats[n].subject in acted and not beats[n].causes]
     own = [n for n in first if beats[n].owner in spec.simulation.solvers]
-    if not beats[beat_id].causes:
+    if not beats[beat_id].causes and body in (None, subject):
         own = [beat_id]
     if own:
         return f"let {driver_id} own beat {own[0]} (/story/beats/{own[0]}/owner), or take {driver_id} away"
     return (
-        f"give {driver_id} a beat of its own (owner {driver_id}, subject {subject}) and name it in the causes of {beat_id} or of a beat "
+        f"give {driver_id} a beat of its own (owner {driver_id}, subject {body or subject}) and name it in the causes of {beat_id} or of a beat "
         f"that leads to it, or take {driver_id} away"
     )
 

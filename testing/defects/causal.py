@@ -16,6 +16,7 @@ from ...worlds.predicates import And, Contact, Displacement, Speed, Tilts, Toppl
 from ...worlds.spec import ForceDriver, HingeJoint, PathDriver, SpringJoint, WeldJoint
 from ..worlds.simulated_worlds import beat
 from ._causal_simulated import SIMULATED
+from ._causal_untold import UNTOLD
 from ._causal_worlds import FPS, LAST, TIME, Scene, falls
 from .cases import Mechanism, Suite, World
 
@@ -385,4 +386,4 @@ CLEAN = (
     Mechanism("cradle", "what passes it on stays still itself", False, _cradle, 1.2, 50, "1"),
     Mechanism("lies-long-since", "the subject rests when the others are done", False, _lies_long_since, 0.05, 1.0, "s"),
 )
-SUITE = Suite("causal", (*BROKEN, *CLEAN, *SIMULATED))
+SUITE = Suite("causal", (*BROKEN, *CLEAN, *SIMULATED, *UNTOLD))

@@ -11,6 +11,7 @@ left to the run without them (`untold.py`).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -24,7 +25,6 @@ from ...worlds.spec import ForceDriver, PathDriver, SlideJoint, SpringJoint
 from ..categories.rigid.links import ties
 from ..ledgers.balance import books_of
 from ..ledgers.origins import Origin, origins_of
-from ..support.moved import beat_moves
 from .bearings import spared_by
 from .bounds import HELPED, LEAST_WORK
 
@@ -68,8 +68,8 @@ class _Tale:
     """Entities of the beats among them that have no cause: the initial states of the story."""
 
 
-def helped(candidate: Candidate, beat_id: str, until: int) -> Help | None:
-    """The first helper that the story does not tell of and that worked on a body which a beat moves by frame `until`; None where none did.
+def helped(candidate: Candidate, beat_id: str, until: int, bodies: Iterable[str]) -> Help | None:
+    """The first helper that the story does not tell of and that worked on one of a beat's bodies by frame `until`; None where none did.
 
     Raises:
         EvidenceError: a helper is there, and a channel that tells of its work is missing or damaged.
@@ -78,7 +78,7 @@ def helped(candidate: Candidate, beat_id: str, until: int) -> Help | None:
     beat = spec.story.beats[beat_id]
     if is_invariant(beat.predicate):
         return None
-    tale, moved = _tale(spec, beat_id), sorted(beat_moves(beat))
+    tale, moved = _tale(spec, beat_id), sorted(bodies)
     for cache in candidate.rigid_caches.values():
         if not set(moved) & {b.split("/", 1)[0] for b in cache.index.bodies}:
             continue

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import Beat, SpecModel, WorldSpec
 
-__all__ = ["Deeds", "deeds_of", "involved", "spoken_bodies"]
+__all__ = ["Deeds", "acting_atoms", "deeds_of", "involved", "moved_bodies", "spoken_bodies"]
 
 
 def involved(spec: WorldSpec, beat: Beat) -> list[str]:
@@ -77,6 +77,32 @@ def deeds_of(candidate: Candidate, beat: Beat) -> list[Deeds]:
         else:
             choices.append(deeds)
     return [*(Deeds(1, {body: atoms}) for body, atoms in own.items()), *choices]
+
+
+def acting_atoms(predicate: SpecModel) -> Iterator[SpecModel]:
+    """Atoms that say that something happens, `each` of a count replaced by every one of its entities; none below a `not` or a lasting state."""
+    kind = str(getattr(predicate, "kind", ""))
+    if isinstance(predicate, Not) or is_invariant(predicate):
+        return
+    if isinstance(predicate, Count):
+        if predicate.min is not None:
+            for name in predicate.entities:
+                yield from acting_atoms(substitute(predicate.predicate, name))
+        return
+    inner = [*getattr(predicate, "of", ()), *(p for n in ("predicate", "goal") if (p := getattr(predicate, n, None)) is not None)]
+    for member in inner:
+        yield from acting_atoms(member)
+    if not inner and _happens(predicate, kind):
+        yield predicate
+
+
+def moved_bodies(spec: WorldSpec, beat: Beat) -> tuple[str, ...]:
+    """The subject of a beat and every other body of its predicate that does something, or to which something is done, that solvers move."""
+    names = [beat.subject]
+    for atom in acting_atoms(beat.predicate):
+        kind = str(getattr(atom, "kind", ""))
+        names += [getattr(atom, "entity", ""), getattr(atom, "other", "") if kind in MOVED_BY else ""]
+    return tuple(n for n in dict.fromkeys(names) if n == beat.subject or _free(spec, n))
 
 
 def _nested(predicate: SpecModel) -> Iterator[SpecModel]:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Correction, Row
     from ..predicates import Outcome
+    from .bodies import Deeds
     from .chains import Hop, Reach
     from .onsets import Onset
 
@@ -52,7 +53,7 @@ def _judge(edge: Edge) -> Finding:
     """
     if not edge.known:
         raise EvidenceError(f"beat {edge.cause_id!r} is not in the story")
-    candidate, chains = edge.candidate, edge.chains
+    candidate = edge.candidate
     cause, effect = edge.outcomes
     for name, outcome in ((edge.cause_id, cause), (edge.effect_id, effect)):
         if outcome.status == "unverified":
@@ -62,19 +63,23 @@ def _judge(edge: Edge) -> Finding:
         return _absent(edge, edge.cause_id, cause)
     start = onset_of(candidate, edge.cause_id, first)
     moments = contact_time(candidate, edge.cause, first), contact_time(candidate, edge.effect, last)
-    reach = chains.spread(
-        _sources(edge, start),
-        start.start,
-        min(edge.effect.frames[1], candidate.last_frame) if last is None else last,
-        subject=edge.subject,
-        acting_until=start.acting_until,
-        limit=np.inf if moments[1] is None else moments[1],
-    )
+    until = min(edge.effect.frames[1], candidate.last_frame) if last is None else last
+
+    def spread(about: Edge) -> Reach:
+        limit = np.inf if moments[1] is None else moments[1]
+        sources, acting = _sources(about, start), start.acting_until
+        return edge.chains.spread(sources, start.start, until, subject=about.subject, acting_until=acting, limit=limit)
+
     if last is None:
-        return _absent(edge, edge.effect_id, effect, reach, start)
-    found = _late(edge, start, last, moments) or _linked(edge, start, last, reach)
-    if found.status == "pass":
-        found = _each_body(edge, last) or found
+        return _absent(edge, edge.effect_id, effect, spread(edge), start)
+    found = _late(edge, start, last, moments)
+    if found is None:
+        found = _linked(edge, start, last, spread(edge))
+        if deeds := deeds_of(candidate, edge.effect):
+            others = (replace(edge, body=body) for body in dict.fromkeys(b for part in deeds for b in part.atoms))
+            linked = (f for e in others if (f := _linked(e, start, last, spread(e))).status == "pass")
+            found = found if found.status == "pass" else next(linked, found)
+            found = (_each_body(edge, deeds, last) or found) if found.status == "pass" else found
     evidence = {
         "order_frames": last - start.frame,
         "cause_frame": start.frame,
@@ -136,14 +141,9 @@ def _linked(edge: Edge, start: Onset, last: int, reach: Reach) -> Finding:
     return replace(found, evidence={**evidence, **(found.evidence or {})})
 
 
-def _each_body(edge: Edge, last: int) -> Finding | None:
-    """The failure of a compound effect of which some bodies are reached by none of its causes; None where all are, or it has but one body.
-
-    Raises:
-        EvidenceError: a part of the predicate cannot be judged.
-    """
-    deeds = deeds_of(edge.candidate, edge.effect)
-    reached = _reached(edge, last) if deeds else frozenset[str]()
+def _each_body(edge: Edge, deeds: list[Deeds], last: int) -> Finding | None:
+    """The failure of a compound effect of which some bodies are reached by none of its causes; None where all are."""
+    reached = _reached(edge, last)
     idle = dict.fromkeys(body for part in deeds for body in part.lacking(lambda body, _: body in reached))
     if not idle:
         return None

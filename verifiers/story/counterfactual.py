@@ -158,7 +158,7 @@ class _Variants:
         if not idle:
             return None
         first, causes = next(iter(idle)), ", ".join(edge.effect.causes)
-        text = f"without {edge.cause_id} {edge.effect_id} does not come, but {', '.join(idle)} does its part of it without any of {causes}"
+        text = f"without {edge.cause_id} {edge.effect_id} does not come, but {', '.join(idle)} does its part of it in every run without one of {causes}"
         hints, told = other_body_hints(edge, first), {"anyway": list(idle)}
         return Finding("fail", text, float(len(idle)), 0.0, "1", first, hints=hints, evidence=told, comparison="<=")
 

@@ -2,8 +2,8 @@
 
 Row `beat:driven:<id>` fails
 
-- an outcome that follows an authored path, which is staged;
-- an outcome on whose subject a driver acts that no beat leading to it owns;
+- an outcome that follows an authored path, or a part of which does, which is staged;
+- an outcome on whose bodies a driver acts that no beat leading to it owns;
 - an outcome whose bodies a loaded spring, a body on a path or a driver helps along, also through others, of which no beat leading to it
   tells (`agency.py`);
 - a beat without causes that nothing of the story starts. What starts it is a driver that some beat owns, a velocity that the
@@ -32,7 +32,7 @@ from ..rows.answers import row_of
 from ..rows.corrections import correction, set_value
 from ..rows.findings import Finding
 from .agency import Help, helped
-from .bodies import involved
+from .bodies import acting_atoms, involved, moved_bodies
 from .chains import PAUSE
 from .offers import offered
 from .questions import DRIVEN
@@ -99,23 +99,31 @@ def _authored(spec: WorldSpec) -> set[str]:
 
 
 def _start(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
-    spec = candidate.spec
+    spec, bodies = candidate.spec, moved_bodies(candidate.spec, beat)
     staged = _staged(spec, beat_id, beat)
     if staged is not None:
         return staged
+    owned = None
     if beat.owner in spec.simulation.drivers and not beat.causes:
-        return _owned(candidate, beat_id, beat)
-    helper = undeclared(spec, beat_id, _comes(candidate, beat_id) / spec.simulation.fps)
+        owned = _owned(candidate, beat_id, beat)
+        if owned.status == "pass":
+            bodies = tuple(n for n in bodies if n != beat.subject and n not in acts_from(spec, beat.owner)[1])
+        if owned.status != "pass" or not bodies:
+            return owned
+    helper = undeclared(spec, beat_id, _comes(candidate, beat_id) / spec.simulation.fps, bodies)
     if helper is not None:
         owns = "no beat that leads to it is owned by" if beat.causes else "no beat is owned by"
-        text = f"{deed(spec, helper, beat.subject)}, before {beat_id} comes true, and {owns} {helper}"
-        return _Start("fail", text, "unsaid", beat.subject, helper)
+        body = next(n for n in bodies if n in acts_from(spec, helper)[1])
+        text = f"{deed(spec, helper, body)}, before {beat_id} comes true, and {owns} {helper}"
+        return _Start("fail", text, "unsaid", body, helper)
     try:
-        help_ = helped(candidate, beat_id, _comes(candidate, beat_id))
+        help_ = helped(candidate, beat_id, _comes(candidate, beat_id), bodies)
     except EvidenceError as error:
         return _Start("unverified", f"whether something else helps {beat_id} along is not known: {error}", "unknown")
     if help_ is not None:
         return _Start("fail", _help_text(help_, beat_id), "helped", help_.body, help=help_)
+    if owned is not None:
+        return owned
     if beat.causes:
         return _Start("pass", f"{beat.subject} is moved by a solver, from {', '.join(beat.causes)}", "causes")
     if is_invariant(beat.predicate):
@@ -137,14 +145,16 @@ def _help_text(found: Help, beat_id: str) -> str:
 
 def _staged(spec: WorldSpec, beat_id: str, beat: Beat) -> _Start | None:
     entities, authored = spec.entities, _authored(spec)
-    moving = [n for n in entities_of(beat.predicate) if n in entities and entities[n].motion != "static"]
-    culprits = [beat.subject] if beat.subject in authored else moving if moving and set(moving) <= authored else []
+    told = [entities_of(beat.predicate), *(entities_of(atom) for atom in acting_atoms(beat.predicate))]
+    moving = [[n for n in names if n in entities and entities[n].motion != "static"] for names in told]
+    culprits = [beat.subject] if beat.subject in authored else next((m for m in moving if m and set(m) <= authored), [])
     if not culprits:
         return None
     paths = {d.entity: name for name, d in spec.simulation.drivers.items() if isinstance(d, PathDriver)}
     driver = paths.get(culprits[0])
     how = f"path driver {driver}" if driver else "an authored motion"
-    return _Start("fail", f"{culprits[0]} follows {how}, so beat {beat_id} is staged", "path", culprits[0], driver)
+    part = "beat" if culprits[0] == beat.subject else "its part in beat"
+    return _Start("fail", f"{culprits[0]} follows {how}, so {part} {beat_id} is staged", "path", culprits[0], driver)
 
 
 def _owned(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
@@ -234,7 +244,7 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
         cause = "a driver moves the outcome itself, and the story does not say so"
         silent = all(b.owner != found.driver for b in spec.story.beats.values())
         patch = ({"op": "remove", "path": pointers[0]},) if silent else ()
-        told = correction(cause, "drivers", to_declare(spec, found.driver, beat_id), pointers=pointers)
+        told = correction(cause, "drivers", to_declare(spec, found.driver, beat_id, found.first), pointers=pointers)
         away = f"take {found.driver} away (remove {pointers[0]}); {beat_id} must then come by what the story tells"
         return [told, offered(spec, cause, "drivers", away, pointers=pointers[:1], patch=patch)]
     if found.help is not None:

@@ -29,6 +29,8 @@ class Edge:
     cause_id: str
     """A beat of the story; it may be missing there."""
     effect_id: str
+    body: str = ""
+    """The body of a compound effect that is asked about; empty for its subject."""
 
     @property
     def known(self) -> bool:
@@ -47,8 +49,8 @@ class Edge:
 
     @property
     def subject(self) -> str:
-        """The effect's entity."""
-        return self.effect.subject
+        """The effect's entity: its subject, or the body of it that is asked about."""
+        return self.body or self.effect.subject
 
     @property
     def driven(self) -> bool:

@@ -16,7 +16,7 @@ from ..worlds.simulated_worlds import SLICK, beat, simulate
 from ..worlds.small_worlds import box, ground, world
 from .cases import Mechanism, World
 
-__all__ = ["UNTOLD"]
+__all__ = ["UNTOLD", "lane", "pull"]
 
 FRAMES = 27
 LAST = FRAMES - 1
@@ -34,7 +34,7 @@ def _goes(name: str, least: float, *causes: str, **more: Any) -> Beat:
     return beat(name, Displacement(entity=name, min=least), frames=(0, LAST), causes=causes, **more)
 
 
-def _lane(
+def lane(
     folder: Path,
     rng: Rng,
     *,
@@ -59,20 +59,20 @@ def _lane(
     return World(simulate(folder, spec), culprits)
 
 
-def _pull(share: float, **more: Any) -> ForceDriver:
+def pull(share: float, **more: Any) -> ForceDriver:
     """A force on `m` along its way, as share of its friction: it moves nothing that rests."""
     return ForceDriver(entity="m", force=(share * FRICTION, 0.0, 0.0), end=2.0, **more)
 
 
 def _needed(folder: Path, magnitude: float, rng: Rng) -> World:
     """A force on the block between the two, `magnitude` times its friction, carries it over a gap at which it would stop."""
-    return _lane(folder, rng, gap=0.35, drivers={"wind": _pull(magnitude)}, culprits=("causal:untold",))
+    return lane(folder, rng, gap=0.35, drivers={"wind": pull(magnitude)}, culprits=("causal:untold",))
 
 
 def _either_would_do(folder: Path, magnitude: float, rng: Rng) -> World:
     """Two such forces, each `magnitude` times its friction, either of which would do."""
-    drivers: dict[str, Any] = {"wind": _pull(magnitude), "gust": _pull(magnitude, start=float(rng.uniform(0.0, 0.05)))}
-    return _lane(folder, rng, gap=0.3, drivers=drivers, culprits=("causal:untold",))
+    drivers: dict[str, Any] = {"wind": pull(magnitude), "gust": pull(magnitude, start=float(rng.uniform(0.0, 0.05)))}
+    return lane(folder, rng, gap=0.3, drivers=drivers, culprits=("causal:untold",))
 
 
 def _sprung_after(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -88,7 +88,7 @@ def _sprung_after(folder: Path, magnitude: float, rng: Rng) -> World:
     )
     let_go = {"go": ReleaseDriver(entity="c", time=float(rng.uniform(0.1, 0.15)))}
     more = {"c": _block(x)}
-    return _lane(folder, rng, gap=0.35, drivers=let_go, more=more, culprits=("causal:untold",), joints={"k": spring})
+    return lane(folder, rng, gap=0.35, drivers=let_go, more=more, culprits=("causal:untold",), joints={"k": spring})
 
 
 def _motor(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -97,7 +97,7 @@ def _motor(folder: Path, magnitude: float, rng: Rng) -> World:
     arm = box(0.6, 0.04, 0.06, motion="dynamic", at=pivot)
     plan = {"joints": {"pin": HingeJoint(child="arm", anchor=pivot, axis=(0, 0, 1))}}
     turn = {"turn": MotorDriver(joint="pin", velocity=magnitude, max_effort=3.0, start=float(rng.uniform(0.1, 0.15)), end=2.0)}
-    return _lane(folder, rng, gap=0.3, drivers=turn, more={"arm": arm}, culprits=("causal:untold",), **plan)
+    return lane(folder, rng, gap=0.3, drivers=turn, more={"arm": arm}, culprits=("causal:untold",), **plan)
 
 
 def _both(*causes: str, least: float = 0.01) -> Beat:
@@ -108,7 +108,7 @@ def _both(*causes: str, least: float = 0.01) -> Beat:
 def _one_of_two(folder: Path, magnitude: float, rng: Rng) -> World:
     """Two blocks are to move; the cause reaches one, the other comes along its own way at `magnitude` m/s."""
     other = {"d": _block(0.3, y=float(rng.uniform(0.5, 1.0)), speed=magnitude)}
-    return _lane(folder, rng, gap=0.05, more=other, beats={"slides": _both("comes")}, culprits=("d",))
+    return lane(folder, rng, gap=0.05, more=other, beats={"slides": _both("comes")}, culprits=("d",))
 
 
 def _one_comes_anyway(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -116,7 +116,7 @@ def _one_comes_anyway(folder: Path, magnitude: float, rng: Rng) -> World:
     small = box(
         0.04, 0.04, 0.04, motion="dynamic", at=(0.46 + float(rng.uniform(0.0, 0.01)), 0, 0.021), velocity=(-magnitude, 0, 0)
     )
-    return _lane(folder, rng, gap=0.05, more={"d": small}, beats={"slides": _both("comes", least=0.05)}, culprits=("d",))
+    return lane(folder, rng, gap=0.05, more={"d": small}, beats={"slides": _both("comes", least=0.05)}, culprits=("d",))
 
 
 # ---------------------------------------------------------------- clean
@@ -126,19 +126,19 @@ def _told(folder: Path, magnitude: float, rng: Rng) -> World:
     """The force that carries the block over the gap owns a beat that is named as a cause."""
     drawn = _goes("m", 0.01, owner="wind")
     beats = {"drawn": drawn, "slides": _goes("b", 0.01, "comes", "drawn")}
-    return _lane(folder, rng, gap=0.35, drivers={"wind": _pull(magnitude)}, beats=beats)
+    return lane(folder, rng, gap=0.35, drivers={"wind": pull(magnitude)}, beats=beats)
 
 
 def _not_needed(folder: Path, magnitude: float, rng: Rng) -> World:
     """A force of no beat helps the block over a gap that it crosses without."""
-    return _lane(folder, rng, gap=0.05, drivers={"wind": _pull(magnitude)})
+    return lane(folder, rng, gap=0.05, drivers={"wind": pull(magnitude)})
 
 
 def _passed_on(folder: Path, magnitude: float, rng: Rng) -> World:
     """Two blocks are to move, and what moves the first goes on to the second, over a gap of `magnitude` m."""
     other = {"d": _block(0.38 + magnitude + 2e-3)}
     both = And(of=[Displacement(entity="b", min=0.01), Displacement(entity="d", min=0.01)])
-    return _lane(folder, rng, gap=0.02, more=other, beats={"slides": beat("b", both, frames=(0, LAST), causes=("comes",))})
+    return lane(folder, rng, gap=0.02, more=other, beats={"slides": beat("b", both, frames=(0, LAST), causes=("comes",))})
 
 
 def _each_its_own(folder: Path, magnitude: float, rng: Rng) -> World:
@@ -146,7 +146,7 @@ def _each_its_own(folder: Path, magnitude: float, rng: Rng) -> World:
     side = float(rng.uniform(0.5, 1.0))
     other = {"e": _block(0.1, y=side, speed=magnitude), "d": _block(0.3, y=side)}
     beats = {"too": _goes("e", 0.02), "slides": _both("comes", "too")}
-    return _lane(folder, rng, gap=0.05, more=other, beats=beats)
+    return lane(folder, rng, gap=0.05, more=other, beats=beats)
 
 
 UNTOLD = (

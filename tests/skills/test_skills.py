@@ -176,7 +176,7 @@ ROWS = {
     ],
     "navigability": ["navigability:way"],
     "relations": ["relations:holds"],
-    "causal": ["causal:a:b", "causal:without:a:b"],
+    "causal": ["causal:a:b", "causal:without:a:b", "causal:untold:b"],
     "robustness": ["robustness:r:b"],
     "category": [
         *(f"category:elastic:{n}:jelly" for n in ELASTIC),

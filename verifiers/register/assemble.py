@@ -79,11 +79,13 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
                         "effect": f"collision surface up to {made.deviation[0]:.2g} m outside and {made.deviation[1]:.2g} m inside the visible one",
                     }
                 )
+    owners = {beat.owner for beat in spec.story.beats.values()}
     for name, driver in spec.simulation.drivers.items():
+        silent = "" if name in owners else "; no beat is owned by it: rows `causal:untold` tell which come without it"
         found.append(
             {
                 "what": f"authored driver {name!r} ({driver.kind})",
-                "effect": "motion or force put in by hand, counted as driver work",
+                "effect": f"motion or force put in by hand, counted as driver work{silent}",
             }
         )
     found += field_lines(spec) + apart_lines(spec)

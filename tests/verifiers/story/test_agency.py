@@ -7,9 +7,13 @@ from typing import Any
 
 import pytest
 from worldagent.testing.defects._helpers import guided_block, pushed_row, sprung_block
+from worldagent.testing.worlds.simulated_worlds import SLICK, beat, simulate
+from worldagent.testing.worlds.small_worlds import ball, box, ground, world
 from worldagent.verifiers.story.beats import check
 from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.predicates import Displacement, Speed
 from worldagent.worlds.requirements import Row
+from worldagent.worlds.spec import ForceDriver, RigidSettings, WeldJoint
 
 
 def driven(candidate: Candidate, beat: str) -> Row:
@@ -58,6 +62,53 @@ def test_a_force_on_a_body_that_pushes_the_outcome_is_found(tmp_path: Path) -> N
     row = driven(pushed_row(tmp_path, between=1, told=False, force=60.0), "moves")
     assert (row.status, row.evidence["helper"]["pointer"]) == ("fail", "/simulation/drivers/f")
     assert row.evidence["helper"]["through"] == ["b0", "last"]
+
+
+def test_a_torque_on_a_body_that_pushes_the_outcome_is_found_with_its_work_on_the_turning(tmp_path: Path) -> None:
+    """A wheel that a torque spins drives a block before it: of the torque the momentum of the wheel tells nothing."""
+    entities = {
+        "floor": ground(20),
+        "wheel": ball(0.1, motion="dynamic", at=(0, 0, 0.101)),
+        "last": box(0.2, 0.2, 0.2, motion="dynamic", at=(0.22, 0, 0.1)),
+    }
+    beats = {
+        "starts": beat("last", Speed(entity="last", min=0.02), frames=(0, 24)),
+        "moves": beat("last", Displacement(entity="last", min=0.03), frames=(1, 24), causes=("starts",)),
+    }
+    twist = ForceDriver(entity="wheel", torque=(0, 3.0, 0), start=0.0, end=1.0)
+    spec = world(entities, beats=beats, drivers={"t": twist}, frames=25, settings=RigidSettings(step=1e-3))
+    row = driven(simulate(tmp_path, spec), "moves")
+    help_ = row.evidence["helper"]
+    assert (row.status, help_["pointer"], help_["through"]) == ("fail", "/simulation/drivers/t", ["wheel", "last"])
+    assert help_["work"] > 0.0
+
+
+def test_a_force_is_found_through_a_joint(tmp_path: Path) -> None:
+    """It pulls one of two blocks that are welded together, the other one pushes the third."""
+    entities = {
+        "floor": ground(20),
+        **{
+            n: box(0.2, 0.2, 0.2, motion="dynamic", at=(x, 0, 0.101)) for n, x in (("pulled", 0.0), ("tied", 0.25), ("last", 0.5))
+        },
+    }
+    weld = WeldJoint(parent="pulled", child="tied", anchor=(0.1, 0, 0.101))
+    beats = {
+        "starts": beat("last", Speed(entity="last", min=0.02), frames=(0, 24)),
+        "moves": beat("last", Displacement(entity="last", min=0.05), frames=(1, 24), causes=("starts",)),
+    }
+    pull = ForceDriver(entity="pulled", force=(60.0, 0, 0), end=1.0)
+    spec = world(
+        entities,
+        beats=beats,
+        drivers={"f": pull},
+        joints={"w": weld},
+        frames=25,
+        materials=SLICK,
+        settings=RigidSettings(step=1e-3),
+    )
+    row = driven(simulate(tmp_path, spec), "moves")
+    assert row.status == "fail", row.evidence["explanation"]
+    assert row.evidence["helper"]["through"] == ["pulled", "tied", "last"]
 
 
 def test_a_slide_that_spares_a_body_the_friction_of_its_surface_is_found(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, ground, 
 from worldagent.verifiers.story.beats import check
 from worldagent.worlds.audits.story import story_problems
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.predicates import Contact, Displacement, Speed
+from worldagent.worlds.predicates import And, Contact, Count, Displacement, Speed
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, BoxRegion, FieldDriver, ForceDriver, PathDriver, PathKey, ReleaseDriver
 
@@ -20,6 +20,7 @@ TIME = np.arange(FRAMES) / 24
 FAR = Displacement(entity="cube", min=0.3)
 """Comes true at frame 8 of a motion that starts at frame 0, at 20 of one that starts at frame 12."""
 PUSH = ForceDriver(entity="cube", force=(5, 0, 0), start=0.1, end=0.3)
+ROLL = ForceDriver(entity="ball", force=(1, 0, 0), start=0.1, end=0.3)
 REGIONS = {"cart": BoxRegion(min=(-1, -1, 0), max=(1, 1, 1), relative_to="cart")}
 
 
@@ -80,6 +81,21 @@ CASES: dict[str, tuple[dict[str, Beat], dict[str, Any], str, str, str]] = {
     "of nothing": ({"b": beat()}, {}, "fail", "none", "beat 'b' has no cause and nothing that the story owns starts it"),
     "after a rest": ({"b": beat()}, {"start": 0.0, "rest": (0.1, 0.6)}, "fail", "none", "none moves from frame 0 on"),
     "of still air": ({"b": beat()}, {"drivers": {"air": FieldDriver.model_validate({"field": {"kind": "drag"}})}}, "fail", "none", "nothing that the story owns"),
+    "of a path in a part of it": (
+        {"b": beat(And(of=[FAR, Speed(entity="ball", max=9)]), "ball")}, {"motion": "kinematic"}, "fail", "path", "so its part in beat b is staged",
+    ),
+    "of a count of which one is on a path": (
+        {"b": beat(Count(entities=["cube", "ball"], predicate=Displacement(entity="each", min=0.3), min=2), "ball")},
+        {"motion": "kinematic"}, "fail", "path", "cube follows an authored motion",
+    ),
+    "of its own driver, and of an unsaid one of another body": (
+        {"b": beat(And(of=[FAR, Displacement(entity="ball", min=0.3)]), "ball", owner="roll")}, {"drivers": {"roll": ROLL, "push": PUSH}}, "fail",
+        "unsaid", "driver push acts on cube from 0.1 s on, before b comes true, and no beat is owned by push",
+    ),
+    "of its own driver, and of another beat's": (
+        {"b": beat(And(of=[FAR, Displacement(entity="ball", min=0.3)]), "ball", owner="roll"), "other": beat(owner="push")},
+        {"drivers": {"roll": ROLL, "push": PUSH}}, "pass", "driver", "driver roll acts from 0.1 s on and owns b",
+    ),
     "of a driver of what it speaks of": (
         {"b": beat(Contact(a="ball", b="cube"), "ball")}, {"drivers": {"push": PUSH}}, "fail", "none", "no beat is owned by push",
     ),

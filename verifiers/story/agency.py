@@ -22,9 +22,10 @@ from ...worlds.drivers import acts_from, behind
 from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.spec import ForceDriver, PathDriver, SlideJoint, SpringJoint
+from ..categories.registry import judge_of
 from ..categories.rigid.links import ties
 from ..ledgers.balance import books_of
-from ..ledgers.origins import Origin, origins_of
+from ..ledgers.origins import Origin
 from .bearings import spared_by
 from .bounds import HELPED, LEAST_WORK
 
@@ -152,7 +153,7 @@ class _Helper:
             # Of several joints none can be told apart: `unlisted` is what all of them give.
             joined = [ends for ends in held if other in ends] == [{name, other}]
             asked = (Origin("contact", name), *((Origin("unlisted", ""),) if joined else ()))
-            origins = origins_of(self.candidate, other)
+            origins = judge_of(self.candidate.spec, other).origins(self.candidate, other)
             given = [origins[o].work for o in asked if o in origins]
             if given:
                 work = np.sum(given, axis=0)
@@ -222,7 +223,7 @@ def _by_hand(candidate: Candidate, books: Books, hand: str) -> dict[str, F64]:
     moves = np.linalg.norm(np.diff(books.centers[:, row], axis=0), axis=1) > 0.0
     moves |= np.abs(np.diff(books.turns[:, books.first[row]], axis=0)).max(axis=(1, 2)) > 0.0
     for other in books.entities:
-        given = origins_of(candidate, other).get(Origin("contact", hand)) if other != hand else None
+        given = judge_of(candidate.spec, other).origins(candidate, other).get(Origin("contact", hand)) if other != hand else None
         if given is not None:
             found[other] = _summed(np.where(moves, given.work, 0.0))
     return found
@@ -232,7 +233,7 @@ def _by_driver(candidate: Candidate, name: str, entities: list[str]) -> dict[str
     """Work of a force driver or field on each of some entities, summed [J], shape (F,); fields that one record tells of together count together."""
     found = {}
     for entity in entities:
-        for origin, given in origins_of(candidate, entity).items():
+        for origin, given in judge_of(candidate.spec, entity).origins(candidate, entity).items():
             if origin.kind in ("driver", "fields") and name in origin.name.split(", "):
                 found[entity] = _summed(given.work)
     return found

@@ -8,8 +8,9 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.spec import SlideJoint
+from ..categories.registry import judge_of
 from ..ledgers.balance import frictions
-from ..ledgers.origins import Origin, origins_of
+from ..ledgers.origins import Origin
 from ..scene.surfaces import surfaces_of
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def spared_by(candidate: Candidate, books: Books, joint: SlideJoint) -> Spared |
     row = books.row.get(joint.child)
     if row is None or books.kinematic[row] or joint.parent is None or not _touch(candidate, joint.child, joint.parent):
         return None
-    given = origins_of(candidate, joint.child).get(Origin("unlisted", ""))
+    given = judge_of(candidate.spec, joint.child).origins(candidate, joint.child).get(Origin("unlisted", ""))
     if given is None:
         return None
     other = books.row.get(joint.parent)

@@ -14,7 +14,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ...simulation.variants import first_frame, run_variant
 from ...worlds.errors import EvidenceError
 from ..predicates import evaluate, last_needed
 from ..rows.corrections import postponed
@@ -24,7 +23,7 @@ from .causal_corrections import not_prevented, other_body_hints
 from .edges import edges_of
 from .interventions import FollowsError, preventions
 from .questions import WITHOUT
-from .reruns import Rerun
+from .reruns import Rerun, rerun
 from .without_cause import compare
 
 if TYPE_CHECKING:
@@ -165,9 +164,7 @@ class _Variants:
     def _run(self, way: Prevention) -> Rerun:
         if way not in self._runs:
             try:
-                end = self._ends[way]
-                made = run_variant(self.candidate, way.done, start=way.start, end=end, progress=self._tell)
-                self._runs[way] = Rerun(made, way.start, end - first_frame(self.candidate, way.start))
+                self._runs[way] = rerun(self.candidate, way.done, way.start, self._ends[way], self._tell)
             except EvidenceError as error:
                 self._runs[way] = error
         found = self._runs[way]

@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...simulation.protocol import Intervention
-from ...simulation.variants import first_frame, run_variant
 from ...worlds.drivers import acts_from, untold
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import is_invariant
@@ -33,7 +31,7 @@ from .chains import chains_of
 from .interventions import FollowsError
 from .offers import untold_offers
 from .questions import UNTOLD
-from .reruns import Rerun
+from .reruns import Rerun, rerun_without
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -242,8 +240,7 @@ class _Runs:
         begins = min(acts_from(candidate.spec, name)[0] for name in gone)
         start = min(max(0, int(np.floor(begins * candidate.spec.simulation.fps + 1e-9))), candidate.last_frame)
         end = max(self._end(beat) for beat, own in self._sets.items() if gone <= own)
-        made = run_variant(candidate, Intervention(without=gone), start=start, end=end, progress=self._tell)
-        return Rerun(made, start, end - first_frame(candidate, start))
+        return rerun_without(candidate, gone, start, end, self._tell)
 
     def _end(self, *beats: str) -> int:
         return min(self.candidate.last_frame, last_needed(self.candidate.spec, beats))

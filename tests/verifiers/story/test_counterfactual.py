@@ -13,7 +13,7 @@ from worldagent.testing.worlds.small_worlds import ball, box, ground, make_candi
 from worldagent.tests.verifiers.pushed_blocks import N, only, pushed
 from worldagent.verifiers.checks import rerun_ids, run_checks
 from worldagent.verifiers.diagnosis.cite import diagnose
-from worldagent.verifiers.story import counterfactual
+from worldagent.verifiers.story import reruns
 from worldagent.verifiers.story.counterfactual import check, row_ids
 from worldagent.workflow.rows import brief, concise
 from worldagent.worlds.candidate import Candidate
@@ -327,7 +327,7 @@ def test_one_run_serves_all_effects_of_a_cause(tmp_path: Path, monkeypatch: pyte
         calls.append(more)
         return run_variant(*args, **more)
 
-    monkeypatch.setattr(counterfactual, "run_variant", counted)
+    monkeypatch.setattr(reruns, "run_variant", counted)
     assert [r.status for r in check(candidate)] == ["pass", "pass"]
     assert [c["end"] for c in calls] == [24]
 
@@ -411,7 +411,7 @@ def test_nothing_is_simulated_again_while_the_motion_itself_fails(tmp_path: Path
         "far": beat("b", Displacement(entity="b", min=50.0), frames=(1, 24)),
     }
     candidate = simulate(tmp_path, pushed(beats=beats))
-    monkeypatch.setattr(counterfactual, "run_variant", lambda *a, **k: pytest.fail("a variant was simulated"))
+    monkeypatch.setattr(reruns, "run_variant", lambda *a, **k: pytest.fail("a variant was simulated"))
     rows = {r.id: r for r in run_checks(candidate, only=["beat", "causal"], reruns=True)}
     assert (rows["beat:far"].status, rows["causal:hit:slide"].status) == ("fail", "pass")
     late = rows["causal:without:hit:slide"]

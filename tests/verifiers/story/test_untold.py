@@ -10,7 +10,7 @@ import pytest
 from worldagent.testing.defects._causal_untold import lane, pull
 from worldagent.verifiers.checks import rerun_ids, run_checks
 from worldagent.verifiers.diagnosis.cite import diagnose
-from worldagent.verifiers.story import untold
+from worldagent.verifiers.story import reruns, untold
 from worldagent.verifiers.story.untold import check, reached_by, row_ids
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import apply_patch
@@ -79,7 +79,7 @@ def test_what_a_driver_does_not_reach_is_judged_without_a_run(tmp_path: Path, mo
     candidate = world_of(tmp_path)
     assert [(r.driver, r.bodies) for r in reached_by(candidate, "slides")] == [("wind", ("b",))]
     assert reached_by(candidate, "comes") == []
-    monkeypatch.setattr(untold, "run_variant", lambda *a, **k: pytest.fail("a variant was simulated"))
+    monkeypatch.setattr(reruns, "run_variant", lambda *a, **k: pytest.fail("a variant was simulated"))
     row = row_of(
         world_of(tmp_path / "late", drivers={"wind": ForceDriver(entity="b", force=(9, 0, 0), start=1.05, end=2.0)}, gap=SPARE)
     )
@@ -118,7 +118,7 @@ def test_more_sets_than_are_run_are_unverified(tmp_path: Path, monkeypatch: pyte
 def test_nothing_is_run_while_another_row_fails_or_the_beat_itself_did_not_come(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(untold, "run_variant", lambda *a, **k: pytest.fail("a variant was simulated"))
+    monkeypatch.setattr(reruns, "run_variant", lambda *a, **k: pytest.fail("a variant was simulated"))
     candidate = world_of(tmp_path, gap=SPARE)
     row = row_of(candidate, failing="beat:x")
     assert (row.status, row.evidence["follows"]) == ("unverified", "beat:x")

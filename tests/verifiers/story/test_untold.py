@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from worldagent.testing.defects._causal_untold import lane, pull
+from worldagent.testing.worlds.small_worlds import box
 from worldagent.verifiers.checks import rerun_ids, run_checks
 from worldagent.verifiers.diagnosis.cite import diagnose
 from worldagent.verifiers.story import reruns, untold
@@ -16,7 +18,7 @@ from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import apply_patch
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Beat, FieldDriver, ForceDriver
+from worldagent.worlds.spec import Beat, FieldDriver, ForceDriver, PathDriver
 
 NEEDED, SPARE = 0.35, 0.05
 """[m] Gaps that the block crosses with the force alone, and without it too."""
@@ -85,6 +87,18 @@ def test_what_a_driver_does_not_reach_is_judged_without_a_run(tmp_path: Path, mo
     )
     assert row.status == "pass"
     assert "no chain of pushes leads from what wind acts on" in row.evidence["explanation"]
+
+
+def test_a_body_on_a_path_reaches_what_it_pushes_through_others(tmp_path: Path) -> None:
+    keys = {k: {"time": time, "pose": {"position": (x, 0, 0.06)}} for k, time, x in (("s", 0.1, -0.2), ("e", 0.5, 0.4))}
+    hand = PathDriver.model_validate({"entity": "hand", "keys": keys})
+    more = {"hand": box(0.1, 0.1, 0.1, motion="kinematic", at=(-0.2, 0, 0.06))}
+    candidate = world_of(tmp_path, gap=SPARE, drivers={"p": hand}, more=more)
+    late = candidate.spec.story.beats["slides"].model_copy(update={"predicate": Displacement(entity="b", min=0.2)})
+    beats = {**candidate.spec.story.beats, "slides": late}
+    spec = candidate.spec.model_copy(update={"story": candidate.spec.story.model_copy(update={"beats": beats})})
+    assert [(r.driver, r.bodies) for r in reached_by(replace(candidate, spec=spec), "slides")] == [("p", ("b",))]
+    assert reached_by(candidate, "slides") == [], "it had come by itself before the hand arrived"
 
 
 def test_a_driver_that_another_beat_owns_is_to_be_named_as_a_cause(tmp_path: Path) -> None:

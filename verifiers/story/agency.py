@@ -23,11 +23,11 @@ from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.spec import ForceDriver, PathDriver, SlideJoint, SpringJoint
 from ..categories.registry import judge_of
-from ..categories.rigid.links import ties
 from ..ledgers.balance import books_of
 from ..ledgers.origins import Origin
 from .bearings import spared_by
 from .bounds import HELPED, LEAST_WORK
+from .chains import joined
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -146,13 +146,13 @@ class _Helper:
     def _handed_on(self, name: str, start: int) -> dict[str, F64]:
         """Work of a body on others from a frame on, by contact and by a joint that is their only one, summed [J], shape (F,)."""
         found: dict[str, F64] = {}
-        held = [{a, b} for a, b, _ in ties(self.candidate.spec)]
+        held = joined(self.candidate.spec)
         for other in self.books.entities:
             if other == name:
                 continue
             # Of several joints none can be told apart: `unlisted` is what all of them give.
-            joined = [ends for ends in held if other in ends] == [{name, other}]
-            asked = (Origin("contact", name), *((Origin("unlisted", ""),) if joined else ()))
+            tied = [ends for ends in held if other in ends] == [{name, other}]
+            asked = (Origin("contact", name), *((Origin("unlisted", ""),) if tied else ()))
             origins = judge_of(self.candidate.spec, other).origins(self.candidate, other)
             given = [origins[o].work for o in asked if o in origins]
             if given:

@@ -43,7 +43,7 @@ def spoken_bodies(spec: WorldSpec, beat: Beat) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Deeds:
-    """What bodies do in a part of a compound predicate, as far as it came true."""
+    """Part of a compound predicate that came true: bodies, the atoms that tell of each, and how many of them it needs."""
 
     least: int
     """How many of the bodies have to do it."""

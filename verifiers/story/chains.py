@@ -37,9 +37,10 @@ from ..ledgers.fields import blown_at
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
+    from ...worlds.spec import WorldSpec
     from ..categories.judge import Push
 
-__all__ = ["MOMENTUM_SHARE", "PAUSE", "PRESSED", "Chains", "Hop", "Reach", "chains_of"]
+__all__ = ["MOMENTUM_SHARE", "PAUSE", "PRESSED", "Chains", "Hop", "Reach", "chains_of", "joined"]
 
 MOMENTUM_SHARE = 0.01
 """Own choice: a contact must give at least this share of the momentum that its receiver has in that frame, and a chain this
@@ -376,6 +377,11 @@ def chains_of(candidate: Candidate) -> Chains:
         EvidenceError: a contact or event channel is missing.
     """
     return candidate.memo("chains", lambda: Chains(candidate))
+
+
+def joined(spec: WorldSpec) -> list[set[str | None]]:
+    """Pairs of entities that joints, springs and ropes hold together; None is the world."""
+    return [{a, b} for a, b, _ in ties(spec)]
 
 
 def _both_ways(found: list[tuple[int, int, float, float, float]]) -> _Links:

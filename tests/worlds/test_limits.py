@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from pathlib import Path
 from typing import Any
@@ -67,6 +68,15 @@ def test_what_robustness_and_counterfactuals_repeat_is_estimated_before_it_runs(
     steps = 2000.0
     causal = estimate_counts(WorldSpec.model_validate(spec))["rerun_body_steps"]
     assert causal == pytest.approx((48 + 24) / 24 * steps)
+    pushed = copy.deepcopy(spec)
+    pushed["simulation"]["drivers"] = {"f": {"kind": "force", "entity": "a", "force": [1, 0, 0], "start": 1.0, "end": 2.0}}
+    assert estimate_counts(WorldSpec.model_validate(pushed))["rerun_body_steps"] - causal == pytest.approx(
+        (48 - 24 + 24) / 24 * steps
+    )
+    pushed["story"]["beats"]["one"]["owner"] = "f"
+    assert estimate_counts(WorldSpec.model_validate(pushed))["rerun_body_steps"] == causal, (
+        "a beat owns it: nothing runs without it"
+    )
     spec["story"]["robustness"] = {
         "r": {"kind": "perturbed", "beats": ["two"], "samples": 10, "min_fraction": 1, "speed": 0.1},
         "f": {"kind": "refined", "beats": ["one"], "factor": 4},

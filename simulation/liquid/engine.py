@@ -95,6 +95,7 @@ class Outflow:
     center: F64
     rotation: F64
     half_size: tuple[float, float, float]
+    """[m]; negative: it takes nothing."""
 
 
 @dataclass(frozen=True)

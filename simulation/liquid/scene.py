@@ -48,7 +48,7 @@ class LiquidScene:
 def build_scene(
     spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, *, without: frozenset[str] = frozenset()
 ) -> LiquidScene:
-    """Initial particles, boundaries and openings of a liquid instance; `without` some of its inflows or waves.
+    """Initial particles, boundaries and openings of a liquid instance; `without` some of its inflows, outflows or waves.
 
     Raises:
         InputError: something is not resolved, a source lies in a solid, or a liquid lies in solids.
@@ -77,7 +77,7 @@ def build_scene(
         volume=volume,
         boundaries=surround.boundaries,
         inflows=tuple(i for i in _inflows(spec, instance) if i.name not in without),
-        outflows=tuple(_outflows(spec, instance)),
+        outflows=tuple(_outflows(spec, instance, without)),
         waves=tuple(w for w in _waves(spec, name, spacing) if w.name not in without),
         fields=_fields(spec, instance, without),
         preroll=plan.preroll,
@@ -172,11 +172,12 @@ def _inflows(spec: WorldSpec, instance: LiquidInstance) -> Iterator[Inflow]:
             )
 
 
-def _outflows(spec: WorldSpec, instance: LiquidInstance) -> Iterator[Outflow]:
+def _outflows(spec: WorldSpec, instance: LiquidInstance, without: frozenset[str]) -> Iterator[Outflow]:
+    """Every outflow; one that is taken away keeps its place among the ways out, and holds nothing."""
     for key, driver in spec.simulation.drivers.items():
         if driver.kind == "outflow" and driver.entity in instance.members:
             pose = pose_of(driver.pose)
-            half = (0.5 * driver.size[0], 0.5 * driver.size[1], 0.5 * driver.size[2])
+            half = (-1.0, -1.0, -1.0) if key in without else (0.5 * driver.size[0], 0.5 * driver.size[1], 0.5 * driver.size[2])
             yield Outflow(key, pose.position, rotation_matrix(pose.quaternion), half)
 
 

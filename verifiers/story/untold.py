@@ -220,6 +220,8 @@ class _Runs:
         if outcome.status == "unverified":
             raise EvidenceError(f"without {', '.join(sorted(gone))}, {beat} cannot be judged: {outcome.explanation}")
         came = outcome.status == "pass"
+        if came and not run.cost()["instances_rerun"]:
+            raise EvidenceError(f"no instance runs otherwise without {', '.join(sorted(gone))}, so that nothing was asked")
         told = {"without": sorted(gone), "from_frame": run.start, "comes": came, "first_true_frame": outcome.first_true_frame}
         runs.append({**told, "told": outcome.explanation, **run.cost()})
         return came

@@ -133,6 +133,21 @@ def test_what_one_density_cannot_hold_is_refused() -> None:
 
 
 @pytest.mark.parametrize("engine", [Flip, Dfsph])
+def test_a_run_goes_on_without_its_outflow_from_a_state_that_has_it(engine: Callable[[LiquidSetup], Engine]) -> None:
+    """As a counterfactual has it: the box keeps its number among the ways out, and takes nothing more."""
+    drain = Outflow("drain", np.array([0.25, 0.25, 0.0]), np.eye(3), (0.1, 0.1, 0.1))
+    setup = tank((0.5, 0.5, 0.5), block((0, 0, 0), (0.5, 0.5, 0.25), CELL), CELL, outflows=(drain,))
+    whole = engine(setup)
+    advance(whole, 0.05)
+    state = whole.checkpoint()
+    without = engine(dataclasses.replace(setup, outflows=(dataclasses.replace(drain, half_size=(-1.0, -1.0, -1.0)),)))
+    without.restore(state)
+    taken, kept = (sum(r.removed.get("drain", 0.0) for r in advance(run, 0.1)) for run in (whole, without))
+    assert taken > 0.0
+    assert kept == 0.0
+
+
+@pytest.mark.parametrize("engine", [Flip, Dfsph])
 def test_a_run_goes_on_without_one_of_its_inflows_from_a_state_that_has_it(engine: Callable[[LiquidSetup], Engine]) -> None:
     """A counterfactual begins at a checkpoint of the true run: the inflow that stays goes on as it was, the other gives nothing more."""
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])

@@ -95,9 +95,9 @@ def _motor(folder: Path, magnitude: float, rng: Rng) -> World:
     """A motor of no beat turns an arm, at `magnitude` rad/s, whose end comes from behind and pushes the two on."""
     pivot = (0.15, 0.3, 0.06)
     arm = box(0.6, 0.04, 0.06, motion="dynamic", at=pivot)
-    plan = {"joints": {"pin": HingeJoint(child="arm", anchor=pivot, axis=(0, 0, 1))}}
+    pin = HingeJoint(child="arm", anchor=pivot, axis=(0, 0, 1))
     turn = {"turn": MotorDriver(joint="pin", velocity=magnitude, max_effort=3.0, start=float(rng.uniform(0.1, 0.15)), end=2.0)}
-    return lane(folder, rng, gap=0.3, drivers=turn, more={"arm": arm}, culprits=("causal:untold",), **plan)
+    return lane(folder, rng, gap=0.3, drivers=turn, more={"arm": arm}, culprits=("causal:untold",), joints={"pin": pin})
 
 
 def _both(*causes: str, least: float = 0.01) -> Beat:

@@ -12,6 +12,7 @@ What does a countable share of the work fails already by `beat:driven` (`agency.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -151,11 +152,9 @@ class _Runs:
         self._begun += 1
         self._tell(0, 1, f"{self._begun + 1} of {len(self._beats)}")
         outcome, found = beat_times(self.candidate).outcome(beat), self._reaching[beat]
-        try:
-            if outcome.status != "pass":
-                text = f"{beat} did not come true, so that nobody is asked whether it comes alone: {outcome.explanation}"
-                raise FollowsError(self.candidate, beat, text)
-        except FollowsError as error:
+        if outcome.status != "pass":
+            text = f"{beat} did not come true, so that nobody is asked whether it comes alone: {outcome.explanation}"
+            error = FollowsError(self.candidate, beat, text)
             return Finding("unverified", str(error), evidence={"follows": error.row})
         if isinstance(found, EvidenceError):
             raise found
@@ -183,7 +182,7 @@ class _Runs:
             return Finding("pass", text, 0.0, 0.0, evidence={**evidence, "helps": [r.driver for r in found]}, frames=frames)
         needed = self._needed(beat, found, gone, runs)
         text = (
-            f"without {', '.join(needed)} {beat} does not come ({runs[-1]['told']}), and no beat that leads to it tells of "
+            f"without {', '.join(needed)} {beat} does not come ({runs[0 if len(needed) > 1 else -1]['told']}), and no beat that leads to it tells of "
             f"{'it' if len(needed) == 1 else 'them'}: {way}"
         )
         return Finding(
@@ -205,8 +204,9 @@ class _Runs:
             if single == gone or (single not in self._made and self._singles >= MOST_WITHOUT):
                 break
             self._singles += single not in self._made
-            if not self._comes(beat, single, runs):
-                return [reached.driver]
+            with suppress(EvidenceError):  # the run without all of them has told already that the beat does not come
+                if not self._comes(beat, single, runs):
+                    return [reached.driver]
         return [r.driver for r in found]
 
     def _comes(self, beat: str, gone: frozenset[str], runs: list[dict[str, Any]]) -> bool:

@@ -90,9 +90,9 @@ def reading_of(spec: WorldSpec) -> Reading:
             )
         else:
             taken.append((start, end, name))
-    spans = tuple(_cut(spec, sorted(taken)))
     language = language_of(prompt)
     held = held_words(prompt, language)
+    spans = tuple(_cut(spec, sorted(taken), held))
     total = max(1, letters(prompt))
     share = {
         kind: sum(letters(s.text) for s in spans if _kind(spec, s) == kind) / total for kind in ("claimed", "filler", "waived")
@@ -106,8 +106,8 @@ def _kind(spec: WorldSpec, span: Span) -> str:
     return "waived" if spec.claims[span.claim].waived else "claimed"
 
 
-def _cut(spec: WorldSpec, taken: list[tuple[int, int, str]]) -> Iterator[Span]:
-    """Spans in order: claims up to the length of their type, filler between them."""
+def _cut(spec: WorldSpec, taken: list[tuple[int, int, str]], held: tuple[Held, ...]) -> Iterator[Span]:
+    """Spans in order: claims up to the length of their type, filler between them. No held phrase is cut: it may have more words."""
     prompt, at = spec.prompt, 0
     units = units_of(prompt)
     for start, end, name in taken:
@@ -118,6 +118,7 @@ def _cut(spec: WorldSpec, taken: list[tuple[int, int, str]]) -> Iterator[Span]:
                 last = unit.end
         if word_count(prompt[start:end]) <= LONGEST[kind]:
             last = end
+        last = max([last, *(h.end for h in held if start <= h.start < last and h.end <= end)])
         if start > at:
             yield Span(at, start, prompt[at:start], None, "")
         yield Span(start, last, prompt[start:last], name, kind)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-__all__ = ["ALONE", "HAN_HELD", "NADA_OF", "NEGATIONS", "ONLY_WITH", "ORDERS", "UNLESS_BEFORE", "UNLESS_BEHIND"]
+__all__ = ["ALONE", "ASIDES", "HAN_HELD", "NADA_OF", "NEGATIONS", "ONLY_WITH", "ORDERS", "UNLESS_BEFORE", "UNLESS_BEHIND"]
 
 
 def _listed(words: str) -> tuple[str, ...]:
@@ -124,6 +124,18 @@ ONLY_WITH: dict[str, dict[str, tuple[Literal["before", "earlier", "anywhere"], t
 """A word is held only where one of these comes right after it, or stands in its sentence, or earlier in it."""
 ALONE = {"en": frozenset(("last",))}
 """Held only at the end of a clause: `the honey one comes last`, not `last grains`."""
+ASIDES: dict[str, str] = {
+    "en": r"if (?:it|that) ?(?:is|'s) not (?:too )?(?:much trouble|difficult|hard)|if it (?:is ?n't|isn't) (?:too )?(?:much trouble|difficult|hard)|"
+    r"if you (?:do not|don't) mind",
+    "de": r"wenn es (?:dir |ihnen |euch )?(?:nicht|keine) (?:zu )?(?:viel |viele )?(?:mühe|umstände)(?: macht| bereitet)?|wenn es nicht stört",
+    "fr": r"si (?:cela|ça) ne (?:te|vous) (?:dérange|ennuie|gêne) pas|si ce n'est pas trop (?:demander|compliqué)",
+    "es": r"si no (?:es|le es|te es|fuera) (?:mucha |demasiada )?(?:molestia|inconveniente|problema)|si no (?:te|le|os|les) (?:importa|molesta)",
+    "it": r"se non (?:è|le è|ti è) (?:troppo |di troppo )?(?:disturbo|problema|difficile)|se non (?:ti|le|vi) dispiace",
+    "pt": r"se não (?:for|der|é) (?:muito )?(?:incômodo|incómodo|trabalho|problema)|se não se importa",
+    "nl": r"als het niet te veel (?:moeite|gevraagd) is|als u het niet erg vindt|als je het niet erg vindt",
+    "ru": r"если (?:вам |тебе )?не (?:трудно|сложно|затруднит)|если (?:вы|ты) не (?:против|возражаете|возражаешь)",
+}
+"""Formulas of politeness: they deny nothing of the world."""
 NADA_OF = frozenset(("de", "que"))
 """Behind `nada` these make it nothing rather than `swims`."""
 
@@ -150,7 +162,7 @@ HAN_HELD: dict[str, dict[str, tuple[str, str]]] = {
             "間もなく|まもなく|にちがいない|に違いない|違いない|ないでしょう|ませんか|ませんでしょう|すみません|しれません|なりません",
         ),
         "order": (
-            "そのあと|その後|それから|次に|最後に|まず|最初に|先に|あとで|後で|やがて|ついに|同時に|ひとつずつ|一つずつ|一枚ずつ|順番に|順々に|次々に|次々と|"
+            "そのあと|その後|それから|次に|最後に|まず|最初に|先に|あとで|後で|ついに|同時に|ひとつずつ|一つずつ|一枚ずつ|順番に|順々に|次々に|次々と|"
             "(?<=[てで])から|(?<=[ただ])(?:後|あと)|(?<=[るうくすつぬぶむぐ])前に|ひとりずつ|一人ずつ|一個ずつ|続いて",
             "まずい|先にある|ですから|ところから|どこから|ここから|そこから",
         ),

@@ -47,6 +47,19 @@ DETERMINERS = {
     "it": frozenset(("i", "gli", "dei", "degli", "ai", "nei", "sui", "dai", "coi")),
 }  # fmt: skip
 """Function words behind which a doubtful word is no number: `the one`, `i venti`."""
+LABELS = {
+    "en": frozenset(("year", "grade", "class", "scenario", "scene", "shot", "version", "chapter", "exercise", "task", "room", "gate")),
+    "de": frozenset(("klasse", "klassenstufe", "jahrgang", "szenario", "szene", "einstellung", "version", "kapitel", "aufgabe", "zimmer", "raum", "gleis")),
+    "fr": frozenset(("scénario", "scène", "version", "chapitre", "exercice", "salle", "chambre", "quai")),
+    "es": frozenset(("curso", "escenario", "escena", "versión", "capítulo", "ejercicio", "sala", "aula", "andén")),
+    "it": frozenset(("classe", "scenario", "scena", "ripresa", "versione", "capitolo", "esercizio", "sala", "aula", "binario")),
+    "pt": frozenset(("cenário", "cena", "tomada", "versão", "capítulo", "exercício", "sala", "plataforma")),
+    "nl": frozenset(("groep", "klas", "scenario", "scène", "opname", "versie", "hoofdstuk", "opgave", "kamer", "zaal", "spoor")),
+    "ru": frozenset(("сценарий", "сцена", "кадр", "дубль", "версия", "глава", "упражнение", "комната", "путь")),
+}  # fmt: skip
+"""Reviewed by hand: nouns behind which a number names one of a series and counts nothing: `Year 8`, `Szene 3`."""
+_AGED = regex.compile(r"(?i)[\s-]*(?:year|month|week|day)s?[\s-]+old\b")
+"""Age of somebody or something, in English one word of three: no duration of the film."""
 COUNTERS = {
     "zh": "个個只隻条條块塊张張颗顆辆輛枚本把根座台间間层層级級片粒头頭匹架艘棵朵滴桶盆罐杯瓶箱堆排圈次下遍步位名人双對对组組米秒分度厘公千克吨升毫岁天年月",
     "ja": "個箇枚本匹羽人台冊回度つ階段列杯滴粒束組秒分時日年月倍メセキリトグミ",
@@ -76,6 +89,8 @@ def number_spans(
     last = -2
     for at, (unit, word) in enumerate(zip(units, words, strict=True)):
         digits = _has_digits(unit.text)
+        if (at and words[at - 1] in LABELS[language]) or (language == "en" and _AGED.match(text, unit.end)):
+            continue
         if not digits and (word not in known or (word in DOUBTFUL[language] and not _counted(text, units, words, at, language))):
             continue
         kind: Literal["number", "order"] = (

@@ -17,7 +17,7 @@ from typing import Literal
 import regex
 
 from .function_words import FUNCTION_WORDS
-from .held_lists import ALONE, HAN_HELD, NADA_OF, NEGATIONS, ONLY_WITH, ORDERS, UNLESS_BEFORE, UNLESS_BEHIND
+from .held_lists import ALONE, ASIDES, HAN_HELD, NADA_OF, NEGATIONS, ONLY_WITH, ORDERS, UNLESS_BEFORE, UNLESS_BEHIND
 from .held_numbers import han_numbers, number_spans
 from .units import APOSTROPHES, Unit, boundaries, folded, units_of
 
@@ -144,7 +144,11 @@ def held_words(text: str, language: str | None) -> tuple[Held, ...]:
     if language not in REVIEWED:
         return ()
     found = _han_held(text, language) if language in HAN_HELD else _spaced_held(text, language)
-    return tuple(sorted(found, key=lambda held: held.start))
+    aside = [
+        match.span() for match in regex.finditer(ASIDES.get(language, r"(?!)"), text.translate(APOSTROPHES), regex.IGNORECASE)
+    ]
+    meant = [held for held in found if not any(start <= held.start < end for start, end in aside)]
+    return tuple(sorted(meant, key=lambda held: held.start))
 
 
 def _han_held(text: str, language: str) -> list[Held]:

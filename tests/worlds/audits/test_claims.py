@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from worldagent.testing.prompts import Marked, honest
 from worldagent.tests.stories.small_run import MARKED, PROMPT, small_spec
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.audits.claims import claim_problems
@@ -133,6 +134,32 @@ def test_a_claim_is_judged_up_to_the_length_of_its_type() -> None:
     assert first.text == "A steel ball rolls"
     assert LONGEST["thing"] == 4
     assert reading_of(spec).spans[1].text.startswith(" into a row of ")
+
+
+@pytest.mark.parametrize("prompt", honest(), ids=lambda p: p.id)
+def test_no_honest_prompt_is_refused_for_a_word_as_persons_marked_it(prompt: Marked) -> None:
+    claims = {
+        f"c{k}": {"quote": s.quote, "nth": s.nth, "type": s.type, "by": ["/entities/x"]} for k, s in enumerate(prompt.spans)
+    }
+    spec = parse_spec(
+        {"spec_version": "2", "title": "honest", "prompt": prompt.text, "claims": claims, "simulation": {"frames": 9}}
+    )
+    found = [
+        p.text
+        for p in claim_problems(spec)
+        if "word" in p.text and ("no claim takes it up" in p.text or "does not judge" in p.text)
+    ]
+    assert reading_of(spec).problems == ()
+    assert found == []
+
+
+def test_one_of_a_span_of_several_bodies_is_a_number_that_a_thing_does_not_judge() -> None:
+    told = swapped("A [steel](property ball) [ball](thing ball)", "[A](thing ball b1)")
+    prompt = PROMPT.replace("A steel ball", "One", 1)
+    spec = world(told.replace("[A]", "[One]"), prompt=prompt)
+    assert any("'One' of 'One' is a number word" in text for text in problems(spec).values())
+    single = world(told.replace("[A](thing ball b1)", "[One](thing ball)"), prompt=prompt)
+    assert not any("'One'" in text for text in problems(single).values())
 
 
 def test_claimed_filler_and_waived_letters_make_up_the_prompt() -> None:

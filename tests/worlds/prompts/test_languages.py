@@ -70,6 +70,9 @@ def test_a_foreign_word_or_name_leaves_the_language_as_it_is() -> None:
         ("en", "Look after the plant for a while, at first light, with no doubt, why not, in the last second of a second", []),
         ("en", "three balls, half a dozen goats, 5 kg, 2½ litres, a 4K render of T34 tanks", ["three", "dozen", "5", "2½"]),
         ("en", "the green one falls, one of them, at one end, everyone, once, both, a pair", ["one"]),
+        ("en", "For my Year 8 class: scenario 4b, if it's not too much trouble, a two-year-old's toy of 8 parts", ["8"]),
+        ("es", "Si no es mucha molestia, que no caiga", ["no"]),
+        ("ja", "やがて三個が落ちない", ["三", "ない"]),
         ("en", "saturated till on the left; it holds till the branch gives way", ["till"]),
         (
             "de",

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from .claim_targets import named_in, targets_of
+from .described import DESCRIBING, judged_words
 from .errors import InputError
 from .predicates.events import event_atoms
 from .prompts import lexicon as words
@@ -14,7 +16,7 @@ from .prompts.marks import occurrence
 from .prompts.numbers import number_in, quantity_in
 from .prompts.odd import odd_characters
 from .prompts.units import boundaries, letters, units_of, word_count
-from .spec import CLAIM_TYPES, Claim, WorldSpec
+from .spec import CLAIM_TYPES, WorldSpec
 
 __all__ = ["LONGEST", "Reading", "Span", "named_in", "prompt_record", "reading_of", "targets_of"]
 
@@ -54,19 +56,6 @@ class Reading:
     """Share of the letters in claims that are judged."""
     filler: float
     waived: float
-
-
-def targets_of(claims: Mapping[str, Claim], name: str) -> list[str]:
-    """Pointers that a claim is judged by, its own or those of the claim that it is the same as."""
-    claim = claims[name]
-    other = claims.get(claim.same_as or "")
-    return list(claim.by or (other.by if other is not None else ()))
-
-
-def named_in(spec: WorldSpec, name: str, group: str) -> list[str]:
-    """Ids of the members of a group, as `story/beats`, that a claim is judged by, in the order in which it names them."""
-    start = f"/{group}/"
-    return list(dict.fromkeys(p.removeprefix(start).split("/")[0] for p in targets_of(spec.claims, name) if p.startswith(start)))
 
 
 def reading_of(spec: WorldSpec) -> Reading:
@@ -158,13 +147,14 @@ def _kinds(spec: WorldSpec, name: str) -> list[str]:
 # ---------------------------------------------------------------- in words
 
 
-def _only_read(claim: Claim, language: str | None) -> bool:
+def _only_read(spec: WorldSpec, name: str, language: str | None) -> bool:
     """Whether nothing but the agent's reading says that what a claim names is what its words say."""
+    claim = spec.claims[name]
     if claim.waived is not None:
         return False
     if claim.type in ("count", "quantity"):
         return (number_in(claim.quote, language) if claim.type == "count" else quantity_in(claim.quote, language)) is None
-    return claim.type in ("property", "place", "time", "weather", "look", "route")
+    return claim.type in DESCRIBING and not judged_words(spec, name)
 
 
 def _words(text: str) -> str:
@@ -198,7 +188,7 @@ def prompt_record(spec: WorldSpec) -> dict[str, Any]:
         "readings": {
             spec.claims[s.claim].quote: targets_of(spec.claims, s.claim)
             for s in found.spans
-            if s.claim and _only_read(spec.claims[s.claim], found.language)
+            if s.claim and _only_read(spec, s.claim, found.language)
         },
         "language": found.language,
         "warnings": list(found.warnings),

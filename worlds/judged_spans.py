@@ -6,9 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-from .audits.properties import SUBSTANCE_WORDS
+from .prompts.descriptions import meanings
 from .prompts.numbers import number_in, quantity_in
-from .prompts.units import folded, units_of
 
 __all__ = [
     "CLAIM_CHECKS",
@@ -78,14 +77,15 @@ def judged_spans(prompt: Mapping[str, Any], rows: Iterable[Mapping[str, Any]]) -
         prompt: member `prompt` of an acceptance record, see `prompt_record`.
         rows: of the record or the matrix, as JSON.
     """
-    judged = _Rows(rows)
+    judged = _Rows(rows, prompt.get("language"))
     return tuple(judged.span(span) for span in prompt.get("spans", ()))
 
 
 class _Rows:
     """Rows by id, and what they say of claims."""
 
-    def __init__(self, rows: Iterable[Mapping[str, Any]]) -> None:
+    def __init__(self, rows: Iterable[Mapping[str, Any]], language: str | None) -> None:
+        self.language = language
         kept = [r for r in rows if r.get("check") in CLAIM_CHECKS]
         self.by_id = {str(r["id"]): r for r in kept}
         self.claims: dict[str, list[Mapping[str, Any]]] = {}
@@ -132,20 +132,20 @@ class _Rows:
         own = [p.partition(": ")[2] for p in faults if p.startswith(f"/claims/{claim}/")]
         if own:
             return [{"id": _AUDIT, "status": "fail", "says": "; ".join(own)}]
-        if not _compared(kind, text):
+        if not _compared(kind, text, self.language):
             return []
         # The row names some of its faults only: where it fails, silence about a claim proves nothing.
         status = row["status"] if row["status"] in ("pass", "unverified") else "unverified"
         return [{"id": _AUDIT, "status": status, "says": f"the audit compares {text!r} with what the claim names"}]
 
 
-def _compared(kind: str, text: str) -> bool:
+def _compared(kind: str, text: str, language: str | None) -> bool:
     """Whether the audit understands the words of a claim of this type."""
     if kind == "count":
         return number_in(text) is not None
     if kind == "quantity":
         return quantity_in(text) is not None
-    return kind == "property" and any(folded(u.text) in SUBSTANCE_WORDS for u in units_of(text))
+    return kind == "property" and bool(meanings(text, language, "material"))
 
 
 def _members(by: Iterable[str], group: str) -> tuple[str, ...]:

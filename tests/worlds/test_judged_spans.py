@@ -12,7 +12,7 @@ from worldagent.worlds.judged_spans import JudgedSpan, first_shown, judged_spans
 
 
 def record(**spans: dict[str, Any]) -> dict[str, Any]:
-    return {"spans": [{"text": name, "claim": name, "by": [], **more} for name, more in spans.items()]}
+    return {"language": "en", "spans": [{"text": name, "claim": name, "by": [], **more} for name, more in spans.items()]}
 
 
 def row(row_id: str, status: str, *subject: str, says: str = "so it came out", **more: Any) -> dict[str, Any]:

@@ -1,63 +1,27 @@
 """Words of material in a property claim against the substance of what it names (R131, R154).
 
-Reviewed words in English, German, French, Spanish, Italian, Portuguese and Dutch, without inflection of other kinds than those listed; a word
-that is not here is printed as the agent's reading.
+A word that is in no list of the prompt's language is printed as the agent's reading. The density of a material is compared with the range of
+its substance by an audit of its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from ..problems import Problem
-from ..prompts.units import folded, units_of
+from ..prompts.descriptions import meanings
+from ..prompts.languages import language_of
 from ..spec import WorldSpec
 
-__all__ = ["SUBSTANCE_WORDS", "allowed_substances", "substance_problems"]
-
-_METALS = ("steel", "iron", "aluminium")
-SUBSTANCE_WORDS: Mapping[str, tuple[str, ...]] = {
-    word: substances
-    for substances, words in {
-        (
-            "wood",
-        ): "wood wooden timber oak pine birch plywood holz hölzern hölzerne hölzerner hölzernes hölzernen bois madera legno di-legno madeira hout houten",
-        ("steel",): "steel stahl stählern stählerne acier acero acciaio aço staal stalen",
-        ("iron", "steel"): "iron eisen eisern eiserne eiserner eisernes fer hierro ferro ijzer ijzeren",
-        ("aluminium",): "aluminium aluminum aluminio alluminio alumínio",
-        _METALS: "metal metallic metall metallen metallene métal metálico metallo metallico metaal metalen",
-        (
-            "stone",
-            "concrete",
-            "brick",
-        ): "stone rock granite marble slate stein steinern steinerne pierre piedra pietra pedra steen stenen",
-        ("concrete",): "concrete beton béton hormigón calcestruzzo cemento betão concreto betonnen",
-        ("brick",): "brick ziegel backstein brique ladrillo mattone mattoni tijolo baksteen bakstenen",
-        ("glass",): "glass glas gläsern gläserne verre vidrio cristal vetro vidro glazen",
-        ("plastic",): "plastic kunststoff plastik plastique plástico plastica",
-        ("rubber",): "rubber gummi caoutchouc goma gomma borracha rubberen",
-        (
-            "ceramic",
-        ): "ceramic porcelain clay terracotta keramik porzellan ton céramique porcelaine cerámica porcelana ceramica cerâmica keramiek porselein",
-        ("ice",): "ice eis glace hielo ghiaccio gelo ijs",
-        ("paper",): "paper cardboard papier pappe carton papel cartón carta cartone papelão karton",
-        ("foam",): "foam styrofoam schaumstoff styropor mousse espuma schiuma schuim",
-    }.items()
-    for word in words.split()
-}
-"""Substances that each word of a material allows."""
-
-
-def allowed_substances(quote: str) -> list[tuple[str, tuple[str, ...]]]:
-    """Words of materials in a quote, each with the substances that it allows."""
-    return [(u.text, SUBSTANCE_WORDS[folded(u.text)]) for u in units_of(quote) if folded(u.text) in SUBSTANCE_WORDS]
+__all__ = ["substance_problems"]
 
 
 def substance_problems(spec: WorldSpec, name: str) -> Iterator[Problem]:
     """A property claim that names a material which nothing in its `by` is made of."""
     claim = spec.claims[name]
-    asked = allowed_substances(claim.quote)
     made = {n: spec.materials[n].substance for p in claim.by for n in _materials(spec, p) if n in spec.materials}
-    for word, allowed in asked:
+    for term, word in meanings(claim.quote, language_of(spec.prompt), "material"):
+        allowed = term.split("|")
         if made and not set(made.values()) & set(allowed):
             have = ", ".join(f"{n!r} is {s}" for n, s in list(made.items())[:3])
             text = f"{word!r} asks for {' or '.join(allowed)}; what the claim names is not: {have}"

@@ -1,4 +1,4 @@
-"""The generated tables in `data/`: spelled-out numbers and names of units, from ICU (`packaging/number_words.py`)."""
+"""The tables in `data/`: spelled-out numbers and names of units from ICU (`packaging/number_words.py`), places of colours, descriptive words."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ NUMBER_LANGUAGES = ("en", "de", "fr", "es", "it", "pt", "nl", "ru", "zh", "ja", 
 
 @cache
 def table(name: str) -> dict[str, Any]:
-    """`numbers` or `units`, as they stand in `data/`."""
+    """`numbers`, `units`, `colours` or `descriptions`, as they stand in `data/`."""
     found: dict[str, Any] = json.loads((files(__package__) / "data" / f"{name}.json").read_text(encoding="utf-8"))
     return found

@@ -1,0 +1,101 @@
+"""Words of a claim that a row judges, and the bodies that words of size compare with (R131, R155).
+
+A word of size alone says nothing of a body: small is what is smaller than others of its kind. Kennedy, C. (2007), Vagueness and grammar,
+Linguistics and Philosophy 30(1): the standard of such an adjective is that of its comparison class.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+from .claim_targets import named_in
+from .prompts.descriptions import WordKind, meanings
+from .prompts.languages import language_of
+from .prompts.units import folded, units_of
+from .spec import ClaimType, WorldSpec
+
+__all__ = ["DESCRIBING", "Word", "alike", "judged_words"]
+
+DESCRIBING: Mapping[ClaimType, tuple[WordKind, ...]] = {
+    "property": ("colour", "form", "material"),
+    "place": ("place",),
+    "time": ("time",),
+    "weather": ("weather",),
+    "look": ("look",),
+    "route": ("route",),
+}
+"""Types of claims whose words are judged by lists, and the lists of each."""
+RELATIVE = frozenset(("small", "big", "short", "thick", "heavy", "light"))
+"""Words of form that only a comparison decides."""
+OF_LAND = frozenset(("steep", "level", "flat"))
+"""Words of form that a landscape can have."""
+SAME_START = 3
+"""Own choice: letters from which on two words that differ in their end alone, by two letters at most, are one: `ball` and `balls`."""
+ENDING = 2
+
+
+class Word(NamedTuple):
+    """A word of a claim that a row judges."""
+
+    kind: WordKind
+    term: str
+    text: str
+
+
+def judged_words(spec: WorldSpec, name: str) -> tuple[Word, ...]:
+    """Words of a claim that a rule exists for; none where nothing but the agent's reading says what they mean."""
+    claim = spec.claims[name]
+    if claim.waived is not None:
+        return ()
+    language = language_of(spec.prompt)
+    found = [
+        Word(kind, m.term, m.word)
+        for kind in DESCRIBING.get(claim.type, ())
+        for m in meanings(claim.quote, language, kind)
+        if m.term != "-" and _has_rule(spec, name, kind, m.term)
+    ]
+    return () if any(w.term == "past" for w in found) else tuple(found)
+
+
+def _has_rule(spec: WorldSpec, name: str, kind: WordKind, term: str) -> bool:
+    bodies = [n for n in named_in(spec, name, "entities") if n in spec.entities]
+    if kind == "colour":
+        return bool(bodies or named_in(spec, name, "materials"))
+    if kind == "form":
+        relative = term in RELATIVE or (term == "alike" and len(bodies) < 2)
+        return bool(alike(spec, name, term) if relative else bodies or (term in OF_LAND and named_in(spec, name, "terrains")))
+    return True
+
+
+def alike(spec: WorldSpec, name: str, term: str) -> list[str]:
+    """Bodies of the same noun as those that a claim names, of which no claim says the same word.
+
+    Two spans name one kind of thing where their last words are one, but for their ending.
+    """
+    own = set(named_in(spec, name, "entities"))
+    things = {
+        c: named_in(spec, c, "entities") for c, q in spec.claims.items() if q.type in ("thing", "count") and q.waived is None
+    }
+    nouns = [_noun(spec.claims[c].quote) for c, bodies in things.items() if spec.claims[c].type == "thing" and own & set(bodies)]
+    same = {b for c, bodies in things.items() if any(_one(_noun(spec.claims[c].quote), n) for n in nouns) for b in bodies}
+    said = {b for c in _saying(spec, term) for b in named_in(spec, c, "entities")}
+    return [b for b in spec.entities if b in same - own - said]
+
+
+def _saying(spec: WorldSpec, term: str) -> Iterable[str]:
+    """Claims of property that say a word of form."""
+    language = language_of(spec.prompt)
+    for name, claim in spec.claims.items():
+        if claim.type == "property" and any(m.term == term for m in meanings(claim.quote, language, "form")):
+            yield name
+
+
+def _noun(quote: str) -> str:
+    units = units_of(quote)
+    return folded(units[-1].text) if units else ""
+
+
+def _one(a: str, b: str) -> bool:
+    short, long = sorted((a, b), key=len)
+    return a == b or (len(short) >= SAME_START and long.startswith(short[:-1]) and len(long) - len(short) <= ENDING)

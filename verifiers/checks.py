@@ -12,6 +12,7 @@ from ..worlds.requirements import Row, fail_closed
 from ..worlds.spec import WorldSpec
 from .categories import check as category
 from .claims import check as claims
+from .claims import colours
 from .contact import check as contact
 from .delivery import check as delivery
 from .diagnosis.cite import diagnose
@@ -24,7 +25,7 @@ from .shots import seen
 from .story import beats, causal, counterfactual, phases, robustness, untold
 from .support import check as support
 
-__all__ = ["CHECKS", "CheckBinding", "diagnosed", "judging_share", "names_of", "rerun_ids", "run_checks", "silent"]
+__all__ = ["CHECKS", "CheckBinding", "diagnosed", "judging_share", "names_of", "plate_ids", "rerun_ids", "run_checks", "silent"]
 
 CHECK_WORK = 0.03
 """Work of a check that simulates nothing, in simulations of the probe; own choice, for progress alone."""
@@ -64,11 +65,17 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("beat", phases.check, ("probe",)),
     CheckBinding("causal", causal.check, ("probe", "full")),
     CheckBinding("claim", claims.check, ("probe", "full")),
+    CheckBinding("claim", colours.check, ("full",), plates=True),
     CheckBinding("delivery", delivery.check, ("full",)),
     CheckBinding("causal", counterfactual.check, ("probe", "full"), counterfactual.row_ids),
     CheckBinding("causal", untold.check, ("probe", "full"), untold.row_ids),
     CheckBinding("robustness", robustness.check, ("probe", "full"), robustness.row_ids),
 )
+
+
+def plate_ids(spec: WorldSpec) -> frozenset[str]:
+    """Ids of the rows that plates answer."""
+    return seen.seen_ids(spec) | colours.colour_ids(spec)
 
 
 def names_of(stage: Stage) -> tuple[str, ...]:

@@ -179,8 +179,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
     from ..simulation.bake import run_bake
     from ..simulation.schedule import stretch_count
-    from ..verifiers.checks import judging_share, names_of, rerun_ids, run_checks
-    from ..verifiers.shots.seen import seen_ids
+    from ..verifiers.checks import judging_share, names_of, plate_ids, rerun_ids, run_checks
     from ..verifiers.stored import open_in_probe
     from ..worlds.baked import frame_digests
     from .measurements import refuted
@@ -202,7 +201,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     promised, found = record["detail"]["events"], _events(candidate)
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
     rows = session.cited(rows)
-    changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec) | seen_ids(session.spec))
+    changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec) | plate_ids(session.spec))
     open_rows = [r.id for r in open_in_probe(rows, candidate.last_frame)]
     content = {"frames": total, "failing": open_rows, "frame_digests": frame_digests(candidate.caches), "seconds": seconds}
     session.ledger.put_bake(freeze, session.revision, candidate.digest, content)

@@ -15,7 +15,7 @@ from .prompts.languages import language_of
 from .prompts.units import folded, units_of
 from .spec import ClaimType, WorldSpec
 
-__all__ = ["DESCRIBING", "Word", "alike", "judged_words"]
+__all__ = ["DESCRIBING", "Word", "alike", "coloured_bodies", "judged_words"]
 
 DESCRIBING: Mapping[ClaimType, tuple[WordKind, ...]] = {
     "property": ("colour", "form", "material"),
@@ -56,6 +56,19 @@ def judged_words(spec: WorldSpec, name: str) -> tuple[Word, ...]:
         if m.term != "-" and _has_rule(spec, name, kind, m.term)
     ]
     return () if any(w.term == "past" for w in found) else tuple(found)
+
+
+def coloured_bodies(spec: WorldSpec) -> dict[str, list[str]]:
+    """Bodies of each claim that says a colour: those that it names, or that are made of a material that it names."""
+    found = {}
+    for name in spec.claims:
+        if any(w.kind == "colour" for w in judged_words(spec, name)):
+            made = set(named_in(spec, name, "materials"))
+            bodies = [n for n in named_in(spec, name, "entities") if n in spec.entities]
+            found[name] = bodies or [
+                n for n, e in spec.entities.items() if made & {e.material, *(p.material for p in e.parts.values())}
+            ]
+    return {name: bodies for name, bodies in found.items() if bodies}
 
 
 def _has_rule(spec: WorldSpec, name: str, kind: WordKind, term: str) -> bool:

@@ -1,14 +1,14 @@
 """Claims of the prompt against the motion and the pictures (R2, R131, R154, R155).
 
-- `claim:thing:<claim>`: what a span names is in a picture: the least shown of its entities fills `limits.visible_pixels` of one.
+- `claim:thing:<claim>`: what a span names is in a picture: the least shown of its entities and lands fills `limits.visible_pixels` of one.
 - `claim:count:<claim>`: exactly so many separate bodies are there, and do what is told of them (`counts.py`).
 - `claim:quantity:<claim>`: what is measured is the number of its words, and neither half nor twice of it (`quantities.py`).
 - `claim:event:<claim>`: its beats come true, and no rival reading of its words does (`rivals.py`).
 - `claim:order:<claim>`: what it says comes first does, and neither the reverse nor simultaneity is true (`order.py`).
 - `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames, and what they deny could happen (`negations.py`).
 
-Claims of other types are judged by the audit or printed as the agent's reading, as are counts and quantities that nothing measures; waived
-ones are printed.
+Claims that describe have rows in modules of their own (`descriptions.py`, `colours.py`). Claims of other types are judged by the audit; what no
+rule judges and nothing measures is printed as the agent's reading, and so are waived ones.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from ..shots.sight import sight_of
 from . import counts, quantities
 from .bounds import LOOKS
 from .counts import count_of
+from .descriptions import check as described
+from .lands import lands_of, share_of_pictures
 from .naming import beats_of, requirements_of
 from .negations import negation_of
 from .order import order_of
@@ -55,7 +57,7 @@ def check(candidate: Candidate) -> list[Row]:
         finding = partial(function, candidate, name)
         whole = candidate.spec.entities if claim.type in _WHOLE else None
         rows.append(row_of(candidate, question, (name,), finding, extra=extra, recipe_entities=whole))
-    return rows
+    return [*rows, *described(candidate)]
 
 
 def _told(candidate: Candidate, name: str) -> list[object]:
@@ -73,12 +75,9 @@ def _told(candidate: Candidate, name: str) -> list[object]:
 def _thing(candidate: Candidate, name: str) -> Finding:
     spec, least = candidate.spec, candidate.spec.simulation.limits.visible_pixels
     entities = [n for n in named_in(spec, name, "entities") if n in spec.entities]
-    if not entities:
-        return Finding(
-            "not_applicable", "it names land, for which no picture is looked at; rows of `terrain` judge what was built"
-        )
     sight = sight_of(candidate)
     shown = {entity: _most(candidate, sight, entity, least) for entity in entities}
+    shown |= {pointer: share_of_pictures(candidate, pointer, least).share for pointer in lands_of(spec, name)}
     worst = min(shown, key=lambda n: shown[n])
     quote = spec.claims[name].quote
     if shown[worst] >= least:
@@ -93,7 +92,9 @@ def _thing(candidate: Candidate, name: str) -> Finding:
     hint = correction(
         said, "shots", f"let a shot show {worst!r}: add it to the shot's subjects and aim the camera at it", pointers=("/shots",)
     )
-    return Finding("fail", said, shown[worst], least, entity=worst, hints=(hint,), entities=tuple(entities))
+    return Finding(
+        "fail", said, shown[worst], least, entity=worst if worst in entities else None, hints=(hint,), entities=tuple(entities)
+    )
 
 
 def _most(candidate: Candidate, sight: Sight, entity: str, enough: float) -> float:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
     from ..scene.surfaces import Surfaces
 
-__all__ = ["check"]
+__all__ = ["check", "way_finding"]
 
 
 @guarded(NAVIGABILITY_SCENE)
@@ -46,10 +46,19 @@ def check(candidate: Candidate) -> list[Row]:
         return [row_of(candidate, NAVIGABILITY_SCENE, (), none)]
     surfaces = surfaces_of(candidate)
     return [
-        row_of(candidate, WAY, (name,), partial(_way, surfaces, name, relation))
+        row_of(candidate, WAY, (name,), partial(way_finding, candidate, name, relation))
         for name, relation in relations.items()
         if not _later(surfaces, relation)
     ]
+
+
+def way_finding(candidate: Candidate, name: str, relation: Connects) -> Finding:
+    """Whether a connection is a route that its carrier can take; searched once per candidate.
+
+    Raises:
+        EvidenceError: the scene is incomplete, or the frames are not there.
+    """
+    return candidate.memo(("way", name), lambda: _way(surfaces_of(candidate), name, relation))
 
 
 def _later(surfaces: Surfaces, relation: Connects) -> bool:

@@ -15,7 +15,7 @@ from ...worlds.arrays import F64, U8
 from ...worlds.plates import Plate
 from .bounds import JUST_NOTICEABLE, SEEN_NOISE
 
-__all__ = ["Difference", "compared", "lab"]
+__all__ = ["Difference", "compared", "lab", "lab_of", "linear"]
 
 WINDOW = 5
 """[pixels] Own choice: side of the window over which noise is averaged: 50 differences between seeds tell it within 10 %."""
@@ -45,8 +45,13 @@ def linear(picture: U8) -> F64:
 
 
 def lab(picture: U8) -> F64:
-    """CIELAB of an 8-bit sRGB picture (CIE 15:2004, white of D65), same shape."""
-    ratio = linear(picture) @ TO_XYZ.T / WHITE
+    """CIELAB of an 8-bit sRGB picture, same shape."""
+    return lab_of(linear(picture))
+
+
+def lab_of(values: F64) -> F64:
+    """CIELAB of linear sRGB (CIE 15:2004, white of D65), same shape."""
+    ratio = values @ TO_XYZ.T / WHITE
     small = (6.0 / 29.0) ** 3
     f = np.where(ratio > small, np.cbrt(ratio), ratio / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0)
     return np.stack([116.0 * f[..., 1] - 16.0, 500.0 * (f[..., 0] - f[..., 1]), 200.0 * (f[..., 1] - f[..., 2])], axis=-1)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..rows.questions import Question
     from .sight import Mask, Sight
 
-__all__ = ["check", "seen_ids", "taken"]
+__all__ = ["AGAIN", "check", "plates_now", "seen_ids", "taken"]
 
 AGAIN = "call run_checks(scope='full'), which renders what is missing"
 Y = np.array([0.2126, 0.7152, 0.0722])
@@ -48,6 +48,22 @@ def seen_ids(spec: WorldSpec) -> frozenset[str]:
 def taken(candidate: Candidate) -> bool:
     """Whether plates of a candidate's bake were made at all."""
     return candidate.stage == "full" and (plates_folder(candidate) / "index.json").exists()
+
+
+def plates_now(candidate: Candidate) -> Plates:
+    """The plates of a candidate.
+
+    Raises:
+        EvidenceError: there are none of these caches in this look.
+    """
+    found = Plates.open(plates_folder(candidate))
+    if found is None:
+        raise EvidenceError(f"no plates were rendered of this bake; {AGAIN}")
+    if found.recipe != recipes(candidate.spec)["seen"] or found.size != plate_size(candidate.spec.look):
+        raise EvidenceError(f"the plates show another look or shot plan (stale); {AGAIN}")
+    if found.cache != candidate.digest:
+        raise EvidenceError(f"the plates show another bake (stale); {AGAIN}")
+    return found
 
 
 def check(candidate: Candidate) -> list[Row]:
@@ -84,24 +100,9 @@ class _Judge:
         except EvidenceError:  # the row says so
             return SEEN
 
-    def plates(self) -> Plates:
-        """The plates.
-
-        Raises:
-            EvidenceError: there are none of these caches in this look.
-        """
-        found = Plates.open(self.folder)
-        if found is None:
-            raise EvidenceError(f"no plates were rendered of this bake; {AGAIN}")
-        if found.recipe != recipes(self.candidate.spec)["seen"] or found.size != plate_size(self.candidate.spec.look):
-            raise EvidenceError(f"the plates show another look or shot plan (stale); {AGAIN}")
-        if found.cache != self.candidate.digest:
-            raise EvidenceError(f"the plates show another bake (stale); {AGAIN}")
-        return found
-
     def seen(self, beat_id: str) -> Finding:
         """Whether a beat's subject is seen at its best frame."""
-        beat, plates = self.candidate.spec.story.beats[beat_id], self.plates()
+        beat, plates = self.candidate.spec.story.beats[beat_id], plates_now(self.candidate)
         subject, view = beat.subject, self.plan.of.get(beat_id)
         told = Finding("unverified", "", unit="1", entities=(subject,), frames=beat.frames, extra=[plates.digest])
         if view is None:

@@ -8,6 +8,7 @@ that shares its plane with another shows no more than that other.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -344,6 +345,20 @@ class Sight:
         front = scene.caster.cast(camera, poses, only=np.flatnonzero(before).tolist(), window=window)
         visible = hit & (alone.depth.astype(np.float64) * (1.0 + COPLANAR) < front.depth)
         return _Cast(window, hit, visible, front.ids)
+
+    def depth(self, camera: Camera, frame: int, *, without: Collection[str] = ()) -> NDArray[np.float32]:
+        """Depth of the nearest opaque solid along the viewing axis [m], shape (height, width); inf where there is none.
+
+        Args:
+            camera: a view.
+            frame: frame index.
+            without: entities that are looked through.
+        """
+        at = min(frame, self.candidate.last_frame)
+        scene = self._at(at)
+        poses = [self.candidate.pose(entity, at, body) for entity, body in scene.instances]
+        only = np.flatnonzero(~scene.glass & ~np.isin(scene.owner, list(without)))
+        return scene.caster.cast(camera, poses, only=only.tolist()).depth
 
     def inside(self, point: F64, frame: int) -> str | None:
         """Entity inside whose solid a point lies at a frame; None in the open."""

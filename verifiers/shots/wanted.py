@@ -1,10 +1,12 @@
-"""Which plates a candidate needs: of the subject of each mandatory observed beat, where it is largest while the beat comes true."""
+"""Which plates a candidate needs: of the subject of each mandatory observed beat, where it is largest while the beat comes true, and of each
+body whose colour the prompt names, where it is largest."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
+from ...worlds.described import coloured_bodies
 from ...worlds.plates import MOST_PLATES, View
 from .plan import outcome_frames, shots_at
 from .sight import sight_of
@@ -15,7 +17,10 @@ if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
     from .sight import Seen, Sight
 
-__all__ = ["Wanted", "best_look", "seen_beats", "wanted"]
+__all__ = ["Wanted", "best_look", "largest", "seen_beats", "wanted"]
+
+LOOKS = 5
+"""Own choice: frames of each shot at which a body is looked for; its ends, its middle and between."""
 
 
 class Wanted(NamedTuple):
@@ -25,6 +30,10 @@ class Wanted(NamedTuple):
     of: Mapping[str, View]
     left: tuple[str, ...]
     """Beats whose view is one too many, after `MOST_PLATES` others."""
+    shown: Mapping[str, View]
+    """By body, the view that tells its colour."""
+    beyond: tuple[str, ...]
+    """Bodies whose view is one too many."""
 
 
 def seen_beats(spec: WorldSpec) -> list[str]:
@@ -35,8 +44,8 @@ def seen_beats(spec: WorldSpec) -> list[str]:
 def wanted(candidate: Candidate, sight: Sight | None = None) -> Wanted:
     """The plates that a candidate needs.
 
-    Every subject has its first beat seen before any has a second; else as the story has them. Beats of one view share its plate. A beat
-    whose subject is in no picture has none.
+    Every subject has its first beat seen before any has a second; between the two stand bodies whose colour is named and that no beat is
+    about. Else as the story has them. Beats of one view share its plate. What is in no picture has none.
 
     Raises:
         EvidenceError: a camera or a body cannot be placed.
@@ -44,9 +53,22 @@ def wanted(candidate: Candidate, sight: Sight | None = None) -> Wanted:
     sight = sight or sight_of(candidate)
     of = {n: v for n in seen_beats(candidate.spec) if (v := _best(sight, n)) is not None}
     first = {v.subject: v for v in reversed(of.values())}
-    views = list(dict.fromkeys([*(first[v.subject] for v in of.values()), *of.values()]))
+    bodies = {b for named in coloured_bodies(candidate.spec).values() for b in named}
+    shown = {b: v for b in candidate.spec.entities if b in bodies and (v := first.get(b) or largest(sight, b)) is not None}
+    views = list(dict.fromkeys([*(first[v.subject] for v in of.values()), *shown.values(), *of.values()]))
     kept = tuple(views[:MOST_PLATES])
-    return Wanted(kept, of, tuple(n for n, v in of.items() if v not in kept))
+    left, beyond = ([n for n, v in found.items() if v not in kept] for found in (of, shown))
+    return Wanted(kept, of, tuple(left), shown, tuple(beyond))
+
+
+def largest(sight: Sight, body: str) -> View | None:
+    """The shot and frame that show most of a body, of some frames of every shot; None where none shows it."""
+    candidate, looks = sight.candidate, []
+    for name, shot in candidate.spec.shots.items():
+        frames = (shot.frames[0], min(shot.frames[1], candidate.last_frame))
+        looks += [sight.seen(body, name, k) for k in samples(frames, LOOKS)] if frames[0] <= frames[1] else []
+    best = max(looks, key=lambda look: look.share, default=None)
+    return None if best is None or best.share <= 0.0 else View(body, best.shot, best.frame)
 
 
 def _best(sight: Sight, beat_id: str) -> View | None:

@@ -12,7 +12,7 @@ from ..worlds.requirements import Row, fail_closed
 from ..worlds.spec import WorldSpec
 from .categories import check as category
 from .claims import check as claims
-from .claims import colours
+from .claims import colours, descriptions
 from .contact import check as contact
 from .delivery import check as delivery
 from .diagnosis.cite import diagnose
@@ -25,7 +25,18 @@ from .shots import seen
 from .story import beats, causal, counterfactual, phases, robustness, untold
 from .support import check as support
 
-__all__ = ["CHECKS", "CheckBinding", "diagnosed", "judging_share", "names_of", "plate_ids", "rerun_ids", "run_checks", "silent"]
+__all__ = [
+    "CHECKS",
+    "CheckBinding",
+    "diagnosed",
+    "judging_share",
+    "lit_rows",
+    "names_of",
+    "plate_ids",
+    "rerun_ids",
+    "run_checks",
+    "silent",
+]
 
 CHECK_WORK = 0.03
 """Work of a check that simulates nothing, in simulations of the probe; own choice, for progress alone."""
@@ -76,6 +87,12 @@ CHECKS: tuple[CheckBinding, ...] = (
 def plate_ids(spec: WorldSpec) -> frozenset[str]:
     """Ids of the rows that plates answer."""
     return seen.seen_ids(spec) | colours.colour_ids(spec)
+
+
+def lit_rows(candidate: Candidate) -> list[Row]:
+    """Rows that the look of a world decides, plates read."""
+    found = [*seen.check(candidate), *colours.check(candidate), *descriptions.check(candidate, descriptions.LIT)]
+    return diagnosed(candidate, found)
 
 
 def names_of(stage: Stage) -> tuple[str, ...]:

@@ -220,7 +220,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
 def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Run the checks of one scope again on what is there."""
-    from ..verifiers.checks import names_of, rerun_ids, run_checks
+    from ..verifiers.checks import names_of, plate_ids, rerun_ids, run_checks
     from ..verifiers.delivery.binding import cache_row
     from ..verifiers.stored import open_in_probe
     from ..worlds.baked import bake_record
@@ -232,7 +232,8 @@ def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     if stage == "probe":
         candidate = _keeping(candidate, session.folder, freeze)
     done = names_of(stage) if payload.get("only") is None else payload["only"]
-    looking = LOOKING if stage == "full" and "shots" in done else 0.0
+    wanted = any(i.partition(":")[0] in done for i in plate_ids(session.spec))
+    looking = LOOKING if stage == "full" and wanted else 0.0
     if looking:
         plates_of(work, context)
     rows = run_checks(candidate, only=payload.get("only"), plates=bool(looking), progress=Part(context.progress, looking, 1.0))

@@ -163,22 +163,21 @@ def _kept(candidate: Candidate, folder: Path, views: tuple[View, ...]) -> Plates
 
 
 def require_seen(session: Session, freeze: str, candidate: Candidate, check: Callable[[], None]) -> None:
-    """Judge by plates of the present look, made anew where they are stale, and record it.
+    """Judge by the present look and its plates, made anew where they are stale, and record it.
 
     Raises:
-        RefusedError: a subject is not seen, or was not looked at.
+        RefusedError: a subject is not seen, or not as the prompt says, or was not looked at.
     """
-    from ..verifiers.checks import diagnosed
-    from ..verifiers.shots import seen
+    from ..verifiers.checks import lit_rows
 
     make_plates(candidate, seconds=allowed_seconds(session.ledger.bake(freeze)), check=check)
-    rows = session.cited(diagnosed(candidate, seen.check(candidate)))
+    rows = session.cited(lit_rows(candidate))
     session.record(rows, stage="full")
     left = [r for r in rows if r.mandatory and r.status in ("fail", "unverified")]
     if left:
         lines = [f"  {r.id}: {r.status}, {r.evidence.get('explanation', '')}" for r in left[:NAMED]]
         raise RefusedError(
-            f"the film would not show its story: {len(left)} subjects are not seen in this light. Mend them with edit_spec, "
+            f"the film would not show its story: {len(left)} subjects are not seen in this light, or not as the prompt says. Mend them with edit_spec, "
             "then run_checks(scope='full'):\n" + "\n".join(lines)
         )
 

@@ -19,7 +19,7 @@ from .requirements import Row
 from .slices import geometry_slice, motion_slice
 from .spec import Fastened, WorldSpec
 
-__all__ = ["SEEN", "recipes", "stale_artifacts", "stale_rows"]
+__all__ = ["LIT", "SEEN", "recipes", "stale_artifacts", "stale_rows"]
 
 
 def landscape_digest(spec: WorldSpec, name: str) -> str:
@@ -129,7 +129,9 @@ def stale_artifacts(before: WorldSpec, after: WorldSpec) -> list[str]:
 
 _STATIC_CHECKS = ("scale", "interpenetration")
 SEEN = "shots:seen"
-"""Question of the rows that plates answer: the only ones of a verdict that the look of a world decides."""
+"""Question of the rows about what beats are about, in the light of the film."""
+LIT = frozenset((SEEN, "claim:property:colour", "claim:time", "claim:weather"))
+"""Questions that the look of a world decides: the only ones of a verdict."""
 _SCENE_CHECKS = ("navigability", "shots")
 """Checks that look at the whole scene even at frame 0: anything may stand in the way."""
 _BY_ARTIFACT = {
@@ -159,7 +161,7 @@ def stale_rows(rows: list[Row], stages: Mapping[str, str], stale: list[str]) -> 
         wanted = {f"static:{e}" for e in row.entities} if row.check in _STATIC_CHECKS or stages.get(row.id) == "static" else set()
         if stages.get(row.id) != "static" or row.check in _SCENE_CHECKS:
             wanted |= set(_BY_ARTIFACT.get(row.check, ()))
-        if row.question == SEEN:
+        if row.question in LIT:
             wanted.add("seen")
         if row.check == "terrain":
             # Rows of earlier builds do not name theirs: any landscape then makes them stale.

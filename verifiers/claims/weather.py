@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.errors import EvidenceError
-from ...worlds.fields import FieldDriver, TurbulenceField, VortexField, WindField
 from ...worlds.prompts.languages import language_of
 from ...worlds.prompts.numbers import number_in, quantity_in
+from ...worlds.spec.fields import FieldDriver, TurbulenceField, VortexField, WindField
 from ..categories.loose import Loose
 from ..categories.registry import judge_of
 from ..land.grounds import land_of

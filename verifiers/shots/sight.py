@@ -347,13 +347,7 @@ class Sight:
         return _Cast(window, hit, visible, front.ids)
 
     def depth(self, camera: Camera, frame: int, *, without: Collection[str] = ()) -> NDArray[np.float32]:
-        """Depth of the nearest opaque solid along the viewing axis [m], shape (height, width); inf where there is none.
-
-        Args:
-            camera: a view.
-            frame: frame index.
-            without: entities that are looked through.
-        """
+        """Depth of the nearest opaque solid but some along the viewing axis [m], shape (height, width); inf where there is none."""
         at = min(frame, self.candidate.last_frame)
         scene = self._at(at)
         poses = [self.candidate.pose(entity, at, body) for entity, body in scene.instances]

@@ -29,6 +29,8 @@ class Paint:
     """Share of the subject's pixels that are painted in its colour; the others look as what is behind it."""
     stops: float = 0.0
     """By which the picture is exposed above what the colours say."""
+    light: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    """Colour of the light on all of it."""
 
 
 def encoded(linear: F64) -> F64:
@@ -63,7 +65,7 @@ def forge_plates(
 def _painted(mask: np.ndarray, paint: Paint, rng: np.random.Generator) -> Plate:
     places = np.flatnonzero(mask)
     shown = rng.permutation(places)[: int(paint.shows * len(places))]
-    light = np.exp2(paint.stops)
+    light = np.exp2(paint.stops) * np.array(paint.light)
     bare = np.broadcast_to(encoded(light * np.array(paint.behind)), (*mask.shape, 3)).copy()
     full = bare.copy()
     full.reshape(-1, 3)[shown] = encoded(light * np.array(paint.subject))

@@ -248,7 +248,8 @@ def named(pixels: F64, asked: Iterable[str]) -> float:
     best = 0.0
     any_hue = np.zeros(len(pixels), dtype=bool)
     for gain in HUES if hues else ():
-        any_hue |= np.isin(_terms(pixels * gain), hues)
+        # No surface throws back more than it gets: what would clip is no reading.
+        any_hue |= np.isin(_terms(pixels * gain), hues) & ((gain <= 1.0) | (pixels.max(axis=1) * gain <= 1.0))
     best = float(any_hue.mean())
     for term in [t for t in asked if t in NEUTRALS]:
         best = max(best, *(float((_terms(bright * gain) == term).mean()) for gain in NEUTRALS[term]))

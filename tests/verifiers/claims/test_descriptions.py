@@ -86,13 +86,14 @@ def test_a_word_of_shape_is_met_by_a_body_of_it_and_by_no_other(
     assert row.measured is not None
 
 
+WEIGHTS = {**MATERIALS, "heavy": MATERIALS["wood"].model_copy(update={"density": 900.0})}
 PAIRS = [
     ("small", ball(0.1, at=(0, 0, 0.1)), ball(0.2, at=(1, 0, 0.2))),
     ("kleine", ball(0.1, at=(0, 0, 0.1)), ball(0.2, at=(1, 0, 0.2))),
     ("big", ball(0.2, at=(0, 0, 0.2)), ball(0.1, at=(1, 0, 0.1))),
     ("thick", box(1, 0.4, 0.2, at=(0, 0, 0.1)), box(1, 0.4, 0.1, at=(0, 2, 0.1))),
     ("short", box(0.5, 0.1, 0.1, at=(0, 0, 0.1)), box(1, 0.1, 0.1, at=(0, 2, 0.1))),
-    ("heavy", box(0.2, 0.2, 0.2, at=(0, 0, 0.1), material="steel"), box(0.2, 0.2, 0.2, at=(0, 2, 0.1), material="wood")),
+    ("heavy", box(0.2, 0.2, 0.2, at=(0, 0, 0.1), material="heavy"), box(0.2, 0.2, 0.2, at=(0, 2, 0.1), material="wood")),
 ]
 
 
@@ -109,7 +110,7 @@ def test_a_word_of_size_compares_with_the_others_of_its_noun(word: str, one: Ent
         "it": (word, "property", ["/entities/ball"]),
     }
     for status, bodies in (("pass", {"ball": one, "block": two}), ("fail", {"ball": two, "block": one})):
-        made = claimed(scene(bodies), prompt, claims)
+        made = claimed(scene(bodies, materials=WEIGHTS), prompt, claims)
         (row,) = check(make_candidate(tmp_path / status, made, tracks={}))
         assert (row.id, row.status) == ("claim:property:it", status), row.evidence
         assert "another of its kind" in row.evidence["explanation"]
@@ -187,7 +188,14 @@ def test_indoors_has_walls_or_a_ceiling_and_outdoors_nothing_above(tmp_path: Pat
     room = {**open_, "roof": box(4, 4, 0.1, at=(0, 0, 2.5))}
     for name, bodies, inside in (("open", open_, False), ("room", room, True)):
         for quote in ("indoors", "outdoors"):
-            row = judged(tmp_path / (name + quote), scene(bodies), f"A ball lies {quote}.", quote, "place", ["/entities/ball"])
+            row = judged(
+                tmp_path / (name + quote),
+                scene(bodies),
+                f"The ball lies on the floor and is {quote}.",
+                quote,
+                "place",
+                ["/entities/ball"],
+            )
             assert row.status == ("pass" if inside == (quote == "indoors") else "fail"), row.evidence
 
 
@@ -203,7 +211,7 @@ def test_indoors_has_walls_or_a_ceiling_and_outdoors_nothing_above(tmp_path: Pat
 )  # fmt: skip
 def test_a_time_of_day_is_the_height_of_the_sun(quote: str, height: float, status: str, tmp_path: Path) -> None:
     spec = scene({"ball": ball(0.1, at=(0, 0, 0.1))}, look=Look(sun_elevation_deg=height))
-    row = judged(tmp_path, spec, f"A ball lies there {quote}.", quote, "time", ["/look/sun_elevation_deg"])
+    row = judged(tmp_path, spec, f"The ball lies there on the floor and {quote}.", quote, "time", ["/look/sun_elevation_deg"])
     assert (row.id, row.status) == ("claim:time:it", status), row.evidence
     if "night" in quote:
         assert "waive the word" in row.evidence["explanation"]
@@ -211,7 +219,7 @@ def test_a_time_of_day_is_the_height_of_the_sun(quote: str, height: float, statu
 
 def test_no_sun_is_seen_in_another_sky(tmp_path: Path) -> None:
     spec = scene({"ball": ball(0.1, at=(0, 0, 0.1))}, look=Look(sky="studio"))
-    assert judged(tmp_path, spec, "A ball at noon.", "noon", "time", ["/look/sky"]).status == "fail"
+    assert judged(tmp_path, spec, "The ball lies there on the floor at noon.", "noon", "time", ["/look/sky"]).status == "fail"
 
 
 def blown(speed: float, **more: Any) -> WorldSpec:
@@ -232,7 +240,9 @@ def blown(speed: float, **more: Any) -> WorldSpec:
 def test_wind_has_the_speed_of_its_word_on_the_scale_of_beaufort(
     quote: str, spec: WorldSpec, status: str, tmp_path: Path
 ) -> None:
-    row = judged(tmp_path, spec, f"A ball lies {quote}.", quote, "weather", ["/simulation/drivers"])
+    row = judged(
+        tmp_path, spec, f"The ball lies there on the floor, and it is {quote}.", quote, "weather", ["/simulation/drivers"]
+    )
     assert (row.id, row.status) == ("claim:weather:it", status), row.evidence
 
 
@@ -245,7 +255,7 @@ def test_wind_has_the_speed_of_its_word_on_the_scale_of_beaufort(
 )  # fmt: skip
 def test_weather_without_a_way_fails_and_says_so(quote: str, sky: Any, status: str, tmp_path: Path) -> None:
     spec = scene({"ball": ball(0.1, at=(0, 0, 0.1))}, look=Look(sky=sky))
-    row = judged(tmp_path, spec, f"A ball lies {quote}.", quote, "weather", ["/look/sky"])
+    row = judged(tmp_path, spec, f"The ball lies there on the floor, and it is {quote}.", quote, "weather", ["/look/sky"])
     assert row.status == status, row.evidence
 
 
@@ -277,12 +287,14 @@ def film(
 )
 def test_a_word_of_film_is_how_a_shot_is_taken(quote: str, good: WorldSpec, bad: WorldSpec, tmp_path: Path) -> None:
     for status, spec in (("pass", good), ("fail", bad)):
-        row = judged(tmp_path / status, spec, f"A ball, {quote}.", quote, "look", ["/shots/only"])
+        row = judged(
+            tmp_path / status, spec, f"The ball lies there on the floor, and this is a {quote}.", quote, "look", ["/shots/only"]
+        )
         assert (row.id, row.status) == ("claim:look:it", status), row.evidence
 
 
 def test_no_film_of_this_build_is_slow(tmp_path: Path) -> None:
-    row = judged(tmp_path, film(), "A ball in slow motion.", "slow motion", "look", ["/shots/only"])
+    row = judged(tmp_path, film(), "The ball lies there on the floor in slow motion.", "slow motion", "look", ["/shots/only"])
     assert row.status == "fail"
     assert "waive the word" in row.evidence["explanation"]
 

@@ -29,10 +29,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Shown", "lands_of", "share_of_pictures", "slopes"]
 
-SIZE = (96, 54)
+SIZE = (80, 45)
 """[pixels] Own choice: of a picture in which land is looked for; land is large."""
-STEPS = 256
+STEPS = 160
 """Own choice: places along a ray that are looked at, ever farther apart."""
+HALVINGS = 8
+"""Own choice: of the way between two such places, to where a ray meets the land."""
+NOWHERE = -1e6
+"""[m] Height of what is no land."""
 LOOKS = 5
 """Own choice: frames of each shot."""
 WATERS = ("hydrology", "lakes", "rivers", "sea", "water")
@@ -81,44 +85,49 @@ def slopes(candidate: Candidate, pointer: str) -> F64:
 
 def _hits(candidate: Candidate, land: Land, shot: str, frame: int) -> F64:
     """Places where rays of a picture meet the land first, shape (n, 3)."""
-    sight = sight_of(candidate)
-    camera = replace(sight.camera(shot, frame), width=SIZE[0], height=SIZE[1])
-    reach = _solids(candidate, camera, frame)
+    camera = replace(sight_of(candidate).camera(shot, frame), width=SIZE[0], height=SIZE[1])
+    key = ("land in view", land.name, camera.position.tobytes(), camera.target.tobytes(), camera.fov_deg)
+    points = candidate.memo(key, lambda: _cast(land, camera))
+    depth = (camera.position - points) @ camera.axes[2]
+    return np.asarray(points[np.isfinite(depth) & (np.nan_to_num(depth) <= _solids(candidate, camera, frame))])
+
+
+def _cast(land: Land, camera: Camera) -> F64:
+    """Place at which the ray of each pixel meets ground or water, NaN where it does not, shape (pixels, 3)."""
     eye, directions = camera.rays()
-    flat = directions.reshape(-1, 3)
-    along = -(flat @ camera.axes[2])
+    flat, surface = directions.reshape(-1, 3), _surface(land)
     farthest = 2.0 * float(np.linalg.norm(land.high - land.low)) + float(np.abs(eye).max())
-    steps = np.geomspace(min(land.cell, 1.0) * 0.1, farthest, STEPS)
     found = np.full((len(flat), 3), np.nan)
-    open_, before = np.ones(len(flat), dtype=bool), 0.0
-    for step in steps:
-        index = np.flatnonzero(open_)
-        if not len(index):
+    open_, before = np.arange(len(flat)), 0.0
+    for step in np.geomspace(0.1 * min(land.cell, 1.0), farthest, STEPS):
+        under = eye[2] + step * flat[open_, 2] <= _level(land, surface, eye + step * flat[open_])
+        hit = open_[under]
+        near, far = np.full(len(hit), before), np.full(len(hit), step)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (near + far)
+            points = eye + middle[:, None] * flat[hit]
+            below = points[:, 2] <= _level(land, surface, points)
+            near, far = np.where(below, near, middle), np.where(below, middle, far)
+        found[hit] = eye + far[:, None] * flat[hit]
+        open_, before = open_[~under], float(step)
+        if not len(open_):
             break
-        far, near = eye + step * flat[index], eye + before * flat[index]
-        hit = far[:, 2] <= _level(land, far)
-        close = np.where(hit[:, None], _between(land, near, far), far)
-        hidden = np.linalg.norm(close - eye, axis=1) * along[index] > reach[index]
-        found[index[hit & ~hidden]] = close[hit & ~hidden]
-        open_[index[hit | hidden]] = False
-        before = step
-    return found[np.isfinite(found).all(axis=1)]
+    return found
 
 
-def _between(land: Land, near: F64, far: F64) -> F64:
-    """Where lines from above the land to below it cross it, by halving."""
-    for _ in range(8):
-        middle = 0.5 * (near + far)
-        under = middle[:, 2] <= _level(land, middle)
-        near, far = np.where(under[:, None], near, middle), np.where(under[:, None], middle, far)
-    return far
+def _surface(land: Land) -> F64:
+    """Height of ground or water at the lattice points [m], far below where there is no land."""
+    return np.nan_to_num(np.maximum(land.height, land.water), nan=NOWHERE, neginf=NOWHERE)
 
 
-def _level(land: Land, points: F64) -> F64:
-    """Height of ground or water, -inf off the land, shape (n,)."""
-    ground = np.nan_to_num(land.heights_at(points), nan=-np.inf)
-    known = np.where(np.isfinite(ground), ground, 0.0)
-    return ground + land.depths_at(np.column_stack([points[:, :2], known]))
+def _level(land: Land, surface: F64, points: F64) -> F64:
+    """Height of ground or water at points, shape (n,), far below off the land."""
+    index, share = land.places(points)
+    v, u = share.T
+    row, col = np.maximum(index, 0).T
+    low = surface[row, col] * (1 - u) + surface[row, col + 1] * u
+    high = surface[row + 1, col] * (1 - u) + surface[row + 1, col + 1] * u
+    return np.where(index[:, 0] >= 0, low * (1 - v) + high * v, NOWHERE)
 
 
 def _solids(candidate: Candidate, camera: Camera, frame: int) -> F64:

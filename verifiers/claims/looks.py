@@ -178,9 +178,10 @@ def _static(word: Word, view: _View) -> Answer:
 
 
 def _push_in(word: Word, view: _View) -> Answer:
-    ratios = []
-    for of in (lambda c: float(np.linalg.norm(c.target - c.position)), lambda c: math.tan(math.radians(c.fov_deg) / 2.0)):
-        ratios.append(of(view.cameras[-1]) / max(of(view.cameras[0]), 1e-9))
+    first, last = view.cameras[0], view.cameras[-1]
+    far = [float(np.linalg.norm(c.target - c.position)) for c in (first, last)]
+    wide = [math.tan(math.radians(c.fov_deg) / 2.0) for c in (first, last)]
+    ratios = (far[1] / max(far[0], 1e-9), wide[1] / wide[0])
     ratio = min(ratios)
     return Answer(
         word.text,

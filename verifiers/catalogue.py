@@ -12,8 +12,8 @@ from .categories.fracture import questions as fracture
 from .categories.liquid import questions as liquid
 from .categories.particles import questions as particles
 from .categories.rigid import questions as rigid
-from .claims import described_questions
 from .claims import questions as claims
+from .claims.described import questions as described
 from .contact import questions as contact
 from .delivery import questions as delivery
 from .land import questions as land
@@ -35,7 +35,7 @@ TABLES: tuple[ModuleType, ...] = (
     contact,
     story,
     claims,
-    described_questions,
+    described,
     shots,
     review,
     delivery,

@@ -12,7 +12,8 @@ from ..worlds.requirements import Row, fail_closed
 from ..worlds.spec import WorldSpec
 from .categories import check as category
 from .claims import check as claims
-from .claims import colours, descriptions
+from .claims.described import check as described
+from .claims.described import colours
 from .contact import check as contact
 from .delivery import check as delivery
 from .diagnosis.cite import diagnose
@@ -91,7 +92,7 @@ def plate_ids(spec: WorldSpec) -> frozenset[str]:
 
 def lit_rows(candidate: Candidate) -> list[Row]:
     """Rows that the look of a world decides, plates read."""
-    found = [*seen.check(candidate), *colours.check(candidate), *descriptions.check(candidate, descriptions.LIT)]
+    found = [*seen.check(candidate), *colours.check(candidate), *described.check(candidate, described.LIT)]
     return diagnosed(candidate, found)
 
 

@@ -7,8 +7,8 @@
 - `claim:order:<claim>`: what it says comes first does, and neither the reverse nor simultaneity is true (`order.py`).
 - `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames, and what they deny could happen (`negations.py`).
 
-Claims that describe have rows in modules of their own (`descriptions.py`, `colours.py`). Claims of other types are judged by the audit; what no
-rule judges and nothing measures is printed as the agent's reading, and so are waived ones.
+Claims that describe have rows in modules of their own (`described/`). Claims of other types are judged by the audit; what no rule judges and
+nothing measures is printed as the agent's reading, and so are waived ones.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from ..shots.sight import sight_of
 from . import counts, quantities
 from .bounds import LOOKS
 from .counts import count_of
-from .descriptions import check as described
-from .lands import lands_of, share_of_pictures
+from .described.check import check as described
+from .described.lands import lands_of, share_of_pictures
 from .naming import beats_of, requirements_of
 from .negations import negation_of
 from .order import order_of

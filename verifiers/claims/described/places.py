@@ -23,31 +23,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...worlds.claim_targets import named_in
-from ...worlds.errors import EvidenceError, InputError
-from ...worlds.predicates import Reaches
-from ...worlds.prompts.marks import occurrence
-from ...worlds.spec import Adjacent, Contains, Fastened, Interacts, Supports
-from ..predicates import evaluate
-from ..rows.findings import Finding
-from ..scene.surfaces import surfaces_of
-from ..shots.views import samples
+from ....worlds.claim_targets import named_in
+from ....worlds.errors import EvidenceError, InputError
+from ....worlds.predicates import Reaches
+from ....worlds.prompts.marks import occurrence
+from ....worlds.spec import Adjacent, Contains, Fastened, Interacts, Supports
+from ...predicates import evaluate
+from ...rows.findings import Finding
+from ...scene.surfaces import surfaces_of
+from ...shots.views import samples
 from .answers import Answer, finding_of
+from .bounds import NEAR, TOUCHING, WALLS
 
 if TYPE_CHECKING:
-    from ...worlds.arrays import F64
-    from ...worlds.candidate import Candidate
-    from ...worlds.described import Word
-    from ...worlds.spec import WorldSpec
+    from ....worlds.arrays import F64
+    from ....worlds.candidate import Candidate
+    from ....worlds.described import Word
+    from ....worlds.spec import WorldSpec
 
 __all__ = ["TESTS", "judge", "things_of"]
 
 LOOKS = 9
 """Own choice: frames at which a place is looked at; the first, the last and between."""
-NEAR = 1.0
-"""[1] Own choice: what is beside something is no farther from it than the larger of both is long."""
-TOUCHING = 2.0
-"""[1] Own choice: gaps that count as touching, in `limits.contact_gap`: rests are checked by rows of their own."""
 ENTAILED: dict[str, tuple[type, ...]] = {
     "on": (Supports, Fastened, Interacts),
     "in": (Contains,),
@@ -264,8 +261,6 @@ TESTS: dict[str, Callable[[_Place, str], bool]] = {
 
 
 UP, LEVEL = np.array([[0.0, 0.0, 1.0]]), np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-WALLS = 3
-"""Own choice: level rays of four that meet walls; the fourth wall may be left out for the camera."""
 
 
 def _housed(candidate: Candidate, word: Word, things: list[str]) -> Answer:

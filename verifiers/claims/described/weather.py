@@ -16,19 +16,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...worlds.errors import EvidenceError
-from ...worlds.prompts.languages import language_of
-from ...worlds.prompts.numbers import number_in, quantity_in
-from ...worlds.spec.fields import FieldDriver, TurbulenceField, VortexField, WindField
-from ..categories.loose import Loose
-from ..categories.registry import judge_of
-from ..land.grounds import land_of
+from ....worlds.errors import EvidenceError
+from ....worlds.prompts.languages import language_of
+from ....worlds.prompts.numbers import number_in, quantity_in
+from ....worlds.spec.fields import FieldDriver, TurbulenceField, VortexField, WindField
+from ...categories.loose import Loose
+from ...categories.registry import judge_of
+from ...land.grounds import land_of
 from .answers import Answer, finding_of
+from .bounds import LYING, SWELLS
 
 if TYPE_CHECKING:
-    from ...worlds.candidate import Candidate
-    from ...worlds.described import Word
-    from ..rows.findings import Finding
+    from ....worlds.candidate import Candidate
+    from ....worlds.described import Word
+    from ...rows.findings import Finding
 
 __all__ = ["BEAUFORT", "WIND_WORDS", "judge"]
 
@@ -48,10 +49,6 @@ FALL = {"rain": 2.0, "snow": 0.3}
 """[m/s] Speeds of the least drop and flake."""
 WET = frozenset(("water", "ice", "other"))
 """Substances of what falls as rain or snow."""
-LYING = 0.1
-"""[1] Own choice: cover of snow of a snowy land, mean over its cells."""
-SWELLS = 0.1
-"""[1] Own choice: share of its speed by which a gusty wind swells and ebbs at least, where it does not come and go."""
 SKIES = {"sunny": "sunsky", "overcast": "overcast"}
 NO_WAY = {
     "fog": "this build draws no fog: the air of its pictures is clear but for distance; waive the word with this reason",

@@ -9,17 +9,17 @@ from collections.abc import Callable, Collection
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ...worlds.described import Word, judged_words
-from ..rows.answers import row_of
+from ....worlds.described import Word, judged_words
+from ...rows.answers import row_of
 from . import forms, looks, places, times, ways, weather
-from .described_questions import FORM, LOOK, PLACE, ROUTE, TIME, WEATHER
+from .questions import FORM, LOOK, PLACE, ROUTE, TIME, WEATHER
 
 if TYPE_CHECKING:
-    from ...worlds.candidate import Candidate
-    from ...worlds.requirements import Row
-    from ...worlds.spec import ClaimType
-    from ..rows.findings import Finding
-    from ..rows.questions import Question
+    from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Row
+    from ....worlds.spec import ClaimType
+    from ...rows.findings import Finding
+    from ...rows.questions import Question
 
 __all__ = ["LIT", "check"]
 

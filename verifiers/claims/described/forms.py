@@ -21,33 +21,24 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...worlds.claim_targets import named_in, targets_of
-from ...worlds.described import alike
-from ...worlds.errors import EvidenceError
-from ..ledgers.motion import entity_mass
-from ..rows.findings import Finding
+from ....worlds.claim_targets import named_in, targets_of
+from ....worlds.described import alike
+from ....worlds.errors import EvidenceError
+from ...ledgers.motion import entity_mass
+from ...rows.findings import Finding
 from .answers import Answer, finding_of
+from .bounds import CIRCLE, FELT, LEVEL, NOTICED, SQUARE, STEEP, ZINGG
 from .lands import slopes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ...worlds.arrays import F64
-    from ...worlds.candidate import Candidate
-    from ...worlds.described import Word
+    from ....worlds.arrays import F64
+    from ....worlds.candidate import Candidate
+    from ....worlds.described import Word
 
 __all__ = ["Form", "form_of", "judge"]
 
-ZINGG = 2.0 / 3.0
-"""[1] Ratio of extents below which a stone is flat or long, after Zingg."""
-CIRCLE = 0.93
-"""[1] Own choice: circularity of what is called round, between a hexagon's 0.907 and a circle's 1; a cylinder of 16 faces has 0.987."""
-SQUARE = 0.9
-"""[1] Own choice: ratio of sides, and share of its rectangle, of what is called square; a circle fills 0.785."""
-NOTICED, FELT = 0.029, 0.02
-"""[1] Just noticeable differences of length and weight, after Teghtsoonian."""
-STEEP, LEVEL = 0.20, 0.03
-"""[1] Slopes of what is steep and what is level, tangent of the inclination, after the Soil Survey Manual."""
 TURNED = 1e-3
 """[1] Own choice: least upward part of a face's normal that counts for its slope."""
 

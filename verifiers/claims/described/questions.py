@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..rows.questions import Question
+from ...rows.questions import Question
 
 __all__ = ["COLOUR", "FORM", "LOOK", "PLACE", "QUESTIONS", "ROUTE", "TIME", "WEATHER"]
 
@@ -12,7 +12,7 @@ COLOUR = Question(
     "share of its pixels that are nearest to that colour term, of the body that shows least",
     "1",
     ">=",
-    "claims.colours.COLOURED, times the share of a body that a part is",
+    "claims.described.bounds.COLOURED, times the share of a body that a part is",
     ("claim",),
     matrix_group="observational",
 )
@@ -22,7 +22,7 @@ FORM = Question(
     "what the word is about, as the finding says, of the word that is met least",
     "various",
     ">=",
-    "claims.forms",
+    "claims.described.bounds",
     ("claim",),
     matrix_group="spatial",
 )
@@ -42,7 +42,7 @@ TIME = Question(
     "elevation of the sun",
     "deg",
     "in",
-    "claims.times.BANDS",
+    "claims.described.times.BANDS",
     ("claim",),
     matrix_group="observational",
 )
@@ -52,7 +52,7 @@ WEATHER = Question(
     "what the word is about, as the finding says",
     "various",
     "in",
-    "claims.winds.BEAUFORT, or what falls",
+    "claims.described.weather.BEAUFORT, or what falls",
     ("claim",),
     matrix_group="physical",
 )
@@ -62,7 +62,7 @@ LOOK = Question(
     "what the word is about, as the finding says, of the shot that meets it best",
     "various",
     ">=",
-    "claims.looks",
+    "claims.described.bounds",
     ("claim",),
     matrix_group="observational",
 )

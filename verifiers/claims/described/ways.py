@@ -13,24 +13,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...worlds.claim_targets import named_in
-from ...worlds.predicates import Reaches, entities_of
-from ...worlds.spec import Connects
-from ..categories.registry import judge_of
-from ..predicates import beat_times, evaluate
-from ..routes.navigability import way_finding
-from ..rows.findings import Finding
+from ....worlds.claim_targets import named_in
+from ....worlds.predicates import Reaches, entities_of
+from ....worlds.spec import Connects
+from ...categories.registry import judge_of
+from ...predicates import beat_times, evaluate
+from ...routes.navigability import way_finding
+from ...rows.findings import Finding
 from .answers import Answer, finding_of
+from .bounds import MOVES, RISES
 from .places import things_of
 
 if TYPE_CHECKING:
-    from ...worlds.candidate import Candidate
-    from ...worlds.described import Word
+    from ....worlds.candidate import Candidate
+    from ....worlds.described import Word
 
 __all__ = ["judge"]
-
-RISES, MOVES = 0.1, 0.5
-"""[1] Own choices: parts of a body's size by which it goes down or up, and by which it goes at all."""
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:

@@ -19,37 +19,34 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...worlds.arrays import F64
-from ...worlds.claim_targets import targets_of
-from ...worlds.described import coloured_bodies, judged_words
-from ...worlds.errors import EvidenceError
-from ...worlds.plates import MOST_PLATES, plates_folder
-from ...worlds.prompts.descriptions import anchors
-from ..rows.answers import row_of
-from ..rows.corrections import correction, pointer
-from ..rows.findings import Finding
-from ..shots.bounds import SEEN_PIXELS
-from ..shots.difference import lab_of, linear
-from ..shots.seen import AGAIN, plates_now
-from ..shots.sight import sight_of
-from ..shots.wanted import wanted
-from .described_questions import COLOUR
+from ....worlds.arrays import F64
+from ....worlds.claim_targets import targets_of
+from ....worlds.described import coloured_bodies, judged_words
+from ....worlds.errors import EvidenceError
+from ....worlds.plates import MOST_PLATES, plates_folder
+from ....worlds.prompts.descriptions import anchors
+from ...rows.answers import row_of
+from ...rows.corrections import correction, pointer
+from ...rows.findings import Finding
+from ...shots.bounds import SEEN_PIXELS
+from ...shots.difference import lab_of, linear
+from ...shots.seen import AGAIN, plates_now
+from ...shots.sight import sight_of
+from ...shots.wanted import wanted
+from .bounds import AMONG, COLOURED
+from .questions import COLOUR
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ...worlds.candidate import Candidate
-    from ...worlds.plates import View
-    from ...worlds.requirements import Row
-    from ...worlds.spec import WorldSpec
-    from ..shots.wanted import Wanted
+    from ....worlds.candidate import Candidate
+    from ....worlds.plates import View
+    from ....worlds.requirements import Row
+    from ....worlds.spec import WorldSpec
+    from ...shots.wanted import Wanted
 
 __all__ = ["check", "colour_ids", "named", "reflected"]
 
-COLOURED = 0.5
-"""[1] Own choice: share of a body's pixels that must have the colour that a word names."""
-AMONG = 0.1
-"""[1] Own choice: of two colours of one claim, as black and white, each has a tenth of the pixels at least."""
 HUES = np.exp2([-1.0, 0.0, 1.0, 2.0, 3.0])
 """Strengths of the light at which a hue may be read. Own choice: a face that looks at the sun gets up to twice what level ground gets, and
 one in the shade of a clear day an eighth."""
@@ -68,7 +65,7 @@ CLEAR, SHINY = 0.5, 0.5
 
 
 class _Light(NamedTuple):
-    """What a plate shows for reflectance 1."""
+    """Light of a plate, as it shows reflectance 1."""
 
     level: F64
     """Linear, shape (3,)."""
@@ -177,7 +174,7 @@ def _area(vertices: F64, faces: NDArray[np.integer]) -> float:
 
 
 def _light(candidate: Candidate, view: View, shown: F64) -> _Light:
-    """What a plate shows for reflectance 1: the median over the pixels of the bodies around, of each channel."""
+    """Light of a plate: the median over the pixels of the bodies around, of each channel."""
     sight, size = sight_of(candidate), (shown.shape[1], shown.shape[0])
     ratios = []
     for body in _references(candidate, view.subject):

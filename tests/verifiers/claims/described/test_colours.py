@@ -10,7 +10,7 @@ from worldagent.testing.worlds.claimed_worlds import claimed
 from worldagent.testing.worlds.forged_plates import Paint, forge_plates
 from worldagent.testing.worlds.small_worlds import MATERIALS, ball, ground, make_candidate, world
 from worldagent.verifiers.checks import CHECKS, plate_ids, run_checks
-from worldagent.verifiers.claims.colours import check, named
+from worldagent.verifiers.claims.described.colours import check, named
 from worldagent.verifiers.shots.wanted import wanted
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.plates import MOST_PLATES

@@ -15,11 +15,12 @@ import math
 from typing import TYPE_CHECKING
 
 from .answers import Answer, finding_of
+from .bounds import ALONG
 
 if TYPE_CHECKING:
-    from ...worlds.candidate import Candidate
-    from ...worlds.described import Word
-    from ..rows.findings import Finding
+    from ....worlds.candidate import Candidate
+    from ....worlds.described import Word
+    from ...rows.findings import Finding
 
 __all__ = ["BANDS", "judge"]
 
@@ -36,8 +37,6 @@ BANDS: dict[str, tuple[float, float]] = {
 """Least and greatest elevation of the sun [deg] by word."""
 COMPASS = {"dawn": 1, "morning": 1, "dusk": -1, "evening": -1}
 """Side of the sky, east 1 or west -1, where the world has a landscape and so a compass: x is east there."""
-ALONG = 0.1
-"""[1] Own choice: cosine of the azimuth up to which the sun counts as north or south of a place, and as no side of the sky."""
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..rows.corrections import correction
-from ..rows.findings import Finding
+from ...rows.corrections import correction
+from ...rows.findings import Finding
 
 if TYPE_CHECKING:
-    from ..rows.questions import Comparison
+    from ...rows.questions import Comparison
 
 __all__ = ["Answer", "finding_of"]
 
 
 class Answer(NamedTuple):
-    """What was measured for one word."""
+    """Measurement for one word, and what it came to."""
 
     word: str
     ok: bool

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.claimed_worlds import claimed
 from worldagent.testing.worlds.small_worlds import IDENTITY, MATERIALS, ball, box, entity, ground, make_candidate, world
-from worldagent.verifiers.claims.descriptions import check
+from worldagent.verifiers.claims.described.check import check
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import (

@@ -15,32 +15,27 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...worlds.claim_targets import named_in
-from ..rows.findings import Finding
-from ..shots.plan import subjects_of
-from ..shots.sight import sight_of
-from ..shots.views import samples
+from ....worlds.claim_targets import named_in
+from ...rows.findings import Finding
+from ...shots.plan import subjects_of
+from ...shots.sight import sight_of
+from ...shots.views import samples
 from .answers import Answer, finding_of
+from .bounds import CLOSE, DOWN, NEARER, WIDE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from ...geometry import Camera
-    from ...worlds.candidate import Candidate
-    from ...worlds.described import Word
-    from ...worlds.spec import Shot
+    from ....geometry import Camera
+    from ....worlds.candidate import Candidate
+    from ....worlds.described import Word
+    from ....worlds.spec import Shot
 
 __all__ = ["judge"]
 
-CLOSE, WIDE = 0.5, 0.75
-"""[1] Own choice after Salt: share of the picture's height or width that a subject fills in a close shot at least, in a wide one at most."""
-DOWN = 30.0
-"""[deg] Own choice: least angle below the level at which a view is called one from above."""
 FRAME_HEIGHT_MM = 24.0
 LONG_LENS_MM, WIDE_LENS_MM = 85.0, 35.0
 """Lenses of 36 x 24 mm from which on, and up to which, one speaks of a long and a wide one."""
-NEARER = 0.9
-"""[1] Own choice: ratio of the distances, or fields of view, at the end and the start of a push in."""
 STILL = 1e-6
 """[m], [deg] What counts as no move of the camera."""
 LOOKS = 5

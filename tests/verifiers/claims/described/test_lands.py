@@ -10,7 +10,7 @@ from worldagent.construction.terrain.store import build_terrain_file
 from worldagent.testing.worlds.claimed_worlds import claimed
 from worldagent.testing.worlds.small_worlds import box, make_candidate, world
 from worldagent.verifiers.claims.check import check
-from worldagent.verifiers.claims.lands import share_of_pictures, slopes
+from worldagent.verifiers.claims.described.lands import share_of_pictures, slopes
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.requirements import Row

@@ -11,21 +11,21 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...worlds.claim_targets import targets_of
-from ...worlds.errors import EvidenceError
-from ..land.grounds import land_of, patches
-from ..shots.sight import sight_of
-from ..shots.views import samples
+from ....worlds.claim_targets import targets_of
+from ....worlds.errors import EvidenceError
+from ...land.grounds import land_of, patches
+from ...shots.sight import sight_of
+from ...shots.views import samples
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ...geometry import Camera
-    from ...worlds.arrays import F64
-    from ...worlds.candidate import Candidate
-    from ...worlds.spec import WorldSpec
-    from ...worlds.spec.terrain import Zone
-    from ..land.grounds import Land
+    from ....geometry import Camera
+    from ....worlds.arrays import F64
+    from ....worlds.candidate import Candidate
+    from ....worlds.spec import WorldSpec
+    from ....worlds.spec.terrain import Zone
+    from ...land.grounds import Land
 
 __all__ = ["Shown", "lands_of", "share_of_pictures", "slopes"]
 

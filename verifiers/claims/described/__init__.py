@@ -1,0 +1,1 @@
+"""Words of claims that describe, judged on what is built, moves and shows."""

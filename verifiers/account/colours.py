@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..shots.difference import lab, lab_of
+
 if TYPE_CHECKING:
-    from ...worlds.arrays import F64
     from ...worlds.spec import Appearance
 
 __all__ = ["NAMES", "colour_word"]
@@ -50,28 +51,11 @@ References:
 """
 CLEAR, METALLIC = 0.5, 0.5
 """Own choice: share of transmission, and of metal, from which on the look is called so."""
-WHITE = np.array([0.95047, 1.0, 1.08883])
-"""XYZ of D65."""
-TO_XYZ = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]])
-"""From linear sRGB (IEC 61966-2-1)."""
 
 
 def colour_word(look: Appearance) -> str:
     """Name of the colour of a material, with `clear` or `metallic` before it where it is."""
-    labs = lab(np.array([_linear(v) for v in NAMES.values()]))
-    nearest = int(np.argmin(np.linalg.norm(labs - lab(np.array(look.color)), axis=1)))
+    named = np.array([(v >> 16, v >> 8 & 255, v & 255) for v in NAMES.values()], dtype=np.uint8)
+    nearest = int(np.argmin(np.linalg.norm(lab(named) - lab_of(np.array(look.color)), axis=1)))
     kind = "clear " if look.transmission >= CLEAR else "metallic " if look.metallic >= METALLIC else ""
     return kind + list(NAMES)[nearest]
-
-
-def lab(linear: F64) -> F64:
-    """CIELAB of linear sRGB, shape (..., 3) (CIE 15)."""
-    ratio = linear @ TO_XYZ.T / WHITE
-    x, y, z = np.moveaxis(np.where(ratio > 216 / 24389, np.cbrt(ratio), (24389 / 27 * ratio + 16) / 116), -1, 0)
-    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
-
-
-def _linear(value: int) -> F64:
-    """Linear sRGB of 0xRRGGBB (IEC 61966-2-1)."""
-    parts = np.array([value >> 16, value >> 8 & 255, value & 255]) / 255
-    return np.asarray(np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4))

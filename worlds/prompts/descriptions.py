@@ -1,6 +1,6 @@
 """Words of property, place, time, weather, look and way that a rule judges, in the languages with reviewed lists (`data/descriptions.json`).
 
-A word that is not there is printed as the agent's reading. What a word demands of a world stands in `verifiers/claims/`.
+A word that is not there is printed as the agent's reading. What a word demands of a world stands in `verifiers/claims/described/`.
 """
 
 from __future__ import annotations

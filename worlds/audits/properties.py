@@ -13,15 +13,19 @@ from ..prompts.descriptions import meanings
 from ..prompts.languages import language_of
 from ..spec import WorldSpec
 
-__all__ = ["substance_problems"]
+__all__ = ["allowed_substances", "substance_problems"]
+
+
+def allowed_substances(quote: str, language: str | None) -> list[tuple[str, tuple[str, ...]]]:
+    """Words of materials in a quote, each with the substances that it allows."""
+    return [(word, tuple(term.split("|"))) for term, word in meanings(quote, language, "material") if term != "-"]
 
 
 def substance_problems(spec: WorldSpec, name: str) -> Iterator[Problem]:
     """A property claim that names a material which nothing in its `by` is made of."""
     claim = spec.claims[name]
     made = {n: spec.materials[n].substance for p in claim.by for n in _materials(spec, p) if n in spec.materials}
-    for term, word in meanings(claim.quote, language_of(spec.prompt), "material"):
-        allowed = term.split("|")
+    for word, allowed in allowed_substances(claim.quote, language_of(spec.prompt)):
         if made and not set(made.values()) & set(allowed):
             have = ", ".join(f"{n!r} is {s}" for n, s in list(made.items())[:3])
             text = f"{word!r} asks for {' or '.join(allowed)}; what the claim names is not: {have}"

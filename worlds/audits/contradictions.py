@@ -207,7 +207,7 @@ def _substances(spec: WorldSpec) -> Iterator[Problem]:
     told = [
         (name, word, set(substances), set(targets_of(spec.claims, name)))
         for name, claim in _claims(spec, "property")
-        for word, substances in allowed_substances(claim.quote)
+        for word, substances in allowed_substances(claim.quote, language_of(spec.prompt))
     ]
     for (a, word, one, here), (b, other, two, there) in combinations(told, 2):
         if here & there and not one & two:

@@ -13,6 +13,7 @@ CLAIMS = (
     "[eine Handbreit](quantity /story/beats/push/predicate/of/1/min) weiter, [ohne zu kippen](negation never)."
 )
 TIPS = {"text": "the wooden block tips", "predicate": {"kind": "tips", "entity": "wooden_block"}, "never": True}
+MOVES = {"text": "it comes along", "predicate": {"kind": "displacement", "entity": "wooden_block", "min": 0.05}, "never": True}
 SLIDES = {"text": "the wooden block slides", "predicate": {"kind": "slides", "entity": "wooden_block"}, "never": True}
 
 
@@ -41,11 +42,17 @@ def test_a_german_prompt_is_claimed_in_one_call_and_accepted_without_a_waiver(ag
 
 
 def test_what_the_words_deny_and_the_motion_shows_fails_the_probe(agent: Any) -> None:
-    assert made(agent, SLIDES)["audit"]["passed"]
+    assert made(agent, MOVES)["audit"]["passed"]
     agent.call("place_object", world="w")
     probe = agent.call("probe_sim", world="w")
     assert not probe["passed"]
     assert "claim:negation:ohne_zu_kippen" in [r["id"] for r in probe["open_rows"]]
+
+
+def test_words_that_deny_what_others_say_are_told_at_creation(agent: Any) -> None:
+    found = made(agent, SLIDES)["audit"]
+    assert not found["passed"]
+    assert any("says by 'push' what 'ohne zu kippen' denies" in str(row.get("why")) for row in found["open_rows"])
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,7 @@ ORDER = (
     "contact",
     "beat",
     "causal",
+    "claim",
 )
 """Upstream first, as `skills/repair/SKILL.md` asks."""
 CAUSAL_CLASSES = ("scene", "solver")

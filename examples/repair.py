@@ -24,6 +24,7 @@ ORDER = (
     "category",
     "beat",
     "causal",
+    "claim",
     "shots",
     "delivery",
 )

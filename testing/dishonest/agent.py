@@ -111,7 +111,7 @@ class Agent:
         try:
             found = self._walk(prompt, marked, document, motion_of, enough)
         except WorldAgentError as error:
-            found = Walk("refused", self.open_rows(), (str(error),))
+            found = Walk("refused", self.open_rows("fail"), (str(error),))
         found.seconds = time.process_time() - began
         return found
 
@@ -129,7 +129,7 @@ class Agent:
             self._take_over(motion_of)
         for tool, passed, more in STEPS:
             if not self.call(tool, **more)[passed]:
-                return Walk(tool, self.open_rows())
+                return Walk(tool, self.open_rows("fail"))
         self.verdict = self.call("run_checks", scope="acceptance", wait_s=600.0)
         reached = "accepted" if self.verdict["verdict"] == "accepted" else "run_checks"
         known = Ledger(self.folder.ledger_path).acceptance() or {"record": {}}
@@ -141,11 +141,16 @@ class Agent:
         if digest_of(motion_slice(mine)) == digest_of(motion_slice(theirs)):
             shutil.copytree(other / "candidates", self.folder.root / "candidates")
 
-    def open_rows(self) -> tuple[tuple[str, str], ...]:
-        """Open mandatory rows of the ledger."""
+    def open_rows(self, *statuses: str) -> tuple[tuple[str, str], ...]:
+        """Mandatory rows of the ledger of these statuses, all that are open where none is given.
+
+        Before the bake much is unverified that no trick has to do with.
+        """
         if not self.folder.ledger_path.is_file():
             return ()
-        rows = [r for r in Ledger(self.folder.ledger_path).rows() if r.mandatory and r.status in ("fail", "unverified")]
+        rows = [
+            r for r in Ledger(self.folder.ledger_path).rows() if r.mandatory and r.status in (statuses or ("fail", "unverified"))
+        ]
         return tuple(
             (r.id, " ".join([str(r.evidence.get("explanation", "")), *map(str, r.evidence.get("problems", ()))])) for r in rows
         )

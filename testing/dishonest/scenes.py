@@ -212,7 +212,7 @@ def push() -> Document:
         },
         {
             "advance": beat("the plate moves forward", "plate", (0, 12), {"kind": "displacement", "entity": "plate", "axis": [1, 0, 0], "min": 0.1}, owner="drive"),
-            "push": beat("it pushes the crate", "crate", (3, 26), {"kind": "pushes", "entity": "plate", "other": "crate", "min": 0.25}, "advance"),
+            "push": beat("it pushes the crate", "crate", (3, 26), {"kind": "pushes", "entity": "plate", "other": "crate", "min": 0.2}, "advance"),
         },
         frames=40, eye=(0.1, -1.7, 0.6), target=(0.1, 0, 0.1), touching=[("plate", "crate")],
         drivers={"drive": _path("plate", (0.0, (-0.18, 0, 0.09)), (0.9, (0.26, 0, 0.09)), (2.0, (0.26, 0, 0.09)))},
@@ -278,7 +278,7 @@ def passing() -> Document:
             "roll": beat("the ball rolls", "ball", (0, 14), {"kind": "rolls", "entity": "ball"}),
             "strike": beat("it hits the board", "wall", (8, 20), {"kind": "hits", "entity": "ball", "other": "wall"}, "roll"),
         },
-        frames=40, eye=(0, -1.5, 0.7), target=(0, 0, 0.05), touching=[("ball", "wall")],
+        frames=39, eye=(0, -1.5, 0.7), target=(0, 0, 0.05), touching=[("ball", "wall")],
     )  # fmt: skip
 
 

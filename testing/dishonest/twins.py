@@ -68,7 +68,7 @@ PUSH = Twin(
     "push",
     scenes.push,
     "A [steel](property plate) [plate](thing plate) [pushes](event push) a [wooden](property crate) [crate](thing crate) "
-    "[25 cm](quantity /story/beats/push/predicate/min) across the [floor](thing floor).",
+    "[20 cm](quantity /story/beats/push/predicate/min) across the [floor](thing floor).",
 )
 PUSH_ES = Twin(
     "push_es",

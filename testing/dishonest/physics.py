@@ -20,7 +20,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
             "/entities/ball/physics/angular_velocity": [0, 0, 0], "/materials/steel/friction": 0.0, "/materials/wood/friction": 0.01, "/materials/stone/friction": 0.01}),
         Case("slides, and rests", BLOCKS, "beat:*", changes={"/entities/steel_block/physics/linear_velocity": [0.05, 0, 0]}),
         Case("falls off, and stays on the edge", SHELF, "beat:fall", changes={"/entities/ball/physics/linear_velocity": [0.3, 0, 0], "/entities/ball/physics/angular_velocity": [0, 15, 0]}),
-        Case("topples, and rocks back", DOMINOES, "beat:*", changes={"/entities/first/physics/angular_velocity": [0, 1.2, 0], "/entities/first/physics/linear_velocity": [0.18, 0, 0]}),
+        Case("topples, and rocks back", DOMINOES, "beat:*", changes={"/entities/first/physics/angular_velocity": [0, 0.6, 0], "/entities/first/physics/linear_velocity": [0.09, 0, 0]}),
         Case("bounces, and lies", BOUNCE, "beat:bounce", changes={"/materials/rubber/restitution": 0.0}),
         Case("lifts, and brings it down", LIFT, "beat:*", changes={
             "/simulation/drivers/drive/keys": {"k0": {"time": 0, "pose": {"position": [0, 0, 0.1]}}, "k1": {"time": 0.5, "pose": {"position": [0, 0, 0.17]}}, "k2": {"time": 2, "pose": {"position": [0, 0, 0.17]}}}}),

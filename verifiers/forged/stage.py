@@ -183,10 +183,10 @@ class Stage:
         moving = [n for n, a in self.actors.items() if a.motion != "static"]
         bodies, colliders = tuple(f"{n}/body" for n in moving), tuple(self.actors)
         hinges = tuple(n for n, j in self.joints.items() if j.kind == "hinge")
-        index = CacheIndex("rigid", "mujoco", FPS, self.frames, bodies, colliders, hinges, tuple(self.drivers), "", {})
+        index = CacheIndex("stage", "mujoco", FPS, self.frames, bodies, colliders, hinges, tuple(self.drivers), "", {})
         frames = [self._frame(k, moving, list(colliders), hinges) for k in range(self.frames)]
         cache = CacheForged(index, frames)
-        return Candidate(Path(), spec, built, "full", {"rigid": cache}, "forged", "forged")
+        return Candidate(Path(), spec, built, "full", {"stage": cache}, "forged", "forged")
 
     def _spec(self) -> WorldSpec:
         entities = {}
@@ -205,7 +205,7 @@ class Stage:
             fps=FPS,
             frames=self.frames,
             gravity=(0.0, 0.0, -self.gravity),
-            solvers={"rigid": RigidInstance(engine="mujoco", members=list(self.actors))},
+            solvers={"stage": RigidInstance(engine="mujoco", members=list(self.actors))},
             joints=self.joints,
             drivers=self.drivers,
         )

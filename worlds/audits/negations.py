@@ -93,7 +93,7 @@ def _lacks(spec: WorldSpec, atom: SpecModel, each: str | None) -> str | None:
             return f"{named('a')!r} and {named('b')!r} are both static; let one of them move"
     name = named("entity")
     owner = spec.entities.get(name or "")
-    if kind in ("cracks", "breaks") and owner is not None and owner.physics.category == "rigid" and owner.breakable is None:
+    if kind in ("cracks", "breaks") and owner is not None and owner.physics.shape == "solid" and owner.breakable is None:
         return f"{name!r} has no pieces into which it could break; give it `breakable`"
     if kind in _JOINTS and owner is not None and not _held(spec, str(name), kind):
         return f"no joint holds {name!r}, which {kind} asks for ({', '.join(_JOINTS[kind])})"

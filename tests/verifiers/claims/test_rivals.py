@@ -26,7 +26,7 @@ def staged(kind: str, predicate: Any, *, frames: tuple[int, int] | None = None, 
     stage = BODIES[kind]()
     stage.add("witness", BLOCK, (9, 9, 0), motion="static")
     candidate = stage.open()
-    beat = {"subject": "it", "predicate": predicate, "frames": list(frames or (0, candidate.last_frame))}
+    beat = {"owner": "stage", "subject": "it", "predicate": predicate, "frames": list(frames or (0, candidate.last_frame))}
     return dataclasses.replace(candidate, spec=claimed(candidate.spec, CLAIM, beats={"b": beat}, **more))
 
 
@@ -97,8 +97,8 @@ def test_an_earlier_time_that_another_beat_tells_of_is_no_rival() -> None:
     candidate = staged("pushes", told("pushes"), frames=(12, 24))
     assert row(candidate).status == "fail"
     beats = {
-        "b": {"subject": "it", "predicate": told("pushes"), "frames": [12, 24]},
-        "a": {"subject": "it", "predicate": told("pushes"), "frames": [0, 11]},
+        "b": {"owner": "stage", "subject": "it", "predicate": told("pushes"), "frames": [12, 24]},
+        "a": {"owner": "stage", "subject": "it", "predicate": told("pushes"), "frames": [0, 11]},
     }
     told_twice = dataclasses.replace(candidate, spec=claimed(candidate.spec, CLAIM, beats=beats))
     assert row(told_twice).status == "pass"

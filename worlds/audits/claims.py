@@ -17,7 +17,7 @@ from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
 from ..problems import Problem
 from ..prompts.languages import Held, language_of
-from ..prompts.numbers import Quantity, ordinal_in, quantity_in
+from ..prompts.numbers import Quantity, number_in, ordinal_in, quantity_in
 from ..references import kinds_of, resolves
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from .contradictions import contradiction_problems
@@ -272,7 +272,7 @@ def _held(spec: WorldSpec, reading: Reading, held: Held) -> Iterator[Problem]:
     claim = spec.claims[span.claim]
     lost = claim.type != "negation" if held.kind == "negation" else claim.type in _NUMBERLESS and held.kind == "number"
     # A single thing, or a part of one, as `at one leg`, is what such a claim names anyhow.
-    lost = lost and not (held.kind == "number" and number_in(word, reading.language) == 1 and len(counted(spec, span.claim)) < 2)
+    lost = lost and not (held.kind == "number" and number_in(word, reading.language) == 1 and len(set(named_in(spec, span.claim, "entities"))) < 2)
     if lost and claim.waived is None and not (held.kind == "number" and ordinal_in(word, reading.language) is not None):
         text = f"{word!r} of {claim.quote!r} is a {held.kind} word, which a claim of type {claim.type} does not judge: mark it as {_TYPE_OF[held.kind]}"
         yield Problem(f"/claims/{span.claim}/type", text)

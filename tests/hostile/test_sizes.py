@@ -89,7 +89,7 @@ SPECS: dict[str, tuple[Any, type[InputError], list[str]]] = {
     "a million broken entities": (lambda s: {**s, "entities": dict.fromkeys(map(str, range(10**6)))}, LimitError, ["1,000,000 entities"]),
     "twenty thousand broken entities": (lambda s: {**s, "entities": {f"e{k}": {} for k in range(20_000)}}, SpecError, ["and 79980 more", "role: is missing; expected: text"]),
     "a million unknown fields": (lambda s: {**s, **{f"x{k}": k for k in range(10**6)}}, SpecError, ["there is no field", "and 999980 more"]),
-    "three million values": (lambda s: {**s, "clauses": {"c1": {"met_by": ["/look/x"] * 3 * 10**6}}}, LimitError, ["values", "2,000,000"]),
+    "three million values": (lambda s: {**s, "claims": {"c1": {"by": ["/look/x"] * 3 * 10**6}}}, LimitError, ["values", "2,000,000"]),
     "a depth of 10,000": (
         lambda s: {**s, "story": {"beats": {"b": {"predicate": nested(10_000)}}}},
         LimitError,

@@ -16,10 +16,15 @@ from worldagent.worlds.provenance import recipes
 
 __all__ = ["questioned"]
 
+CLAIMS = {
+    "c1": {"quote": "ball", "type": "thing", "by": ["/entities/ball"]},
+    "c2": {"quote": "falls off", "type": "event", "by": ["/story/beats/fall"]},
+}
+
 
 def questioned(made: Made, picture: bytes = b"picture") -> Session:
     """A world `w` whose questions are written, as a review of a bake writes them."""
-    folder = made.world("w")
+    folder = made.world("w", claims=CLAIMS)
     session = Session.at(folder)
     spans, left_out = asked_of(session.spec)
     prompts, right = prompts_to_choose(PROMPT, "d")

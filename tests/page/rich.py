@@ -10,9 +10,11 @@ import numpy as np
 from worldagent.simulation.freeze import engine_versions, solver_source
 from worldagent.tests.page.conftest import Made, row
 from worldagent.tests.page.test_standing import FREEZE
+from worldagent.worlds.claims import prompt_record
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
+from worldagent.worlds.patch import parse_spec
 
 FRAMES = 12
 
@@ -29,7 +31,8 @@ def rich_world(made: Made, name: str = "w", **changes: Any) -> WorldFolder:
         "cache_digest": "cache-1",
         "replayed": True,
         "rows": [r.model_dump(mode="json") for r in (row("a"), row("b", "not_applicable"))],
-        "clauses": {"c1": {"text": "a ball rolls", "unmet": None, "static_because": "it only stands there"}},
+        "clauses": {},
+        "prompt": {**prompt_record(parse_spec(folder.read_json(folder.spec_path))), "read_by": "nobody"},
         "approximations": [{"what": "skin of 0.5 mm", "effect": "bodies hover"}],
         "weakenings": [],
     }

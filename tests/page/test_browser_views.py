@@ -74,14 +74,13 @@ def test_a_stale_verdict_is_never_shown_as_one_that_holds(rich: WorldFolder, tab
     page = tab.go("", "Worlds")
     verdict = page.locator(".worlds .verdict")
     assert (
-        "stale – physics accepted; prompt judged by clauses at revision 1, the specification was changed since"
-        in verdict.inner_text()
+        "stale – accepted, prompt read by nobody at revision 1, the specification was changed since" in verdict.inner_text()
     )
     assert page.locator(".stages .is-stale .name").all_inner_texts() == ["accepted", "rendered"]
     page = tab.go("#/w/w", "Three blocks")
     text = page.get_by_role("region", name="Acceptance").inner_text()
-    assert "stale – physics accepted; prompt judged by clauses at revision 1" in text
-    assert "it only stands there" in text
+    assert "stale – accepted, prompt read by nobody at revision 1" in text
+    assert "67 % were claimed, 33 % were filler" in text
     assert "skin of 0.5 mm" in text
 
 

@@ -158,7 +158,7 @@ def test_the_view_speaks_to_its_host_and_shows_the_world(made: Made, host: Host,
     frame = host.show(theme=theme)
     frame.get_by_role("heading", level=1, name="Three blocks").wait_for()
     frame.get_by_role("region", name="Acceptance").get_by_text(
-        "stale – physics accepted; prompt judged by clauses at revision 1"
+        "stale – accepted, prompt read by nobody at revision 1"
     ).wait_for()
     inner = host.page.frames[1]
     assert inner.evaluate("document.documentElement.dataset.theme") == theme

@@ -13,7 +13,7 @@ from worldagent.tests.page.conftest import Made, row
 from worldagent.tests.page.rich import pictured
 from worldagent.tests.page.test_standing import FREEZE, frozen
 from worldagent.tests.stories.small_run import MARKED, PROMPT, small_spec
-from worldagent.tests.worlds.audits.test_claims import FALLS, ROLLS
+from worldagent.tests.stories.version_1 import store_old
 from worldagent.tools.edit_spec import edit_spec
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
@@ -27,10 +27,7 @@ WAIVED = MARKED.replace(" last ", ' [last](waived because="its place tells which
 
 def claimed(made: Made, marked: str = WAIVED, prompt: str = PROMPT) -> WorldFolder:
     """A world of version 2 with rows about two of its claims."""
-    spec = small_spec(clauses={})
-    spec["story"]["beats"]["roll"]["predicate"] = ROLLS
-    spec["story"]["beats"]["fall"]["predicate"] = FALLS
-    edit_spec(made.context, world="w", prompt=prompt, spec=spec, claims=marked)
+    edit_spec(made.context, world="w", prompt=prompt, spec=small_spec(), claims=marked)
     folder = WorldFolder.of(made.root, "w")
     told: dict[str, Any] = {"check": "claim", "group": "temporal", "unit": "1", "bound": 0.0, "comparison": "<="}
     made.rows(
@@ -71,7 +68,7 @@ def test_the_data_tells_the_state_rows_and_picture_of_every_span(made: Made) -> 
 
 
 def test_a_world_of_version_1_has_its_prompt_without_spans(made: Made) -> None:
-    made.world("w")
+    store_old(made.root)
     data = PageData(made.root, lambda: made.jobs).world("w")
     assert (data["judged_prompt"], data["prompt"]) == (None, PROMPT)
 

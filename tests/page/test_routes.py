@@ -53,7 +53,7 @@ def test_the_list_tells_stage_counts_and_verdict(made: Made, client: TestClient)
     assert (found["id"], found["title"], found["revision"], found["reached"]) == ("w", "Three blocks", 1, "rendered")
     assert found["verdict"] == {
         "verdict": "accepted",
-        "says": "physics accepted; prompt judged by clauses",
+        "says": "accepted, prompt read by nobody",
         "revision": 1,
         "stale": False,
         "note": "",

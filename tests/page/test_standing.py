@@ -35,7 +35,8 @@ def frozen(folder: WorldFolder, *, passed: bool = True, **record: Any) -> Ledger
 def accepted(folder: WorldFolder, verdict: str = "accepted") -> Ledger:
     ledger = frozen(folder)
     ledger.put_bake(FREEZE, ledger.revision(), "cache-1", {"failing": []})
-    record = {"verdict": verdict, "cache_digest": "cache-1", "rows": [row("x").model_dump(mode="json")]}
+    record: dict[str, Any] = {"verdict": verdict, "cache_digest": "cache-1", "rows": [row("x").model_dump(mode="json")]}
+    record["prompt"] = {"claimed": 0.7, "filler": 0.3, "waived": 0.0, "read_by": "nobody"}
     ledger.add_acceptance(FREEZE, ledger.revision(), "subject", verdict, record)
     film = folder.candidate(FREEZE) / "final" / "final.webm"
     film.parent.mkdir(parents=True, exist_ok=True)

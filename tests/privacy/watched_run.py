@@ -24,7 +24,7 @@ async def main(workspace: Path, *, whole: bool) -> None:
         beat["text"] += " " + CODE
     for name in ("floor", "shelf"):
         spec["entities"][name]["role"] = CODE
-    spec["clauses"]["c3"] = {"unmet": CODE}
+    spec["claims"]["code"] = {"quote": "${7*7} {{7*7}}", "type": "look", "waived": CODE}
     spec["shots"]["only"]["intent"] = CODE
     async with Client(create_server(workspace)) as client:
 

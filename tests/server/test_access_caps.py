@@ -220,7 +220,7 @@ def test_a_large_file_is_not_sent(client: tuple[Client, Path], portal: BlockingP
 def test_the_estimate_of_triangles_is_no_less_than_what_is_built(shape: Any) -> None:
     spec = small_spec()
     spec["entities"] = {"a": {**spec["entities"]["floor"], "parts": {"p": {"shape": shape.model_dump()}}}}
-    spec |= {"graph": {}, "story": {}, "clauses": {}, "shots": {}}
+    spec |= {"graph": {}, "story": {}, "claims": {}, "shots": {}}
     spec["simulation"]["solvers"]["rigid"]["members"] = ["a"]
     estimated = estimate_counts(WorldSpec.model_validate({**spec, "prompt": "p"}))["triangles"]
     built = len(build_shape(shape, Path()).render.faces)

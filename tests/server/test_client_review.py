@@ -27,6 +27,10 @@ from worldagent.worlds.folder import WorldFolder, write_atomically
 from worldagent.worlds.provenance import recipes
 
 __all__ = ["context", "told"]
+CLAIMS = {
+    "c1": {"quote": "ball", "type": "thing", "by": ["/entities/ball"]},
+    "c2": {"quote": "falls off", "type": "event", "by": ["/story/beats/fall"]},
+}
 SHOWN = '{"answers": {"1": "shown", "2": "not shown"}}'
 
 
@@ -45,7 +49,7 @@ def run_checks(
 @pytest.fixture
 def session(context: ToolContext) -> Session:
     """A world whose questions are written, as a review of a bake writes them."""
-    edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
+    edit_spec(context, world="w", prompt=PROMPT, spec=small_spec(claims=CLAIMS))
     session = Session.at(WorldFolder.of(context.workspace, "w"))
     spans, left_out = asked_of(session.spec)
     prompts, right = prompts_to_choose(PROMPT, "d")
@@ -105,7 +109,7 @@ async def test_the_clients_model_reads_pictures_and_account_and_counts_as_client
     assert (review.reader, review.name, review.choice) == ("client", "client-model", review.right)
     assert review.answers == {"c1": "shown", "c2": "not shown"}
     assert [blocks[0].mime_type for blocks in model.asked] == ["image/png", "image/png"]
-    assert sum("(clause)" in blocks[-1].text for blocks in model.asked) == 1, "the choice gives no part away"
+    assert sum("(event)" in blocks[-1].text for blocks in model.asked) == 1, "the choice gives no part away"
 
 
 @pytest.mark.anyio

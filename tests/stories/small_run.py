@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import copy
+from functools import cache
 from typing import Any
+
+from worldagent.worlds.claim_marks import claims_from
+from worldagent.worlds.patch import parse_spec
 
 __all__ = ["MARKED", "PROMPT", "small_spec"]
 
@@ -41,23 +45,30 @@ def _entity(
 
 
 def small_spec(**changes: Any) -> dict[str, Any]:
-    """The specification without its prompt; `changes` replace top-level members."""
+    """The specification without its prompt, with the claims of `MARKED`; `changes` replace top-level members."""
+    return copy.deepcopy({**_claimed(), **changes})
+
+
+@cache
+def _claimed() -> dict[str, Any]:
+    spec = _unclaimed()
+    return {**spec, "claims": claims_from(MARKED, parse_spec({**spec, "prompt": PROMPT}))}
+
+
+def _unclaimed() -> dict[str, Any]:
     blocks = ("b1", "b2", "b3")
-    spec: dict[str, Any] = {
+    return {
+        "spec_version": "2",
         "title": "Three blocks",
-        "clauses": {
-            "c1": {"met_by": ["/entities/ball", "/story/beats/roll", "/story/beats/strike"]},
-            "c2": {"met_by": ["/story/beats/fall"]},
-        },
         "story": {
             "beats": {
                 "roll": {"text": "the ball rolls", "owner": "rigid", "subject": "ball", "frames": [0, 6],
-                         "predicate": {"kind": "displacement", "entity": "ball", "axis": [1, 0, 0], "min": 0.05}},
+                         "predicate": {"kind": "rolls", "entity": "ball"}},
                 "strike": {"text": "it strikes the first block", "owner": "rigid", "subject": "b1", "frames": [1, 10], "causes": ["roll"],
                            "predicate": {"kind": "contact", "a": "ball", "b": "b1", "min_impulse": 0.05}},
                 "fall": {"text": "the last block falls off the shelf", "owner": "rigid", "subject": "b3", "frames": [4, 24],
                          "causes": ["strike"],
-                         "predicate": {"kind": "displacement", "entity": "b3", "axis": [0, 0, 1], "max": -0.15}},
+                         "predicate": {"kind": "falls", "entity": "b3", "min": 0.15}},
             }
         },
         "materials": {
@@ -97,4 +108,3 @@ def small_spec(**changes: Any) -> dict[str, Any]:
         },
         "look": {"sky": "studio", "width": 64, "height": 64, "samples": 2},
     }  # fmt: skip
-    return copy.deepcopy({**spec, **changes})

@@ -82,7 +82,7 @@ def test_the_manifest_tells_what_the_bundle_is_about(bundle: Path) -> None:
     assert head["versions"]["mujoco"]
     verdict = json.loads(made.members["verdict.json"])
     assert verdict["approximations"]
-    assert {"rows", "clauses", "weakenings", "seed", "verifier_source"} <= set(verdict)
+    assert {"rows", "prompt", "weakenings", "seed", "verifier_source"} <= set(verdict)
     events = json.loads(made.members["events.json"])
     assert events["beats"]["strike"] is not None
     assert {"ball", "b1"} in [set(e["pair"]) for e in events["contacts"]]
@@ -222,7 +222,7 @@ def _edit_spec(made: Forgery, change: Callable[[Any], None]) -> None:
 
 
 def _easier_beat(document: Any) -> None:
-    document["story"]["beats"]["fall"]["predicate"]["max"] = -0.05
+    document["story"]["beats"]["fall"]["predicate"]["min"] = 0.05
 
 
 def _lighter_ball(document: Any) -> None:
@@ -259,8 +259,8 @@ def _heavier_ball(made: Forgery) -> None:
 
 
 FORGERIES: dict[str, Callable[[Forgery], None]] = {
-    "a measured value": lambda f: f.row("beat:fall")(lambda r: r.update(measured=-0.2)),
-    "a bound": lambda f: f.row("beat:fall")(lambda r: r.update(bound=-0.1)),
+    "a measured value": lambda f: f.row("beat:fall")(lambda r: r.update(measured=0.2)),
+    "a bound": lambda f: f.row("beat:fall")(lambda r: r.update(bound=0.1)),
     "a status": lambda f: f.row("beat:fall")(lambda r: r.update(status="not_applicable")),
     "a predicate": lambda f: f.row("beat:fall")(lambda r: r.update(predicate="the block flies away")),
     "a mandatory row made optional": lambda f: f.row("beat:fall")(lambda r: r.update(mandatory=False)),
@@ -270,7 +270,8 @@ FORGERIES: dict[str, Callable[[Forgery], None]] = {
     "a row added": lambda f: f.edit("verdict.json", lambda v: v["rows"].append({**v["rows"][0], "id": "beat:miracle"})),
     "a row doubled": lambda f: f.edit("verdict.json", lambda v: v["rows"].append(v["rows"][0])),
     "a row that is none": lambda f: f.edit("verdict.json", lambda v: v["rows"].append(None)),
-    "a clause": lambda f: f.edit("verdict.json", lambda v: v["clauses"]["c1"].update(text="Something else")),
+    "what is said of the prompt": lambda f: f.edit("verdict.json", lambda v: v["prompt"].update(filler=0.0)),
+    "a span of the prompt": lambda f: f.edit("verdict.json", lambda v: v["prompt"]["spans"][1].update(text="wooden")),
     "an approximation": lambda f: f.edit("verdict.json", lambda v: v["approximations"].clear()),
     "an event": lambda f: f.edit("events.json", lambda e: e["contacts"][0].update(impulse=9.0)),
     "a forged frame with its digest": lambda f: _shift_frame(f, 18, 1e-3),
@@ -304,8 +305,8 @@ def test_no_forged_bundle_verifies(bundle: Path, tmp_path: Path, what: str) -> N
 def test_an_edited_row_is_named_with_both_values(bundle: Path, tmp_path: Path) -> None:
     found = _verify(forged(bundle, tmp_path / "f.zip", FORGERIES["a measured value"]))
     (difference,) = found["differences"]
-    assert (difference["row"], difference["differs"], difference["bundled"]) == ("beat:fall", "measured", -0.2)
-    assert difference["here"] < -0.25
+    assert (difference["row"], difference["differs"], difference["bundled"]) == ("beat:fall", "measured", 0.2)
+    assert difference["here"] > 0.25
     assert found["own_verdict"] == "accepted"
 
 

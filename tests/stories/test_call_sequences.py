@@ -88,9 +88,9 @@ def _edits(rng: random.Random) -> list[dict[str, Any]]:
         ("/story/beats/fall/predicate", {"kind": "supported", "entity": "b3"}),
         ("/story/beats/fall/causes", []),
         ("/story/beats/fall/frames", [11, 11]),
-        ("/clauses/c2", {"unmet": "dropped for now"}),
-        ("/clauses/c2", {"met_by": ["/entities/b3"], "static_because": "the words only name a thing"}),
-        ("/clauses/c2", {"met_by": ["/story/beats/strike"]}),
+        ("/claims/falls_off", {"quote": "falls off", "type": "event", "waived": "dropped for now"}),
+        ("/claims/falls_off", {"quote": "falls off", "type": "property", "by": ["/entities/b3"]}),
+        ("/claims/falls_off/by", ["/story/beats/strike"]),
         (
             "/graph/relations/glue",
             {
@@ -200,8 +200,9 @@ def _allowed(folder: Path) -> bool:
     found = Ledger(folder / "ledger.sqlite").acceptance()
     if found is None or found["verdict"] != "accepted":
         return not list(folder.glob("candidates/*/final"))
-    clauses = found["record"]["clauses"].values()
-    return any(c["unmet"] or c["static_because"] for c in clauses) and bool(found["record"]["weakenings"])
+    prompt = found["record"]["prompt"]
+    told = [*prompt["waivers"], *prompt["readings"], *prompt["warnings"]]
+    return any("falls" in words for words in told) and bool(found["record"]["weakenings"])
 
 
 def _walk(

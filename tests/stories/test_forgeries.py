@@ -321,7 +321,7 @@ def test_an_index_edited_after_acceptance_closes_final(accepted: Any) -> None:
 def test_a_weakened_specification_in_the_candidate_is_not_the_worlds(copy: Path) -> None:
     path = _record(copy)
     record = json.loads(path.read_text())
-    record["spec"]["story"]["beats"]["fall"]["predicate"]["max"] = -0.01
+    record["spec"]["story"]["beats"]["fall"]["predicate"]["min"] = 0.01
     path.write_text(json.dumps(record))
     with pytest.raises(RefusedError, match="no candidate holds this specification"):
         judge(copy)
@@ -334,7 +334,7 @@ def test_a_decoy_record_cannot_have_a_weakened_candidate_judged(copy: Path) -> N
     decoy.parent.mkdir()
     shutil.copy(path, decoy)
     record = json.loads(path.read_text())
-    record["spec"]["story"]["beats"]["fall"]["predicate"]["max"] = -0.01
+    record["spec"]["story"]["beats"]["fall"]["predicate"]["min"] = 0.01
     path.write_text(json.dumps(record))
     with pytest.raises(RefusedError, match="no candidate holds this specification"):
         judge(copy)
@@ -351,7 +351,7 @@ def test_a_weakened_world_json_beside_the_candidate_is_refused(copy: Path) -> No
 
 def test_an_acceptance_of_something_else_does_not_open_final(accepted: Any) -> None:
     folder = accepted.workspace / "w"
-    accepted.edit(("/story/beats/fall/predicate/max", -0.28))
+    accepted.edit(("/story/beats/fall/predicate/min", 0.28))
     for subject in ("", "x", "0" * 64):
         _sql(
             folder,

@@ -18,13 +18,13 @@ REASON = "the prompt does not ask for it, as the user confirmed"
 
 def test_probe_without_a_passing_audit_names_the_problem_and_the_tool(agent: Any) -> None:
     spec = small_spec()
-    del spec["clauses"]["c2"]
+    spec["claims"]["falls_off"]["by"] = ["/entities/b3"]
     agent.call("edit_spec", world="w", prompt=PROMPT, spec=spec)
     for tool in ("place_object", "probe_sim", "bake_sim"):
         text = agent.refused(tool, world="w")
         assert text.startswith("refused: ")
         assert "edit_spec" in text
-        assert "/clauses/c2" in text
+        assert "/claims/falls_off/by" in text
     assert "audit" in agent.refused("run_checks", world="w", scope="acceptance")
     assert "audit" in agent.refused("render_shot", world="w", kind="preview")
 
@@ -65,14 +65,14 @@ def test_every_later_edit_of_the_motion_closes_bake_acceptance_and_final(accepte
 
 @pytest.mark.slow
 def test_an_edit_of_the_story_closes_final_until_accepted_again(accepted: Any) -> None:
-    accepted.edit(("/story/beats/fall/predicate/max", -0.2))
+    accepted.edit(("/story/beats/fall/predicate/min", 0.2))
     assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert verdict["verdict"] == "accepted"
 
 
 def test_a_beat_that_did_not_happen_leaves_the_candidate_incomplete_and_preserved(accepted: Any) -> None:
-    accepted.edit(("/story/beats/fall/predicate/max", -0.5))
+    accepted.edit(("/story/beats/fall/predicate/min", 0.5))
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert verdict["verdict"] == "incomplete"
     assert "beat:fall" in [r["id"] for r in verdict["open_rows"]]

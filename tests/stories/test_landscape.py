@@ -35,8 +35,12 @@ def _spec(**land: Any) -> dict[str, Any]:
         "parts": {"body": {"shape": {"kind": "sphere", "radius": 0.2}}},
     }
     return {
+        "spec_version": "2",
         "title": "Lake land",
-        "clauses": {"c1": {"met_by": ["/entities/ball", "/story/beats/rests"]}},
+        "claims": {
+            "ball": {"quote": "ball", "type": "thing", "by": ["/entities/ball"]},
+            "lake": {"quote": "lake", "type": "thing", "by": ["/terrains/land"]},
+        },
         "materials": {"stone": {"density": 2600, "substance": "stone", "friction": 0.7, "rolling_friction": 0.01}},
         "entities": {"ball": ball},
         "terrains": {"land": {**LAND, **land}},
@@ -178,7 +182,7 @@ def test_a_height_file_that_was_changed_is_refused(agent: Any) -> None:
 
 def test_replies_about_a_landscape_name_calls_that_work_and_only_rows_that_changed(agent: Any) -> None:
     """From a world with nothing but land: build, find a place, stand something there."""
-    bare = _spec() | {"entities": {}, "story": {}, "shots": {}, "clauses": {}, "simulation": {"frames": 21}}
+    bare = _spec() | {"entities": {}, "story": {}, "shots": {}, "claims": {}, "simulation": {"frames": 21}}
     made = agent.call("edit_spec", world="w", prompt="A ball beside a lake.", spec=bare)
     assert made["next"].startswith("build_terrain(world='w', terrain='land')")
     assert agent.call("inspect_world", world="w")["next"].startswith("build_terrain(world='w', terrain='land')")

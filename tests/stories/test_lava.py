@@ -11,6 +11,8 @@ from worldagent.tests.stories.inline_jobs import run_jobs_inline
 
 TILT = 0.3
 LAST = 47
+PROMPT = "Glowing lava flows down a rocky slope and stays hot."
+CLAIMS = "[Glowing lava](thing lava) [flows down](event flows) a [rocky](property slope) [slope](thing slope) and [stays hot](property hot)."
 
 
 def _box(size: tuple[float, ...], at: tuple[float, ...]) -> dict[str, Any]:
@@ -32,10 +34,10 @@ def lava_spec() -> dict[str, Any]:
     """The specification without its prompt."""
     trough = {"bed": _box((2.4, 1.0, 0.2), (0, 0, -0.1)), "left": _box((2.4, 0.2, 0.2), (0, 0.4, 0.1)), "right": _box((2.4, 0.2, 0.2), (0, -0.4, 0.1))}  # fmt: skip
     hot = {"viscosity": 60, "surface_tension": 0.35, "resolution": 0.04, "temperature": 1400, "conductivity": 1.5, "heat_capacity": 1200, "activation": 20000}  # fmt: skip
-    low, far = ({"kind": "box", "min": [x, -0.5, -1], "max": [1.5, 0.5, 1]} for x in (-0.45, -0.3))
+    passes = {"kind": "flows", "point": _placed(-0.5, 0.05)["position"], "normal": [math.cos(TILT), 0, -math.sin(TILT)], "radius": 0.4}
+    far = {"kind": "box", "min": [-0.3, -0.5, -1], "max": [1.5, 0.5, 1]}
     return {
         "title": "Lava",
-        "clauses": {"c1": {"met_by": ["/entities/lava", "/entities/slope", *(f"/story/beats/{b}" for b in ("flows", "reaches", "hot"))]}},
         "materials": {
             "lava": {"density": 2600, "substance": "lava", "appearance": {"color": [0.05, 0.03, 0.02], "roughness": 0.8}},
             "rock": {"density": 2700, "substance": "stone", "friction": 0.6},
@@ -46,9 +48,9 @@ def lava_spec() -> dict[str, Any]:
             "lava": {"role": "lava", "motion": "dynamic", "material": "lava", "dimensions": {"size": [0.5, 0.6, 0.16]},
                      "pose": _placed(-0.85, 0.08), "parts": {"b": _box((0.5, 0.6, 0.16), (0, 0, 0))}, "physics": {"category": "liquid", **hot}},
         },
-        "graph": {"regions": {"low": low, "far": far}},
+        "graph": {"regions": {"far": far}},
         "story": {"beats": {
-            "flows": _beat("lava flows down the slope", (2, LAST), {"kind": "liquid_volume_in", "region": "low", "min": 0.004}),
+            "flows": _beat("lava flows down the slope", (2, LAST), passes),
             "reaches": _beat("it reaches the lower half", (8, LAST), {"kind": "liquid_volume_in", "region": "far", "min": 0.002}, "flows"),
             "hot": _beat("it stays hot", (0, LAST), {"kind": "liquid_temperature", "measure": "mean", "min": 1300, "when": "always"}),
         }},
@@ -66,8 +68,7 @@ def lava_spec() -> dict[str, Any]:
 def test_lava_creeps_down_a_slope_and_is_accepted(agent_of: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run_jobs_inline(monkeypatch)
     with agent_of(tmp_path) as agent:
-        prompt = "Glowing lava flows down a rocky slope and stays hot."
-        assert agent.call("edit_spec", world="w", prompt=prompt, spec=lava_spec())["audit"]["passed"]
+        assert agent.call("edit_spec", world="w", prompt=PROMPT, spec=lava_spec(), claims=CLAIMS)["audit"]["passed"]
         assert agent.call("place_object", world="w")["static_passed"]
         assert agent.call("probe_sim", world="w")["passed"]
         assert agent.call("bake_sim", world="w")["passed"]

@@ -42,7 +42,7 @@ MISTAKES: dict[str, tuple[tuple[str, dict[str, Any]], list[str]]] = {
     "no world": (("inspect_world", {"part": "matrix"}), ["needs world", "['w']"]),
     "a part in the plural": (_look(part="rows"), ["'rows'", "did you mean 'row'?", "'matrix'"]),
     "a row without its id": (_look(part="row"), ["needs row", "inspect_world(part='matrix')"]),
-    "a row that is misspelt": (_look(part="row", row="audit:cluses"), ["did you mean 'audit:clauses'", "part='matrix'"]),
+    "a row that is misspelt": (_look(part="row", row="audit:clams"), ["did you mean 'audit:claims'", "part='matrix'"]),
     "a pointer with dots": (_look(part="spec", pointer="entities.ball"), ["did you mean /entities?"]),
     "a pointer with a slip": (_look(part="spec", pointer="/entities/bal"), ["did you mean /entities/ball?", "'b1'"]),
     "frames that are not there": (_look(part="state", frames=[0, 99]), ["[0, 99]", "0..0", "probe_sim"]),

@@ -18,6 +18,10 @@ from worldagent.workflow.verify_folder import verify_folder
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.reviews import Review
 
+SPANS = ("steel", "ball", "rolls", "three", "blocks", "block", "falls_off", "shelf")
+"""Claims of the small world, in the order of its prompt."""
+FALLS = 1 + SPANS.index("falls_off")
+
 
 def reading(spans: Mapping[int, str], *, prompt: str = PROMPT) -> Any:
     """A reader that finds a prompt in the list, and answers `shown` about all spans but those given."""
@@ -52,7 +56,7 @@ def rows_of(agent: Any) -> dict[str, tuple[str, bool]]:
 def test_nobody_reads_unless_the_owner_names_a_reader(accepted: Any) -> None:
     told = accepted.call("run_checks", world="w", scope="review")
     assert told["read_by"] == "nobody"
-    assert told["asked"]["spans"] == 2
+    assert told["asked"]["spans"] == len(SPANS)
     assert rows_of(accepted) == {}
     folder = accepted.workspace / "w" / told["asked"]["folder"]
     asked = json.loads((folder / "questions.json").read_text())
@@ -69,7 +73,7 @@ def test_a_model_that_sees_everything_is_in_the_verdict_and_asked_once(accepted:
         again = accepted.call("run_checks", world="w", scope="review")
     assert told["read_by"] == again["read_by"] == "model"
     assert [c.body["model"] for c in fake.calls] == ["tiny", "tiny"], "one choice and one reading, for both calls"
-    assert rows_of(accepted) == {"review": ("pass", True), "review:c1": ("pass", True), "review:c2": ("pass", True)}
+    assert rows_of(accepted) == dict.fromkeys(("review", *(f"review:{name}" for name in SPANS)), ("pass", True))
     assert PROMPT not in json.dumps([p for p in fake.calls[0].body["messages"][0]["content"] if p["type"] != "text"])
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert (verdict["verdict"], verdict["read_by"]) == ("accepted", "model")
@@ -80,23 +84,23 @@ def test_a_model_that_sees_everything_is_in_the_verdict_and_asked_once(accepted:
 
 
 def test_a_contradiction_closes_the_film_until_a_person_overrules_it(accepted: Any, named: Any) -> None:
-    with serving(reading({2: "contradicted", 1: "not shown"})) as fake:
+    with serving(reading({FALLS: "contradicted", 1: "not shown"})) as fake:
         named(fake.url)
         accepted.call("run_checks", world="w", scope="review")
-    assert rows_of(accepted)["review:c2"] == ("fail", True)
-    assert rows_of(accepted)["review:c1"] == ("unverified", False)
+    assert rows_of(accepted)["review:falls_off"] == ("fail", True)
+    assert rows_of(accepted)["review:steel"] == ("unverified", False)
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert verdict["verdict"] == "incomplete"
-    assert "review:c2" in json.dumps(verdict["open_rows"])
+    assert "review:falls_off" in json.dumps(verdict["open_rows"])
     assert verdict["counts"]["mandatory_open"] == 1
     assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
     ledger = Ledger(accepted.workspace / "w" / "ledger.sqlite")
     (model,) = ledger.reviews()
-    ledger.add_review(Review(model.digest, "person", "Ann", {"c2": "shown"}))
+    ledger.add_review(Review(model.digest, "person", "Ann", {"falls_off": "shown"}))
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert verdict["verdict"] == "accepted"
     assert verdict["read_by"] == "model", "a person who answers a part has not read the world"
-    row = accepted.call("inspect_world", world="w", part="row", row="review:c2")["row"]
+    row = accepted.call("inspect_world", world="w", part="row", row="review:falls_off")["row"]
     assert row["evidence"]["overruled"]["because"] == "so it looks"
 
 
@@ -126,11 +130,11 @@ def test_an_answer_that_cannot_be_read_is_asked_for_once_more_and_then_leaves_no
 def test_an_edit_of_a_look_makes_the_answers_stale_and_a_review_of_other_pictures_counts_no_more(
     accepted: Any, named: Any
 ) -> None:
-    with serving(reading({2: "contradicted"})) as fake:
+    with serving(reading({FALLS: "contradicted"})) as fake:
         named(fake.url)
         accepted.call("run_checks", world="w", scope="review")
         accepted.edit(("/materials/wood/appearance/color", [0.1, 0.2, 0.7]))
-        assert rows_of(accepted)["review:c2"] == ("unverified", True)
+        assert rows_of(accepted)["review:falls_off"] == ("unverified", True)
         verdict = accepted.call("run_checks", world="w", scope="acceptance")
         assert verdict["read_by"] == "nobody"
         assert verdict["earlier_contradictions"] == 1

@@ -22,13 +22,14 @@ SHOT = {
     "frames": [0, FRAMES - 1],
     "keys": {"k0": {"frame": 0, "position": [0.42, -0.45, 0.4], "target": [0, 0, 0.04], "fov_deg": 45}},
 }
+CLAIMS = "A [steel](property ball) [ball](thing ball) [drops](event lands) into a [tray](thing tray) of [sand](thing sand)."
 SAND_STORY = {
     "graph": {"regions": {"bed": {"kind": "box", "min": [-0.12, -0.12, 0.0], "max": [0.12, 0.12, 0.08]}}},
     "story": {
         "beats": {
             "lands": {
                 "text": "the ball drops into the sand", "owner": "hold", "subject": "ball", "frames": [0, FRAMES - 1],
-                "predicate": {"kind": "reaches", "entity": "ball", "region": "bed"},
+                "predicate": {"kind": "and", "of": [{"kind": "falls", "entity": "ball"}, {"kind": "reaches", "entity": "ball", "region": "bed"}]},
             }
         },
         "requirements": {
@@ -40,7 +41,6 @@ SAND_STORY = {
         },
     },
     "shots": {"wide": SHOT},
-    "clauses": {"c1": {"met_by": ["/story/beats/lands", "/entities/tray", "/entities/sand", "/entities/ball"]}},
 }  # fmt: skip
 
 
@@ -51,7 +51,7 @@ def probed(agent_of: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
     with pytest.MonkeyPatch.context() as patch, agent_of(workspace) as agent:
         run_jobs_inline(patch)
         spec = sand_spec(radius=0.012, depth=0.05, frames=FRAMES, ball_at=0.12, young=1e7, preroll=0.1, **SAND_STORY)
-        created = agent.call("edit_spec", world="w", prompt=SAND_PROMPT, spec=spec)
+        created = agent.call("edit_spec", world="w", prompt=SAND_PROMPT, spec=spec, claims=CLAIMS)
         assert created["audit"]["passed"], created["audit"]
         assert created["bake_order"] == ["bodies", "grains"]
         agent.call("place_object", world="w")

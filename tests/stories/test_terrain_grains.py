@@ -8,6 +8,7 @@ import pytest
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 
 PROMPT = "Gravel slides down the wall of a crater."
+CLAIMS = "[Gravel](thing gravel) [slides down](route slides) the [wall of a crater](thing land)."
 FRAMES = 40
 LAND = {
     "extent": [80, 80],
@@ -22,7 +23,6 @@ def _spec(height: float) -> dict[str, Any]:
     low, high = [-10, -6, height - 9], [AT[0] + 4, 6, height + 4]
     return {
         "title": "Gravel",
-        "clauses": {"c1": {"met_by": ["/entities/gravel", "/terrains/land", "/story/beats/slides"]}},
         "materials": {
             "stone": {"density": 2600, "substance": "stone", "friction": 0.6, "restitution": 0.3, "appearance": {"color": [0.4, 0.36, 0.3]}},
         },
@@ -58,7 +58,7 @@ def _spec(height: float) -> dict[str, Any]:
 def test_gravel_slides_down_a_built_slope_and_none_is_lost(agent_of: Any, tmp_path: Any) -> None:
     with pytest.MonkeyPatch.context() as patch, agent_of(tmp_path) as agent:
         run_jobs_inline(patch)
-        agent.call("edit_spec", world="w", prompt=PROMPT, spec=_spec(0.0))
+        agent.call("edit_spec", world="w", prompt=PROMPT, spec=_spec(0.0), claims=CLAIMS)
         where = {"world": "w", "terrain": "land", "size": [30, 30], "center": [0, 0], "cells": 60, "wait_s": 120}
         assert agent.call("build_terrain", **where)["built"]
         places = agent.call("inspect_world", world="w", part="terrain", points=[list(AT), [AT[0] - 3, 0]])["places"]

@@ -53,7 +53,7 @@ def _set(session: Session, path: str, value: Any, **more: Any) -> dict[str, Any]
 
 
 def _lower(session: Session, **more: Any) -> dict[str, Any]:
-    return _set(session, "/story/beats/fall/predicate/max", -0.05, **more)
+    return _set(session, "/story/beats/fall/predicate/min", 0.05, **more)
 
 
 def _faster(session: Session, **more: Any) -> dict[str, Any]:
@@ -107,4 +107,4 @@ def test_judging_what_was_seen_puts_its_rows_in_the_place_of_the_look(session: S
     assert session.ledger.looks() == []
     with pytest.raises(RefusedError, match="after evidence against it"):
         _lower(session)
-    assert json.loads((session.folder.spec_path).read_text())["story"]["beats"]["fall"]["predicate"]["max"] == -0.15
+    assert json.loads((session.folder.spec_path).read_text())["story"]["beats"]["fall"]["predicate"]["min"] == 0.15

@@ -139,7 +139,7 @@ def test_a_verdict_on_what_an_edit_changed_meanwhile_is_stale_and_replaces_no_la
 
 def test_an_audit_of_an_earlier_revision_replaces_no_later_one(world: Any, tmp_path: Path) -> None:
     earlier = Session.open(tmp_path, "w")
-    edit_spec(world, world="w", patch=[{"op": "remove", "path": "/clauses/c1"}])
+    edit_spec(world, world="w", patch=[{"op": "remove", "path": "/claims/three"}])
     later = {r.id: r.status for r in earlier.ledger.rows() if r.check == "audit"}
     assert "fail" in later.values() or "unverified" in later.values()
     assert earlier.audit().passed

@@ -23,7 +23,7 @@ CENTER, SIZE = (2.0, 0.0), (60.0, 24.0)
 
 def base() -> WorldSpec:
     return parse_spec({
-        "title": "t", "prompt": "A river.", "simulation": {"frames": 24},
+        "spec_version": "2", "title": "t", "prompt": "A river.", "simulation": {"frames": 24},
         "materials": {"stone": {"density": 2600, "substance": "stone"}},
     })  # fmt: skip
 
@@ -51,7 +51,7 @@ def operations(folder: WorldFolder, spec: WorldSpec, spacing: float = SPACING) -
 def test_the_river_passes_the_audit_and_brings_its_discharge(tmp_path: Path) -> None:
     spec, told = operations(WorldFolder.at(tmp_path), base(), spacing=0.2)
     open_rows = {r.id for r in audit(spec).rows if r.status != "pass"}
-    assert open_rows <= {"audit:clauses", "audit:story"}
+    assert open_rows <= {"audit:claims", "audit:story"}
     (inflow,) = [d for d in spec.simulation.drivers.values() if d.kind == "inflow"]
     assert 5 * 3.0 < (inflow.rate or 0.0) < 5 * 5.0, "bankfull"
     (outflow,) = [d for d in spec.simulation.drivers.values() if d.kind == "outflow"]

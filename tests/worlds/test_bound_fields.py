@@ -28,7 +28,7 @@ def base(**claims: dict[str, Any]) -> WorldSpec:
     spec["simulation"]["joints"] = {
         "arm": {"kind": "hinge", "parent": "crate", "child": "lamp", "anchor": [1, 1, 0], "axis": [0, 0, 1], "friction": 0.2}
     }
-    return WorldSpec.model_validate({**spec, "prompt": PROMPT, "spec_version": "2", "clauses": {}, "claims": claims})
+    return WorldSpec.model_validate({**spec, "prompt": PROMPT, "claims": claims})
 
 
 def edited(spec: WorldSpec, pointer: str, value: Any) -> WorldSpec:

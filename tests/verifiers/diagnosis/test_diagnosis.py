@@ -384,6 +384,7 @@ def test_no_cause_names_a_setting_that_the_engine_does_not_have() -> None:
 def test_a_patch_of_density_owns_up_where_a_beat_names_the_body(body: str, material: str, *, told: bool) -> None:
     lighter = _correction("material", patch=({"op": "replace", "path": f"/materials/{material}/density", "value": 500},))
     row = _row(f"support:grip:{body}", check="support", corrections=(lighter,))
-    actions = [c.action for c in diagnose(row, _spec()).corrections if c.patch]
+    spec = parse_spec({**small_spec(claims={}), "prompt": PROMPT})
+    actions = [c.action for c in diagnose(row, spec).corrections if c.patch]
     assert len(actions) == 1
     assert actions[0].endswith(WEAKER) is told

@@ -292,7 +292,7 @@ def test_bonds_that_break_together_are_told_with_how_many_they_can_be() -> None:
 
 def _simulated(folder: Path, data: dict[str, Any], prompt: str = "p") -> dict[str, str]:
     """Lines of a world that is built and simulated for two frames."""
-    data = {**data, "clauses": {}, "story": {"beats": {}}, "shots": {}}
+    data = {**data, "claims": {}, "story": {"beats": {}}, "shots": {}}
     data["simulation"] = {**data["simulation"], "frames": 2}
     spec = parse_spec({**data, "prompt": prompt})
     built = {n: build_entity(spec, n, Path()) for n in spec.entities}

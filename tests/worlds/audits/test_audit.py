@@ -97,10 +97,10 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "a range of nothing": ([("/simulation/joints/h", HINGE | {"range": [0, 0]})], "reach", "leaves no way to go"),
     "a dynamic body that is said to hang in the air": (
         [("/entities/b3/afloat", "a magic block that hovers")], "ownership", "'b3' is dynamic, and afloat ('a magic block that hovers') is allowed for static"),
-    "an unmapped clause": ([("/clauses/c2", None)], "clauses", "clause c2 'The last block falls off the shelf' is not mapped"),
-    "an empty clause": ([("/clauses/c2", {})], "clauses", "is not mapped"),
-    "a clause mapped to nothing": ([("/clauses/c2/met_by", ["/story/beats/ghost"])], "clauses", "leads nowhere"),
-    "a clause the prompt does not have": ([("/clauses/c9", {"unmet": "x"})], "clauses", "no clause 'c9'"),
+    "a number that no claim takes up": ([("/claims/three", None)], "claims", "is a number word and no claim takes it up"),
+    "a claim judged by nothing": ([("/claims/falls_off/by", ["/story/beats/ghost"])], "claims", "leads nowhere"),
+    "a claim of words that the prompt does not have": (
+        [("/claims/cat", {"quote": "a cat", "type": "thing", "by": ["/entities/b1"]})], "claims", "/claims/cat/quote: "),
     "a beat of what no engine in use writes": (
         [("/story/beats/fall/predicate", {"kind": "broken", "entity": "b3", "min": 0.1})], "evidence", "no engine in use writes ['bond/broken'"),
     "a requirement of what no engine in use writes": (
@@ -207,8 +207,9 @@ def test_a_story_without_causes_is_told_what_its_acceptance_will_ask_for() -> No
     assert audit(without).passed
 
 
-def test_an_unmet_clause_with_a_reason_passes() -> None:
-    assert audit(broken(("/clauses/c2", {"unmet": "not wanted any more"}))).passed
+def test_a_claim_that_is_waived_with_a_reason_passes() -> None:
+    waived = {"quote": "falls off", "type": "event", "waived": "not wanted any more"}
+    assert audit(broken(("/claims/falls_off", waived))).passed
 
 
 def test_what_follows_from_the_specification() -> None:

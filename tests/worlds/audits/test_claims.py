@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from worldagent.testing.prompts import Marked, honest
 from worldagent.tests.stories.small_run import MARKED, PROMPT, small_spec
+from worldagent.tests.stories.version_1 import old_spec
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.audits.claims import claim_problems
 from worldagent.worlds.canonical import canonical_json
@@ -18,17 +19,12 @@ from worldagent.worlds.slices import motion_slice
 from worldagent.worlds.spec import WorldSpec
 from worldagent.worlds.verdicts import verdict_words
 
-ROLLS = {"kind": "rolls", "entity": "ball"}
 FALLS = {"kind": "falls", "entity": "b3"}
 
 
 def world(marked: str = MARKED, *operations: tuple[str, Any], prompt: str = PROMPT) -> WorldSpec:
-    spec = parse_spec({**small_spec(), "prompt": prompt, "clauses": {}})
-    patch = [
-        {"op": "add", "path": p, "value": v}
-        for p, v in (("/story/beats/roll/predicate", ROLLS), ("/story/beats/fall/predicate", FALLS), *operations)
-    ]
-    spec = apply_patch(spec, patch)
+    spec = parse_spec({**small_spec(claims={}), "prompt": prompt})
+    spec = apply_patch(spec, [{"op": "add", "path": p, "value": v} for p, v in operations])
     return apply_patch(spec, claim_operations(marked, spec))
 
 
@@ -190,7 +186,7 @@ def test_marked_text_that_cannot_be_read_says_what_to_write(marked: str, hint: s
 
 
 def test_versions_do_not_mix_and_a_version_stays_out_of_the_motion() -> None:
-    one = parse_spec({**small_spec(), "prompt": PROMPT})
+    one = parse_spec(old_spec())
     with pytest.raises(SpecError, match="claims are of spec_version '2'"):
         apply_patch(
             one, [{"op": "add", "path": "/claims", "value": {"a": {"quote": "ball", "type": "thing", "by": ["/entities/ball"]}}}]

@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
-from worldagent.tests.stories.small_run import small_spec
+from worldagent.tests.stories.version_1 import old_spec
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.categories.liquid.words import missing_liquid
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import WorldSpec
 
-DRY = parse_spec({**small_spec(), "prompt": "A steel ball rolls into a row of three blocks."})
+DRY = parse_spec({**old_spec(), "prompt": "A steel ball rolls into a row of three blocks."})
 WET = parse_spec({**tank_spec(), "prompt": PROMPT})
 MET = ["/entities/floor", "/story/beats/roll"]
 
@@ -66,7 +66,7 @@ def test_water_of_a_landscape_is_water_that_nothing_moves_in() -> None:
 
 
 def _painted() -> dict[str, Any]:
-    spec = small_spec()
+    spec = old_spec()
     spec["entities"]["pool"] = {**spec["entities"]["floor"], "role": "blue water of the pool", "pose": {"position": [2, 2, 0]}}
     spec["simulation"]["solvers"]["rigid"]["members"].append("pool")
     spec["clauses"]["c3"] = {"met_by": ["/entities/pool", "/story/beats/roll"]}

@@ -10,8 +10,8 @@ import numpy as np
 from worldagent.simulation.freeze import engine_versions, solver_source
 from worldagent.tests.page.conftest import Made, row
 from worldagent.tests.page.test_standing import FREEZE
-from worldagent.worlds.claims import prompt_record
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
+from worldagent.worlds.claims import prompt_record
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.patch import parse_spec

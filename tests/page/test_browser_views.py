@@ -73,9 +73,7 @@ def test_no_view_scrolls_sideways(rich: WorldFolder, served: Served, browser: An
 def test_a_stale_verdict_is_never_shown_as_one_that_holds(rich: WorldFolder, tab: Tab) -> None:
     page = tab.go("", "Worlds")
     verdict = page.locator(".worlds .verdict")
-    assert (
-        "stale – accepted, prompt read by nobody at revision 1, the specification was changed since" in verdict.inner_text()
-    )
+    assert "stale – accepted, prompt read by nobody at revision 1, the specification was changed since" in verdict.inner_text()
     assert page.locator(".stages .is-stale .name").all_inner_texts() == ["accepted", "rendered"]
     page = tab.go("#/w/w", "Three blocks")
     text = page.get_by_role("region", name="Acceptance").inner_text()

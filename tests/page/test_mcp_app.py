@@ -157,9 +157,7 @@ def test_the_view_speaks_to_its_host_and_shows_the_world(made: Made, host: Host,
     rich_world(made)
     frame = host.show(theme=theme)
     frame.get_by_role("heading", level=1, name="Three blocks").wait_for()
-    frame.get_by_role("region", name="Acceptance").get_by_text(
-        "stale – accepted, prompt read by nobody at revision 1"
-    ).wait_for()
+    frame.get_by_role("region", name="Acceptance").get_by_text("stale – accepted, prompt read by nobody at revision 1").wait_for()
     inner = host.page.frames[1]
     assert inner.evaluate("document.documentElement.dataset.theme") == theme
     for view, heading in (("Requirements", "Requirements"), ("Pictures", "3 pictures"), ("Ledger", "Ledger")):

@@ -34,7 +34,12 @@ def lava_spec() -> dict[str, Any]:
     """The specification without its prompt."""
     trough = {"bed": _box((2.4, 1.0, 0.2), (0, 0, -0.1)), "left": _box((2.4, 0.2, 0.2), (0, 0.4, 0.1)), "right": _box((2.4, 0.2, 0.2), (0, -0.4, 0.1))}  # fmt: skip
     hot = {"viscosity": 60, "surface_tension": 0.35, "resolution": 0.04, "temperature": 1400, "conductivity": 1.5, "heat_capacity": 1200, "activation": 20000}  # fmt: skip
-    passes = {"kind": "flows", "point": _placed(-0.5, 0.05)["position"], "normal": [math.cos(TILT), 0, -math.sin(TILT)], "radius": 0.4}
+    passes = {
+        "kind": "flows",
+        "point": _placed(-0.5, 0.05)["position"],
+        "normal": [math.cos(TILT), 0, -math.sin(TILT)],
+        "radius": 0.4,
+    }
     far = {"kind": "box", "min": [-0.3, -0.5, -1], "max": [1.5, 0.5, 1]}
     return {
         "title": "Lava",

@@ -290,7 +290,9 @@ def test_a_weakening_with_a_reason_is_recorded_and_printed_with_the_acceptance(a
 
 @pytest.mark.slow
 def test_a_claim_that_is_waived_stands_in_the_acceptance(accepted: Any) -> None:
-    accepted.edit(("/claims/falls_off", {"quote": "falls off", "type": "event", "waived": "only the blow was asked for in the end"}))
+    accepted.edit(
+        ("/claims/falls_off", {"quote": "falls off", "type": "event", "waived": "only the blow was asked for in the end"})
+    )
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert verdict["verdict"] == "accepted"
     assert verdict["prompt"]["waivers"] == {"falls off": "only the blow was asked for in the end"}

@@ -124,7 +124,8 @@ def _given_up(spec: Spec) -> None:
     _without_the_beat(spec)
     kept = ("quote", "nth", "type")
     spec["claims"] = {
-        name: {**{k: claim[k] for k in kept}, "waived": "not in this version of the world"} for name, claim in spec["claims"].items()
+        name: {**{k: claim[k] for k in kept}, "waived": "not in this version of the world"}
+        for name, claim in spec["claims"].items()
     }
 
 

@@ -33,7 +33,8 @@ SHOT = {
     "keys": {"k0": {"frame": 0, "position": [0, -3.5, 0.8], "target": [0, 0, 0.5], "fov_deg": 45}},
 }
 STORY = {"story": {"beats": {"rise": RISE}}, "shots": {"wide": SHOT}}
-CLAIMS = "[Three](count left middle right) [balloons](thing left middle right) [rise](event rise) from the [floor](thing floor)."
+PARTS = " ".join(f"/entities/balloons/parts/{side}" for side in ("left", "middle", "right"))
+CLAIMS = f"[Three](count {PARTS}) [balloons](thing balloons) [rise](event rise) from the [floor](thing floor)."
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,9 @@ def loop(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], list
     workspace = tmp_path_factory.mktemp("air")
     with pytest.MonkeyPatch.context() as patch, Agent(workspace) as agent:
         run_jobs_inline(patch)
-        created = agent.call("edit_spec", world="w", prompt=BALLOON_PROMPT, spec=balloon_spec(frames=FRAMES, **STORY), claims=CLAIMS)
+        created = agent.call(
+            "edit_spec", world="w", prompt=BALLOON_PROMPT, spec=balloon_spec(frames=FRAMES, **STORY), claims=CLAIMS
+        )
         assert created["audit"]["passed"], created["audit"]
         agent.call("place_object", world="w")
         agent.call("probe_sim", world="w")

@@ -20,8 +20,10 @@ from ..prompts.languages import Held, language_of
 from ..prompts.numbers import Quantity, number_in, ordinal_in, quantity_in
 from ..references import kinds_of, resolves
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
+from .acted_on import acted_on_problems
 from .contradictions import contradiction_problems
 from .counts import count_problems
+from .matter_words import matter_problems
 from .negations import negation_problems
 from .properties import substance_problems
 from .unclaimed import unclaimed_problems
@@ -47,6 +49,7 @@ _ALLOWED: Mapping[ClaimType, tuple[str, ...]] = {
 }
 """Where a claim of each type may be judged."""
 _ENTITY = re.compile(r"/entities/([^/]+)(?:/parts/[^/]+)?")
+_ASKED = re.compile(r"/story/(beats|requirements)/([^/]+)")
 _ORDERED = frozenset({"before", "after", "until", "within"})
 
 
@@ -56,7 +59,8 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
     found = [Problem(f"/claims/{name}/quote", text) for name, text in reading.problems]
     for name, claim in spec.claims.items():
         found += _claim(spec, document, name, claim)
-    return [*found, *_shared(spec), *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]
+    found += [*acted_on_problems(spec, reading), *_shared(spec)]
+    return [*found, *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]
 
 
 def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
@@ -81,7 +85,18 @@ def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
         elif not pointer.lstrip("/").startswith(tuple(f"{root}/" for root in _ALLOWED[claim.type])):
             allowed = ", ".join(f"/{root}" for root in _ALLOWED[claim.type])
             yield Problem(at, f"a claim of type {claim.type} is judged by {allowed}, not by {pointer!r}")
+    yield from _optional(spec, name, claim)
     yield from _DUTIES.get(claim.type, _nothing)(spec, document, name, claim)
+
+
+def _optional(spec: WorldSpec, name: str, claim: Claim) -> Iterator[Problem]:
+    """A claim whose words no mandatory beat or requirement judges, though it names nothing else."""
+    story: Mapping[str, Mapping[str, Beat | Requirement]] = {"beats": spec.story.beats, "requirements": spec.story.requirements}
+    named = [m.groups() for p in claim.by if (m := _ASKED.match(p))]
+    asked = {n: story[group][n] for group, n in named if n in story[group]}
+    if asked and len(named) == len(claim.by) and claim.type != "event" and not any(a.mandatory for a in asked.values()):
+        text = f"{claim.quote!r} is judged by what is optional alone ({', '.join(asked)}); make one of it mandatory"
+        yield Problem(f"/claims/{name}/by", text)
 
 
 def _nothing(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
@@ -96,6 +111,7 @@ def _thing(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
         if pointer.startswith("/entities/") and not _ENTITY.fullmatch(pointer):
             text = f"a thing is an entity or a part of one, as /entities/<id> or /entities/<id>/parts/<part>, not {pointer!r}"
             yield Problem(f"/claims/{name}/by/{index}", text)
+    yield from matter_problems(spec, name)
 
 
 def _shared(spec: WorldSpec) -> Iterator[Problem]:

@@ -50,8 +50,6 @@ PREDICATES = (
         "m",
         ("origin", "particle/position", "balloon/member"),
         BAND,
-        placed=True,
-        tells=("flies",),
         event=True,
         gloss="The mean height of its balloons has grown since frame 0 by what `min` says.",
         source="own choice: the law of Archimedes is judged by `category:balloons:balance`",

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from .claim_targets import named_in, targets_of
 from .described import DESCRIBING, judged_words
 from .errors import InputError
+from .predicates import entities_of
 from .predicates.events import event_atoms
 from .prompts import lexicon as words
 from .prompts.languages import Held, held_words, language_of
@@ -16,7 +17,7 @@ from .prompts.marks import occurrence
 from .prompts.numbers import number_in, quantity_in
 from .prompts.odd import odd_characters
 from .prompts.units import boundaries, letters, units_of, word_count
-from .spec import CLAIM_TYPES, WorldSpec
+from .spec import CLAIM_TYPES, Beat, WorldSpec
 
 __all__ = ["LONGEST", "Reading", "Span", "named_in", "prompt_record", "reading_of", "targets_of"]
 
@@ -125,6 +126,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     alike = sum(c.same_as is not None for c in told)
     if alike > SAME_SHARE * len(told):
         yield f"{alike} of {len(told)} claims of things and events are said to be the same as another"
+    yield from _idle(spec)
     readings = [
         words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))
         for s in spans
@@ -134,6 +136,33 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     for warned in words.warnings_for(readings, spec.prompt, language):
         if not any(s.start <= warned.start and warned.end <= s.end for s in waived):
             yield f"{warned.word!r} is marked as {warned.marked}: {warned.says}" if warned.word else warned.says
+
+
+def _idle(spec: WorldSpec) -> Iterator[str]:
+    """Bodies that can move and that nothing which a claim says of beats and requirements is about, in a prompt that tells of events."""
+    judged = [n for n, c in spec.claims.items() if c.waived is None]
+    if not any(spec.claims[n].type == "event" for n in judged):
+        return
+    story = spec.story
+    told = {e for n in judged for b in named_in(spec, n, "story/beats") if b in story.beats for e in _about(story.beats[b])}
+    told |= {
+        e
+        for n in judged
+        for r in named_in(spec, n, "story/requirements")
+        if r in story.requirements
+        for e in entities_of(story.requirements[r].predicate)
+    }
+    for name in judged:
+        claim = spec.claims[name]
+        if claim.type != "thing" or claim.same_as is not None:
+            continue
+        bodies = [n for n in named_in(spec, name, "entities") if n in spec.entities and spec.entities[n].motion == "dynamic"]
+        if bodies and not told & set(bodies):
+            yield f"{claim.quote!r} can move, and nothing that is claimed to happen is about {', '.join(bodies[:3])}"
+
+
+def _about(beat: Beat) -> tuple[str, ...]:
+    return (beat.subject, *entities_of(beat.predicate))
 
 
 def _kinds(spec: WorldSpec, name: str) -> list[str]:

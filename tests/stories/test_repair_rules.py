@@ -137,8 +137,8 @@ def test_a_story_edit_does_not_launder_a_failure(failed: Any, patch: Patch) -> N
 
 
 def test_a_repair_that_breaks_the_audit_or_the_geometry_can_be_mended(failed: Any, patch: Patch) -> None:
-    failed.edit(("/entities/shelf/material", "lead"), hypothesis=WHY)
-    failed.edit(("/entities/shelf/material", "stone"), hypothesis=WHY)
+    failed.edit(("/entities/floor/material", "lead"), hypothesis=WHY)
+    failed.edit(("/entities/floor/material", "stone"), hypothesis=WHY)
     failed.call("probe_sim", world="w")
     failed.edit(("/entities/b2/pose/position/0", 0.18), hypothesis=WHY)
     assert not failed.call("place_object", world="w")["static_passed"]

@@ -195,11 +195,9 @@ def test_no_easier_specification_is_accepted(agents: Any, attempt: Callable[[Spe
 
 ATTEMPTED = Path(__file__).parent / "attempts"
 """Worlds of docs/trials/adversary."""
-FOR_READERS = {"no_bottle_falls": "'bottles' can move, and nothing that is claimed to happen is about b1, b2, b3"}
-"""Worlds that leave out what the prompt tells, by spans bound to something else that happens; and the line that says so."""
 
 
-@pytest.mark.parametrize("path", sorted(p for p in ATTEMPTED.glob("*.json") if p.stem not in FOR_READERS), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", sorted(ATTEMPTED.glob("*.json")), ids=lambda p: p.stem)
 def test_what_an_adversary_once_got_accepted_is_accepted_no_more(agents: Any, path: Path) -> None:
     attempt = json.loads(path.read_text())
     text, overview = _as_far_as_it_goes(agents, path.stem, **attempt)
@@ -211,6 +209,7 @@ REASONS = {
     "bottles_by_drivers": "'knocks over' is told of 'b1', which stands behind it: ball does it, but beat 'fall1' names no causes",
     "bottles_thrown": "'knocks over' is told of 'b1', which stands behind it: ball does it, but beat 'fall1' names no causes",
     "one_bottle": "'five' counts 5, by names 1",
+    "no_bottle_falls": "nothing that is claimed says what becomes of 'five' (b1, b2, b3)",
     "hidden_torques": "a causal margin of 1e-09 rad is within noise",
     "crates_held_in_the_air": "lets go of 'c1' at 100 s, after the last frame",
     "crates_in_each_other": "an intended overlap of",
@@ -223,14 +222,20 @@ def test_the_audit_says_why_it_refuses_what_an_adversary_once_got_accepted(name:
     assert any(REASONS[name] in p for p in told), told
 
 
-@pytest.mark.parametrize("name", FOR_READERS)
-def test_what_only_a_reader_can_tell_stands_with_the_verdict(name: str) -> None:
-    """Known gap: no rule tells which of two events a verb means; without a reader the verdict is "accepted, prompt read by nobody"."""
-    assert FOR_READERS[name] in prompt_record(_attempted(name))["warnings"]
+def test_what_only_a_reader_can_tell_stands_with_the_verdict() -> None:
+    """Known gap: no rule tells that "knocks over" is no touch of the floor; who claims anything of a bottle besides passes the audit."""
+    spec = _attempted("no_bottle_falls", ("a row of", "a [row](property b1) of"))
+    assert audit(spec).passed
+    told = "'bottles' can move, and nothing that is claimed to happen is about b1, b2, b3"
+    assert told in prompt_record(spec)["warnings"]
     assert not any("can move" in w for w in prompt_record(parse_spec({**small_spec(), "prompt": PROMPT}))["warnings"])
 
 
-def _attempted(name: str) -> WorldSpec:
+def _attempted(name: str, *changes: tuple[str, str]) -> WorldSpec:
     attempt = json.loads((ATTEMPTED / f"{name}.json").read_text())
     spec = parse_spec({**attempt["spec"], "prompt": attempt["prompt"]})
-    return apply_patch(spec, claim_operations(attempt["claims"], spec))
+    marked = attempt["claims"]
+    for old, new in changes:
+        assert old in marked
+        marked = marked.replace(old, new)
+    return apply_patch(spec, claim_operations(marked, spec))

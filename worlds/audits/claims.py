@@ -288,7 +288,9 @@ def _held(spec: WorldSpec, reading: Reading, held: Held) -> Iterator[Problem]:
     claim = spec.claims[span.claim]
     lost = claim.type != "negation" if held.kind == "negation" else claim.type in _NUMBERLESS and held.kind == "number"
     # A single thing, or a part of one, as `at one leg`, is what such a claim names anyhow.
-    lost = lost and not (held.kind == "number" and number_in(word, reading.language) == 1 and len(set(named_in(spec, span.claim, "entities"))) < 2)
+    lost = lost and not (
+        held.kind == "number" and number_in(word, reading.language) == 1 and len(set(named_in(spec, span.claim, "entities"))) < 2
+    )
     if lost and claim.waived is None and not (held.kind == "number" and ordinal_in(word, reading.language) is not None):
         text = f"{word!r} of {claim.quote!r} is a {held.kind} word, which a claim of type {claim.type} does not judge: mark it as {_TYPE_OF[held.kind]}"
         yield Problem(f"/claims/{span.claim}/type", text)

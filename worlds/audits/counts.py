@@ -6,7 +6,7 @@ number of the specification. How many there are, and how many of them do it, is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from ..claims import named_in, targets_of
@@ -15,7 +15,7 @@ from ..problems import Problem
 from ..prompts.languages import language_of
 from ..prompts.numbers import number_in
 from ..slices import geometry_slice
-from ..spec import Beat, Claim, SpecModel, WorldSpec
+from ..spec import Beat, Claim, Requirement, SpecModel, WorldSpec
 
 __all__ = ["Counted", "count_problems", "counted_of", "countings_of"]
 
@@ -88,6 +88,7 @@ def count_problems(spec: WorldSpec, name: str, claim: Claim, leaves: list[float 
         yield Problem(place, text)
     yield from _more(spec, name, claim, set(found.bodies), place)
     yield from _partly_told(spec, name, claim, set(found.bodies))
+    yield from _untold(spec, name, claim, set(found.bodies))
 
 
 def _told_by(spec: WorldSpec, claim: Claim, found: Counted, place: str) -> Iterator[Problem]:
@@ -160,6 +161,27 @@ def _partly_told(spec: WorldSpec, name: str, claim: Claim, bodies: set[str]) -> 
             text = f"{event.quote!r} is told of {', '.join(sorted(told & bodies)[:3])} and not of {', '.join(sorted(left)[:3])}, of {claim.quote!r}: add a "
             text += "beat about them, use a `count` predicate over all, or claim single ones by spans of their own"
             yield Problem(f"/claims/{other}/by", text)
+
+
+def _untold(spec: WorldSpec, name: str, claim: Claim, bodies: set[str]) -> Iterator[Problem]:
+    """Counted bodies that can move and of which no claim says anything, in a prompt that tells of events."""
+    judged = {o: c for o, c in spec.claims.items() if c.waived is None and c.type not in ("thing", "count")}
+    moving = sorted(n for n in bodies & set(spec.entities) if spec.entities[n].motion == "dynamic")
+    if not moving or not any(c.type == "event" for c in judged.values()):
+        return
+    story: Mapping[str, Mapping[str, Beat | Requirement]] = dict(
+        zip(_STORY, (spec.story.beats, spec.story.requirements), strict=True)
+    )
+    asked = [group[n] for o in judged for place, group in story.items() for n in named_in(spec, o, place) if n in group]
+    told = {e for a in asked for e in (_about(a) if isinstance(a, Beat) else entities_of(a.predicate))}
+    told |= {n for o in judged for n in named_in(spec, o, "entities")}
+    relations = [
+        spec.graph.relations[r] for o in judged for r in named_in(spec, o, "graph/relations") if r in spec.graph.relations
+    ]
+    if (told | {end for r in relations for end in (r.a, r.b)}) & set(moving):
+        return
+    text = f"nothing that is claimed says what becomes of {claim.quote!r} ({', '.join(moving[:3])}): name a beat about them for the words of what happens to them, "
+    yield Problem(f"/claims/{name}/by", text + "or claim where they stand by a relation or requirement")
 
 
 def _about(beat: Beat) -> tuple[str, ...]:

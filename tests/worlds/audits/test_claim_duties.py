@@ -127,6 +127,18 @@ def test_parts_of_a_body_are_counted(words: str, named: tuple[int, ...], said: s
     assert bool(found) is bool(said)
 
 
+STANDING = "A [ball](thing ball) [rolls](event roll) past [three](count b1 b2 b3) [blocks](thing b1 b2 b3){where}."
+
+
+@pytest.mark.parametrize("where", [" [on a](place on_shelf_b1) [shelf](thing shelf)", ", which [stay](property up)"])
+def test_of_what_is_counted_something_is_claimed(where: str) -> None:
+    spec = small_spec()
+    still = {"text": "they stand", "predicate": {"kind": "tilts", "entity": "b2", "max": 0.1, "when": "always"}}
+    spec["story"]["requirements"] = {"up": still}
+    assert problems(spec, STANDING.format(where=where)) == ""
+    assert "nothing that is claimed says what becomes of 'three' (b1, b2, b3)" in problems(spec, STANDING.format(where=""))
+
+
 # ---------------------------------------------------------------- liquids and land
 
 

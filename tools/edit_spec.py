@@ -121,7 +121,7 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     uncovered = [k for k, v in report.coverage.items() if not v]
     if uncovered:
         data["beats_no_shot_covers"] = uncovered[:20]
-    data |= _prompt_told(session, report)
+    data |= _prompt_told(session)
     found = audit["counts"]
     verdict = "the audit passes" if report.passed else f"the audit leaves {found['mandatory_open']} rows open"
     done = (
@@ -145,12 +145,9 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     return ToolReply(answer(data, text, then, warnings), links=links)
 
 
-def _prompt_told(session: Any, report: Any) -> dict[str, Any]:
-    """Words of the prompt that nothing is mapped to yet: clauses of version 1, or the spans that the server proposes."""
+def _prompt_told(session: Any) -> dict[str, Any]:
+    """Shares of the prompt and warnings, or, without claims, the spans that the server proposes."""
     spec = session.spec
-    if spec.spec_version == "1":
-        unmapped = [k for k in report.clauses if k not in spec.clauses]
-        return {"clauses_to_map": {k: report.clauses[k] for k in unmapped[:40]}} if unmapped else {}
     if spec.claims:
         from ..worlds.claims import prompt_record
 

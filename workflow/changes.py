@@ -60,7 +60,7 @@ class Change:
         self.undone = self._undone() if self.causal else []
         self.failing = [r for r in ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
         self.weaker = weakenings(self.world.spec, self.after, judged_on(self.failing))
-        told: list[str] = []
+        told = self._version_objections()
         unseen = unjudged(ledger)
         if self.weaker and (unseen or ledger.ever_failed()) and len(self.reason.strip()) < 15:
             told.append(
@@ -72,6 +72,17 @@ class Change:
         if self.causal and not self.undone:
             told += self._causal_objections()
         return told
+
+    def _version_objections(self) -> list[str]:
+        """Objections to new clauses, and to the way back to them."""
+        before, after = self.world.spec, self.after
+        if after.spec_version == "2" or (before.spec_version == "1" and before.clauses == after.clauses):
+            return []
+        return [
+            "clauses are of spec_version '1' and judged by nothing: they can no longer be written. Mark the prompt instead, which makes the world "
+            f"version 2: edit_spec(world={self.world.folder.id!r}, claims='A [ball](thing ball) [rolls off](event roll) ...'); "
+            "inspect_world(part='claims') proposes spans"
+        ]
 
     def _undone(self) -> list[dict[str, Any]]:
         """The untested changes that the edit takes back, all of them; none unless its causes are those last tested."""

@@ -6,7 +6,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-from ..worlds.audits.clauses import clauses_of
 from ..worlds.canonical import spec_digest
 from ..worlds.claim_marks import claim_operations
 from ..worlds.errors import EvidenceError, InputError, RefusedError
@@ -20,25 +19,29 @@ from .siblings import started_anew
 
 __all__ = ["create", "mend_hand_edit"]
 
+NO_CLAUSES = (
+    "clauses are of spec_version '1', of which no world is made any more: leave them and spec_version out, and mark what the words of the prompt mean: "
+    "edit_spec(world, prompt, spec, claims='A [ball](thing ball) [rolls off](event roll) the [table](thing table).'); without claims the reply proposes spans"
+)
+
 
 def create(
     workspace: Path, world: str, prompt: str, spec: dict[str, Any], claims: str | None = None
 ) -> tuple[Session, dict[str, Any]]:
     """Make a world from a prompt and a part of its specification; the world, and its revision for the reply.
 
-    A new world is of version 2, unless its specification has clauses.
-
     Raises:
         RefusedError: there is such a world already.
-        InputError: the specification does not validate, or holds another prompt.
+        InputError: the specification does not validate, is of version 1, or holds another prompt.
     """
     folder = WorldFolder.of(workspace, world, create=True)
     if folder.spec_path.exists():
         raise RefusedError(f"world {world!r} exists already; edit it with patch, or choose another id for another prompt")
     if "prompt" in spec and spec["prompt"] != prompt:
         raise InputError("spec.prompt differs from prompt; leave it out of spec")
-    version = "1" if spec.get("clauses") and claims is None else "2"
-    document = {"spec_version": version, "title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
+    if spec.get("clauses") or spec.get("spec_version", "2") == "1":
+        raise InputError(NO_CLAUSES)
+    document = {"spec_version": "2", "title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
     parsed = parse_spec(document)
     if claims is not None:
         parsed = apply_patch(parsed, claim_operations(claims, parsed))
@@ -67,8 +70,7 @@ def create(
             raise RefusedError(f"world {world!r} was created by another client meanwhile; choose another id")
         session.write_spec()
     beside = {"weakenings_recorded": siblings} if siblings else {}
-    told = {"clauses": clauses_of(prompt)} if parsed.spec_version == "1" else {}
-    return session, {"revision": session.revision, "created": True, **told, **beside}
+    return session, {"revision": session.revision, "created": True, **beside}
 
 
 def mend_hand_edit(workspace: Path, world: str, action: str, *, hypothesis: str, reason: str) -> tuple[Session, dict[str, Any]]:

@@ -313,8 +313,7 @@ def _few(items: Sequence[Any], most: int) -> list[Any]:
 
 
 def claims(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
-    """The prompt, marked, and how each span is judged; for version 1 its clauses."""
-    from ..worlds.audits.clauses import clauses_of
+    """The prompt, marked, and how each span is judged; of version 1 it is unmarked, with the spans that the server proposes."""
     from ..worlds.claim_marks import marked_claims
     from ..worlds.claims import prompt_record
     from ..worlds.spec import CLAIM_TYPES
@@ -322,8 +321,10 @@ def claims(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     world, spec = session.folder.id, session.spec
     say = f"edit_spec(world={world!r}, claims='...') with the whole prompt, marked"
     if spec.spec_version == "1":
-        data = {"spec_version": "1", "clauses": clauses_of(spec.prompt), "prompt": spec.prompt}
-        return answer(data, "a world of version 1: its prompt is judged by clauses; claims make it version 2", say)
+        from ..worlds.prompts.proposals import proposal_text
+
+        data = {"spec_version": "1", "marked": spec.prompt, "claims_to_make": proposal_text(spec.prompt)}
+        return answer(data, "a world of version 1: nothing judges the words of its prompt; claims make it version 2", say)
     told = prompt_record(spec)
     status = {r.subject[0]: r.status for r in session.ledger.rows() if r.check == "claim" and r.subject}
     spans = [s | ({"row": status[s["claim"]]} if s.get("claim") in status else {}) for s in told.pop("spans")]

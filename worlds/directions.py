@@ -28,9 +28,7 @@ _RUBS = "how bodies rub and bounce"
 FIELDS: tuple[Parameter, ...] = (
     # the prompt, its claims, and clauses of version 1
     *parameters("", "spec_version title prompt", "text", "none", "a name, the version of the schema, the prompt, which never changes"),
-    *parameters("/clauses", ". *", "text", "either", "clauses added or dropped"),
-    *parameters("/clauses/*", "met_by", "text", "either", "what a clause is judged by"),
-    *parameters("/clauses/*", "unmet static_because", "text", "either", "gives a clause up, or what its words ask for"),
+    *parameters("/clauses", ". * */met_by */unmet */static_because", "text", "none", "of version 1: judged by nothing, and no edit changes them"),
     *parameters("/claims", ". *", "text", "either", "claims added or dropped"),
     *parameters("/claims/*", "quote nth type same_as", "text", "either", "which words are judged, and as what"),
     *parameters("/claims/*", "by", "text", "either", "what a claim is judged by"),

@@ -294,20 +294,6 @@ def _asked(requirements: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _clause_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
-    for key, clause in new.items():
-        was = old.get(key, {})
-        if clause.get("unmet"):
-            if not was.get("unmet"):
-                yield f"/clauses/{key} given up: {clause['unmet']}"
-            continue
-        if clause.get("static_because") and not was.get("static_because"):
-            yield f"/clauses/{key} asks for no event or way: {clause['static_because']}"
-        lost = sorted(set(was.get("met_by", ())) - set(clause.get("met_by", ())))
-        if lost:
-            yield f"/clauses/{key}/met_by lost {lost}"
-
-
 def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()) -> list[str]:
     """Changes that make the specification easier to satisfy (R157), in words.
 
@@ -326,6 +312,5 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     found += directed_weakenings(old, new, places)
     found += physical_weakenings(before, after, old, new, places)
     found += _shot_weakenings(old["shots"], new["shots"])
-    found += _clause_weakenings(old.get("clauses", {}), new.get("clauses", {}))
     found += claim_weakenings(old.get("claims", {}), new.get("claims", {}))
     return found

@@ -12,7 +12,7 @@ from ...worlds.judged_spans import SPAN_SIGNS, STATE_WORDS, JudgedSpan, first_sh
 from ...worlds.spec import WorldSpec
 from ...worlds.verdicts import reader_words
 from .encoded import ReportPictures
-from .markup import cell, escaped, figure, table, tag
+from .markup import escaped, figure, tag
 
 __all__ = ["prompt_section", "span_styles"]
 
@@ -22,7 +22,7 @@ MAX_NOTE_ROWS = 40
 
 
 def prompt_section(record: Mapping[str, Any], spec: WorldSpec, spans: Sequence[JudgedSpan], pictures: ReportPictures) -> str:
-    """The prompt with its spans, or, in worlds of version 1, with its clauses.
+    """The prompt with its spans; in worlds of version 1 its text alone.
 
     Args:
         record: of the judgement.
@@ -33,7 +33,11 @@ def prompt_section(record: Mapping[str, Any], spec: WorldSpec, spans: Sequence[J
     told = record.get("prompt")
     if not isinstance(told, Mapping):
         whole = tag("blockquote", escaped(spec.prompt), dir="auto")
-        return whole + tag("p", "This prompt is judged by clauses, as in worlds of version 1.") + _clauses(record, spec)
+        return (
+            whole
+            + tag("p", "A world of version 1: no words of this prompt are marked, and nothing judges them.")
+            + _given_up(record)
+        )
     first = first_shown(spans)
     text = tag("blockquote", "".join(_span(k, s) for k, s in enumerate(spans)), dir="auto")
     beside = "".join(_picture(k, p, pictures, spans, first) for k, p in enumerate(pictures.shown))
@@ -137,28 +141,8 @@ def _facts(told: Mapping[str, Any], spans: Sequence[JudgedSpan]) -> str:
 # ---------------------------------------------------------------- version 1
 
 
-def _clauses(record: Mapping[str, Any], spec: WorldSpec) -> str:
-    rows = record["rows"]
-
-    def judged(pointer: str) -> str:
-        name = pointer.rpartition("/")[2]
-        concerned = [r for r in rows if name in (r.get("subject") or ()) or name in (r.get("entities") or ())]
-        words = {s: sum(r["status"] == s for r in concerned) for s in _STATUSES}
-        found = " ".join(tag("span", escaped(f"{n} {s.replace('_', ' ')}"), class_=s) for s, n in words.items() if n)
-        return tag("li", tag("code", escaped(pointer)) + " " + (found or tag("span", "no row names it", class_="dim")))
-
-    lines = []
-    for key, clause in record["clauses"].items():
-        mapped = spec.clauses.get(key)
-        unmet = clause.get("unmet")
-        met = "" if mapped is None else tag("ul", "".join(judged(p) for p in mapped.met_by))
-        notes = "".join(
-            tag("div", escaped(f"{k.replace('_', ' ')}: {v}")) for k, v in clause.items() if k not in ("text", "unmet") and v
-        )
-        state = (
-            tag("strong", "unmet", class_="fail") + f": {escaped(unmet)}"
-            if unmet
-            else met or tag("span", "not mapped", class_="unverified")
-        )
-        lines.append((cell(escaped(key), "id"), cell(escaped(clause["text"])), cell(state + notes)))
-    return table(("clause", "words of the prompt", "met by"), lines)
+def _given_up(record: Mapping[str, Any]) -> str:
+    """Clauses that were said to be met by nothing, or to tell of no event, with the reasons."""
+    told = {c["text"]: c.get("unmet") or c.get("static_because") for c in record["clauses"].values()}
+    lines = [tag("li", tag("bdi", escaped(text)) + escaped(f": {why}")) for text, why in told.items() if why]
+    return tag("h3", "Given up") + tag("ul", "".join(lines)) if lines else ""

@@ -18,15 +18,14 @@ from ..fields import field_drivers
 from ..groups import group_of
 from ..instances import bake_order
 from ..problems import Problem, replaced
-from ..references import closest, references, resolves
+from ..references import closest, references
 from ..requirements import Correction, Row
 from ..spec import MOVED, WorldSpec
 from .claims import claim_problems
-from .clauses import clauses_of
 from .collisions import pair_problems, skin_problems
 from .couplings import coupling_problems
 from .fields import field_problems
-from .gate import bound_problems, clause_problems, hold_problems, overlap_problems
+from .gate import bound_problems, hold_problems, overlap_problems
 from .joints import joint_problems
 from .masses import mass_problems
 from .ownership import ownership_problems
@@ -48,7 +47,6 @@ class AuditReport:
     contact_pairs: tuple[tuple[str, str], ...]
     coverage: Mapping[str, tuple[str, ...]]
     """Beat -> shots that overlap its frames."""
-    clauses: Mapping[str, str]
     lacking: tuple[str, ...] = ()
     """Lacks that only the acceptance will ask about, in words."""
 
@@ -246,29 +244,6 @@ class _Audit:
         text = "every claim of the prompt names what its type asks for; no number, negation or order word is left unclaimed"
         self.add("claims", text, claim_problems(self.spec))
 
-    def clauses(self) -> Mapping[str, str]:
-        """R155 in worlds of version 1: every clause of the prompt is mapped or listed as unmet."""
-        found = clauses_of(self.spec.prompt)
-        problems = []
-        for key, text in found.items():
-            clause = self.spec.clauses.get(key)
-            if clause is None or (not clause.met_by and not clause.unmet):
-                problems.append(
-                    Problem(f"/clauses/{key}", f"clause {key} {text!r} is not mapped; give met_by pointers or an unmet reason")
-                )
-                continue
-            for pointer in clause.met_by:
-                if not resolves(self.document, pointer):
-                    problems.append(Problem(f"/clauses/{key}/met_by", f"pointer {pointer!r} leads nowhere"))
-        problems += clause_problems(self.spec, found)
-        for key in self.spec.clauses:
-            if key not in found:
-                problems.append(Problem(f"/clauses/{key}", f"the prompt has no clause {key!r}; its clauses are {list(found)}"))
-        self.add(
-            "clauses", "every clause of the prompt is mapped to the specification or listed as unmet with a reason", problems
-        )
-        return found
-
     def shots(self) -> Mapping[str, tuple[str, ...]]:
         """R24: shots lie in the sequence and every observed beat has one."""
         coverage, text = coverage_of(self.spec), "every observed beat is covered by a shot, camera keys lie inside their shots"
@@ -291,7 +266,6 @@ def audit(spec: WorldSpec) -> AuditReport:
     coverage = work.shots()
     if spec.spec_version == "2":
         work.claims()
-    clauses = work.clauses() if spec.spec_version == "1" else {}
     pairs = sorted(
         {
             tuple(sorted((r.a, r.b)))
@@ -301,4 +275,4 @@ def audit(spec: WorldSpec) -> AuditReport:
     )
     lacking = uncaused(spec)
     told = () if lacking is None else (lacking,)
-    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, clauses, told)
+    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, told)

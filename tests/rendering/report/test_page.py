@@ -103,12 +103,12 @@ def test_everything_a_reader_needs_is_on_the_page(candidate: Candidate) -> None:
     words = Page(text).words
     for part in (
         "incomplete", "3 requirements", "1 fail", "1 unverified", "1 pass", "1 mandatory ones open", "a problem told",
-        candidate.spec.prompt.split()[0], "A box rests", "no water here", "contact:a:ground", "-0.0213 m, required >= 0 m",
+        candidate.spec.prompt.split()[0], "It rains : no water here", "contact:a:ground", "-0.0213 m, required >= 0 m",
         "a frame 5", "0 to 9", "21 mm deep", "raise it by 0.02 m", "collision skin", "/simulation/frames 48 -> 24",
         "the prompt asks for one second", "mujoco", "linux-x86_64", "worldagent verify", "true at 4", "optional",
     ):  # fmt: skip
         assert part in words, part
-    assert words.index("incomplete") < words.index("A box rests") < words.index("contact:a:ground") < words.index("mujoco")
+    assert words.index("incomplete") < words.index("It rains") < words.index("contact:a:ground") < words.index("mujoco")
 
 
 def test_the_page_is_whole_and_calls_nothing(candidate: Candidate) -> None:

@@ -70,7 +70,7 @@ def test_every_span_shows_its_meaning_its_state_and_its_row(candidate: Candidate
     assert sum(a.get("class") == "filler" for t, a in page.tags if t == "span") == 5  # one is of the legend
 
 
-def test_the_headline_says_who_read_the_prompt_and_version_1_that_it_has_clauses(candidate: Candidate) -> None:
+def test_the_headline_says_who_read_the_prompt_and_version_1_that_nothing_judges_it(candidate: Candidate) -> None:
     told = record(verdict="accepted")
     assert "accepted, prompt read by nobody" in Page(matrix_page(told, candidate.spec)).words
     told["prompt"]["read_by"] = "person"
@@ -79,6 +79,7 @@ def test_the_headline_says_who_read_the_prompt_and_version_1_that_it_has_clauses
     assert "by a person" in words
     old = Page(matrix_page(_record(verdict="accepted"), candidate.spec))
     assert "physics accepted; prompt judged by clauses" in old.words
+    assert "no words of this prompt are marked, and nothing judges them" in old.words
     assert "It rains" in old.words
     assert "mark" not in {t for t, _ in old.tags}
 

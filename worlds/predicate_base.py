@@ -17,7 +17,6 @@ __all__ = [
     "Interval",
     "PredicateInfo",
     "Subject",
-    "Tells",
     "Tightens",
     "When",
     "atoms_of",
@@ -59,8 +58,6 @@ class Band(SpecModel):
 Tightens = Literal["up", "down", "none"]
 Interval = Literal["narrower", "wider", "end", "either"]
 """Change of its frames that makes a predicate harder to meet; `end`: only the last frame counts; `either`: it cannot be told."""
-Tells = Literal["falls", "flies", "blows", "cracks", "tears", "flaps"]
-"""Families of verbs in a prompt, see `audits/wording.py`."""
 BAND: Mapping[str, Tightens] = {"min": "up", "max": "down"}
 """How the bounds of a `Band` tighten."""
 POSE = ("position", "quaternion")
@@ -86,14 +83,8 @@ class PredicateInfo:
     """Its field that names loose matter, which is no such body."""
     lasting: bool = False
     """It speaks of a state that lasts, whatever its fields say."""
-    placed: bool = False
-    """It says where by coordinates; others do by a region or by whom they are about."""
     least: Mapping[str, float] = field(default_factory=dict)
     """Per field: the least bound that stands clear of noise. Own choice."""
-    pieces: float | None = None
-    """Least `min` with which it tells that something is in pieces, and not only cracked; None: never. Own choice."""
-    tells: tuple[Tells, ...] = ()
-    """Verbs of a prompt that it can tell."""
     event: bool = False
     """It says that something happens, by a physical definition: place, level or speed alone do not meet it."""
     adds_up: bool = False

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
-from worldagent.worlds.audits.gate import bound_problems
+from worldagent.worlds.audits.bounds import bound_problems
 from worldagent.worlds.noise import least_impulse, least_margin, least_travel
 from worldagent.worlds.patch import parse_spec
 

@@ -10,7 +10,6 @@ import pytest
 from worldagent.physics.waves import wavelength
 from worldagent.testing.worlds.small_liquids import sea_spec
 from worldagent.worlds.audits.audit import audit
-from worldagent.worlds.audits.scenery_words import missing_scenery
 from worldagent.worlds.errors import SpecError
 from worldagent.worlds.limits import estimate_counts
 from worldagent.worlds.patch import apply_patch, parse_spec
@@ -126,14 +125,6 @@ def test_the_audit_names_what_is_wrong_with_waves(name: str) -> None:
         world(), [{"op": "add" if p.endswith("other") else "replace", "path": p, "value": v} for p, v in operations]
     )
     assert re.search(wanted, problems(spec)), problems(spec)
-
-
-def test_a_sea_in_a_clause_is_the_liquid_that_waves_are_made_in_but_its_shore_is_not() -> None:
-    spec = apply_patch(world(), [{"op": "replace", "path": "/entities/bed/role", "value": "a floor between walls"}])
-    still = apply_patch(spec, [{"op": "remove", "path": SEA}])
-    assert [w for w, *_ in missing_scenery(spec, "A crate bobs in the sea.")] == []
-    assert [w for w, *_ in missing_scenery(still, "A crate bobs in the sea.")] == ["sea"]
-    assert len(list(missing_scenery(spec, "The sea rolls onto a beach."))) == 1
 
 
 def test_a_side_makes_waves_or_takes_them_in() -> None:

@@ -21,11 +21,11 @@ from ..problems import Problem, replaced
 from ..references import closest, references
 from ..requirements import Correction, Row
 from ..spec import MOVED, WorldSpec
+from .bounds import bound_problems, hold_problems, overlap_problems
 from .claims import claim_problems
 from .collisions import pair_problems, skin_problems
 from .couplings import coupling_problems
 from .fields import field_problems
-from .gate import bound_problems, hold_problems, overlap_problems
 from .joints import joint_problems
 from .masses import mass_problems
 from .ownership import ownership_problems

@@ -38,8 +38,6 @@ class CategorySpec:
 
     name: str
     shape: MatterShape
-    noun: str
-    """How the audit calls it, as in "a liquid"."""
     covers: str = ""
     """What its engines simulate, for the list of capabilities; empty where none does."""
     physics: type[Matter] | None = None
@@ -88,8 +86,6 @@ class CategorySpec:
     """Edits of an entity by which it is easier to judge and that no direction tells: its name, before, after."""
     seconds: Callable[[WorldSpec], float | None] = lambda spec: None
     """Seconds that its instances take by a usual rate, told before anything was measured; None where none is known."""
-    missing: Callable[[WorldSpec, str, Iterable[str]], Iterable[tuple[str, str]]] = lambda spec, text, met_by: ()
-    """Words of a clause that tell of such matter which nothing simulates, with what to do; from the clause and its `met_by`."""
 
     @property
     def allowances(self) -> list[str]:

@@ -5,7 +5,7 @@ The thresholds are the named bounds of `verifiers/predicates/events/bounds.py`; 
 
 from __future__ import annotations
 
-from ..predicate_base import POSE, PredicateInfo, Tells
+from ..predicate_base import POSE, PredicateInfo
 
 __all__ = ["BODY_EVENTS"]
 
@@ -19,12 +19,12 @@ def _event(
     unit: str,
     gloss: str,
     source: str,
-    *tells: Tells,
+    *,
     channels: tuple[str, ...] = _CONTACTS,
     directed: bool = False,
 ) -> PredicateInfo:
     return PredicateInfo(
-        kind, unit, channels, {"min": "up"}, "narrower", bodily=True, tells=tells, event=True, directed=directed, gloss=gloss, source=source
+        kind, unit, channels, {"min": "up"}, "narrower", bodily=True, event=True, directed=directed, gloss=gloss, source=source
     )  # fmt: skip
 
 
@@ -35,15 +35,12 @@ BODY_EVENTS = (
         "It goes down by at least its half-size while all that touches or holds it carries less than 0.5 of its weight; or it goes down so "
         "while it turns over an edge, and at least 0.5 of the potential energy that it loses becomes motion of it or of what it pushes.",
         "energy: what falls is not carried; the shares are own choices between free fall (0, 1) and being lowered (1, 0)",
-        "falls",
-        "flies",
     ),
     _event(
         "rises",
         "m",
         "Its centre goes up without a break by at least its half-size, against gravity; by whose work is measured and told.",
         _OWN + "less than its half-size is a stir",
-        "flies",
     ),
     _event(
         "spins",
@@ -51,15 +48,12 @@ BODY_EVENTS = (
         "It turns about its own centre by at least 6.28 rad in one sense without rolling: what it touches slips, or its centre moves less "
         "than 0.5 of the radius of gyration per radian.",
         _OWN + "less than one turn is turning, not spinning",
-        "flies",
     ),
     _event(
         "stops",
         "s",
         "It came at least its half-size, then it is still (slower than 0.0005 m/s and 0.005 rad/s) for at least 0.25 s on end.",
         _OWN + "stillness as everywhere in the checks; a turning point is shorter than a quarter of a second",
-        "falls",
-        "flies",
         channels=_MOTION,
     ),
     _event(
@@ -75,7 +69,6 @@ BODY_EVENTS = (
         "It goes to and fro about a hinge, a ball joint or a rope: at least one turning point between turns of at least 0.05 rad, at which "
         "contacts and drivers give no more than 0.2 of its change of momentum and before which it has slowed to 0.5 of its rate; half periods differ by no more than a factor of 2.0.",
         "mechanics: a pendulum is turned back by its weight or spring, in even time; the shares are own choices",
-        "flies",
     ),
     _event(
         "jumps",
@@ -84,7 +77,6 @@ BODY_EVENTS = (
         "drivers, fields, liquids and contacts of others that move give no more than 0.2 of that momentum: the rest is from springs, from "
         "its own joints, or from the ground that stays.",
         "mechanics: still ground gives momentum and no energy; records do not tell the work of a body's own joints from that of others",
-        "flies",
     ),
     _event(
         "drifts",
@@ -92,8 +84,6 @@ BODY_EVENTS = (
         "It goes a level way of at least its half-size, no faster than 4.0 half-sizes per second, and air, liquid or a field gives at least 0.5 "
         "of the work that drives it along.",
         _OWN + "the share and the pace at which things drift",
-        "flies",
-        "blows",
     ),
     _event(
         "rolls",
@@ -101,14 +91,12 @@ BODY_EVENTS = (
         "It turns by at least 3.14 rad about an axis across the direction in which it moves while it touches; the point of contact slips by "
         "less than 0.3 of its centre's way, and runs around the body by at least 0.3 of what it turns through.",
         "mechanics: pure rolling is v + w x r = 0; the share of a turn and the slip are own choices",
-        "flies",
     ),
     _event(
         "slides",
         "m",
         "The point of contact slips over what it touches by at least its half-size, and by at least 0.5 of its centre's way.",
         "mechanics: sliding is v + w x r != 0 at the contact; the way is an own choice",
-        "flies",
     ),
     _event(
         "tips",
@@ -118,7 +106,6 @@ BODY_EVENTS = (
         "what it pushes; and from there it comes down by at least 0.01 of its half-size.",
         "statics: balance is passed where the potential energy over the edge is greatest; the angle is an own choice, the balance of a slab "
         "five times as high as thick",
-        "falls",
     ),
     _event(
         "lands",
@@ -126,8 +113,6 @@ BODY_EVENTS = (
         "It was carried by less than 0.5 of its weight on its way down, faster than a fall from 0.1 of its half-size gives; then contact from "
         "below takes that momentum, and over 0.2 s it is carried by at least 0.5 of its weight and changes its height by less than its half-size.",
         _OWN + "what bounces on has not landed yet",
-        "falls",
-        "flies",
     ),
     _event(
         "bounces",
@@ -135,8 +120,6 @@ BODY_EVENTS = (
         "It moves itself and closes in on what it touches at least as fast as a fall from 0.01 of its half-size and 0.02 m/s, the contact turns that round to at "
         "least 0.1 of it, ends, and it comes off by at least 0.2 of its half-size before it touches again.",
         "impact mechanics: the normal velocity changes its sign; the shares are own choices",
-        "flies",
-        "falls",
     ),
     _event(
         "goes_uphill",
@@ -144,7 +127,6 @@ BODY_EVENTS = (
         "Its centre goes up without a break by at least its half-size while something carries it that itself rises by no more than 0.5 of that, "
         "along a level way of at least 0.5 of the rise; by whose work is measured and told.",
         _OWN + "the shares; what lifts rises too, and walls are steeper",
-        "flies",
     ),
     _event(
         "comes_loose",
@@ -152,7 +134,6 @@ BODY_EVENTS = (
         "A joint, weld, spring or rope that held it is opened, and it moves at least 0.5 of its half-size against the other end. Bonds that break "
         "are told by `broken` and `debris`.",
         _OWN + "the way",
-        "falls",
     ),
     _event(
         "opens",
@@ -174,7 +155,6 @@ BODY_EVENTS = (
         "A contact with `other` begins at a closing speed of at least that of a fall from 0.01 of the smaller half-size and 0.02 m/s, of which its own "
         "motion is at least 0.5, with an impulse of at least 0.1 of the reduced mass times that speed.",
         "impact mechanics: J = (1 + e) m v for a central blow; the floors are own choices above resting contact",
-        "blows",
         directed=True,
         channels=(*_CONTACTS, "event/time", "event/pair", "event/speed", "event/impulse"),
     ),
@@ -184,7 +164,6 @@ BODY_EVENTS = (
         "It presses `other`, which follows no path, by contact for at least 0.1 s on end, at least 0.5 of the impulse along the way of the other's centre, and works on it "
         "over a way of at least 0.5 of the other's half-size.",
         "work is force along a way; the time, longer than blows last, and the way are own choices",
-        "blows",
         directed=True,
     ),
     _event(
@@ -201,7 +180,6 @@ BODY_EVENTS = (
         "`other` rises without a break by at least its half-size, and this one, which moves, works on it by contact, spring, rope or joint at least 0.5 of "
         "its weight times that height; by contact alone, it rises by at least 0.5 of that too.",
         "energy: lifting is work against gravity; a slope that stays works on nothing",
-        "flies",
         directed=True,
     ),
     _event(
@@ -218,7 +196,6 @@ BODY_EVENTS = (
         "It works on `other` for at least 0.1 s on end, at least 0.5 of the energy of motion with which that leaves, faster than a fall from 0.5 of the "
         "other's half-size; then the other flies at least 2.0 of its half-size, carried by less than 0.5 of its weight.",
         _OWN + "longer than a blow, faster than what is dropped",
-        "flies",
         directed=True,
     ),
     _event(

@@ -13,7 +13,7 @@ from .event_kinds import BODY_EVENTS
 __all__ = ["PREDICATES", "interval_tightens", "is_event", "is_invariant"]
 
 _GENERAL = (
-    PredicateInfo("reaches", "m", POSE, bodily=True, tells=("falls", "flies", "blows")),
+    PredicateInfo("reaches", "m", POSE, bodily=True),
     PredicateInfo("stays_in", "m", POSE, bodily=True, lasting=True),
     PredicateInfo(
         "crosses",
@@ -21,8 +21,6 @@ _GENERAL = (
         POSE,
         frames="narrower",
         bodily=True,
-        placed=True,
-        tells=("falls", "flies", "blows"),
         event=True,
         gloss="Its centre passes a plane from the back to the front.",
         source="geometry",
@@ -34,7 +32,6 @@ _GENERAL = (
         {"min_impulse": "up"},
         frames="narrower",
         bodily=True,
-        tells=("blows",),
         event=True,
         gloss="The two touch, with at least `min_impulse` in all.",
         source="log of contacts; surfaces where both sleep",
@@ -46,10 +43,9 @@ _GENERAL = (
         (*POSE, "velocity", "angular_velocity"),
         {"max_speed": "down"},
         bodily=True,
-        tells=("falls", "flies", "blows"),
     ),
     PredicateInfo("supported", "1", POSE, bodily=True, lasting=True),
-    PredicateInfo("tilts", "rad", POSE, BAND, bodily=True, least={"min": 0.02}, tells=("falls", "flies", "blows")),
+    PredicateInfo("tilts", "rad", POSE, BAND, bodily=True, least={"min": 0.02}),
     PredicateInfo(
         "topples",
         "rad",
@@ -58,15 +54,14 @@ _GENERAL = (
         frames="either",
         bodily=True,
         least={"min_angle": 0.2},
-        tells=("falls", "flies", "blows"),
         event=True,
         gloss="Its z axis ends at least `min_angle` from where it was at frame 0, and did not start there.",
         source="own choice: 0.6 rad is past the balance of what is twice as high as thick",
     ),
-    PredicateInfo("speed", "m/s", ("velocity",), BAND, bodily=True, least={"min": 0.02}, tells=("flies", "blows")),
-    PredicateInfo("displacement", "m", POSE, BAND, bodily=True, tells=("falls", "flies", "blows")),
-    PredicateInfo("separation", "m", POSE, BAND, bodily=True, tells=("falls", "flies", "blows")),
-    PredicateInfo("joint_angle", "rad", ("joint",), BAND, least={"min": 0.005}, tells=("falls", "flies", "blows")),
+    PredicateInfo("speed", "m/s", ("velocity",), BAND, bodily=True, least={"min": 0.02}),
+    PredicateInfo("displacement", "m", POSE, BAND, bodily=True),
+    PredicateInfo("separation", "m", POSE, BAND, bodily=True),
+    PredicateInfo("joint_angle", "rad", ("joint",), BAND, least={"min": 0.005}),
     PredicateInfo("compares", "1", POSE, {"margin": "none"}, bodily=True),
     PredicateInfo(
         "landscape_water",

@@ -23,7 +23,6 @@ __all__ = ["CLOTH"]
 CLOTH = CategorySpec(
     name="cloth",
     shape=ClothPhysics.shape,
-    noun="cloth",
     covers="sheets and open meshes with real stiffness, pins, self-collision, wind; with a coupling they push bodies and are pushed",
     physics=ClothPhysics,
     instances=(ClothInstance,),

@@ -26,7 +26,6 @@ EVENTS = (
         ("vertex/position", "edge/open", "tear/corner", "tear/side", "tear/cause"),
         {"min": "up"},
         frames="narrower",
-        tells=("tears",),
         event=True,
         adds_up=True,
         gloss="Edges of the cloth open, by `other` where it is named, over at least 0.05 of the side of a square as large as it, and the lips of "

@@ -58,14 +58,13 @@ class Pinned(SpecModel):
 
 _SHEETS = ("vertex/position",)
 PREDICATES = (
-    PredicateInfo("drape", "1", _SHEETS, BAND, placed=True),
+    PredicateInfo("drape", "1", _SHEETS, BAND),
     PredicateInfo(
         "flutters",
         "m",
         _SHEETS,
         {"min_amplitude": "up", "max_amplitude": "down", "min_cycles": "up", "min_frequency": "up", "max_frequency": "down"},
         frames="either",
-        tells=("flaps",),
         event=True,
         gloss="It goes to and fro by `min_amplitude` to either side, `min_cycles` times, over a tenth of its free area.",
         source="spectrum of the motion of its points",
@@ -75,7 +74,6 @@ PREDICATES = (
         "m",
         (*_SHEETS, "edge/open", "tear/corner", "tear/side", "tear/cause"),
         BAND,
-        tells=("tears",),
         event=True,
         gloss="At least `min` of its edges, in metres, open in the interval.",
         source="log of tears",

@@ -18,7 +18,6 @@ __all__ = ["ELASTIC"]
 ELASTIC = CategorySpec(
     name="elastic",
     shape=ElasticPhysics.shape,
-    noun="an elastic body",
     covers="elastic bodies on lattices of quadratic cells, pinned or free, two-way contact with rigid and elastic bodies, yielding",
     physics=ElasticPhysics,
     predicates=(*PREDICATES, *EVENTS),

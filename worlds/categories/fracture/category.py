@@ -15,7 +15,6 @@ __all__ = ["FRACTURE"]
 FRACTURE = CategorySpec(
     name="fracture",
     shape="solid",
-    noun="a breakable body",
     contract="breakable",
     predicates=(*PREDICATES, *EVENTS),
     groups=(

@@ -30,7 +30,6 @@ EVENTS = (
         {"min": "up"},
         frames="narrower",
         bodily=True,
-        tells=("cracks", "blows"),
         event=True,
         adds_up=True,
         gloss="At least 0.01 of its bonds break, one at least, by `other` where it is named, whether its pieces part or not.",
@@ -43,8 +42,6 @@ EVENTS = (
         {"min": "up"},
         frames="narrower",
         bodily=True,
-        pieces=0.0,
-        tells=("cracks", "blows", "falls"),
         event=True,
         adds_up=True,
         gloss="Its bonds break, by `other` where it is named, and lumps of at least 0.02 of its mass in all that were one with the rest of it "

@@ -12,7 +12,6 @@ __all__ = ["GAS"]
 GAS = CategorySpec(
     name="gas",
     shape=GasPhysics.shape,
-    noun="a gas",
     physics=GasPhysics,
     parameters=(
         *TEMPERATURE,

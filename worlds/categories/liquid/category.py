@@ -14,14 +14,12 @@ from .facts import liquid_estimate, liquid_seconds
 from .models import DfsphInstance, FlipInstance, InflowDriver, LiquidPhysics, OutflowDriver, WavesDriver
 from .predicates import PREDICATES
 from .recipe import liquid_recipes
-from .words import missing_liquid
 
 __all__ = ["LIQUID"]
 
 LIQUID = CategorySpec(
     name="liquid",
     shape=LiquidPhysics.shape,
-    noun="a liquid",
     covers="free-surface liquids as particles or on a grid, inflows and outflows, waves of a spectrum; dfsph pushes bodies and is pushed by them",
     physics=LiquidPhysics,
     instances=(DfsphInstance, FlipInstance),
@@ -80,5 +78,4 @@ LIQUID = CategorySpec(
     ),
     recipes=liquid_recipes,
     seconds=liquid_seconds,
-    missing=missing_liquid,
 )

@@ -106,7 +106,6 @@ EVENTS = (
         _LOOSE,
         {"min": "up"},
         frames="narrower",
-        placed=True,
         event=True,
         gloss="Over 0.5 s on end it passes the disc along its normal, eight particles at least, 0.75 of what passes in all, and no more than 0.5 of "
         "it rides along with a moving body.",

@@ -19,7 +19,6 @@ __all__ = ["PARTICLES"]
 PARTICLES = CategorySpec(
     name="particles",
     shape=ParticlePhysics.shape,
-    noun="particles",
     covers="grains with friction, rolling resistance and cohesion that push bodies and are pushed; sparks, rain, dust that fly alone",
     physics=ParticlePhysics,
     instances=(DemInstance, BallisticInstance),

@@ -59,9 +59,9 @@ class ParticlesSettled(SpecModel):
 
 _GRAINS = ("origin", "particle/position", "particle/member", "particle/radius")
 PREDICATES = (
-    PredicateInfo("particle_count_in", "1", _GRAINS, BAND, tells=("falls", "flies")),
-    PredicateInfo("particle_volume_in", "m^3", _GRAINS, BAND, tells=("falls", "flies")),
-    PredicateInfo("pile_height", "m", _GRAINS, BAND, placed=True, tells=("falls", "flies")),
-    PredicateInfo("run_out", "m", _GRAINS, BAND, placed=True, tells=("falls", "flies")),
+    PredicateInfo("particle_count_in", "1", _GRAINS, BAND),
+    PredicateInfo("particle_volume_in", "m^3", _GRAINS, BAND),
+    PredicateInfo("pile_height", "m", _GRAINS, BAND),
+    PredicateInfo("run_out", "m", _GRAINS, BAND),
     PredicateInfo("particles_settled", "m/s", (*_GRAINS, "particle/velocity"), {"max_speed": "down"}),
 )

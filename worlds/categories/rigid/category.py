@@ -16,7 +16,6 @@ _LAWS = "rows hold the motion against laws"
 RIGID = CategorySpec(
     name="rigid",
     shape=RigidPhysics.shape,
-    noun="a rigid body",
     covers="rigid bodies, joints, ropes of links, drivers",
     physics=RigidPhysics,
     instances=(RigidInstance,),

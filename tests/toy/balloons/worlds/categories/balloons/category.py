@@ -46,7 +46,6 @@ def _estimates(spec: WorldSpec) -> Iterator[LooseEstimate]:
 BALLOONS = CategorySpec(
     name="balloons",
     shape=BalloonPhysics.shape,
-    noun="balloons",
     covers="balloons that rise through still air",
     physics=BalloonPhysics,
     instances=(BalloonInstance,),

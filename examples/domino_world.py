@@ -219,7 +219,7 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.57)) -> dict[str, Any]:
     regions = {"in_bowl": {"kind": "cylinder", "center": [0, 0, 0.06], "radius": 0.165, "height": 0.11, "relative_to": "bowl"}}
     topple = {"kind": "topples", "entity": "each", "min_angle": 0.7}
     beats: dict[str, Any] = {
-        "release": {"text": "the ball is released and starts to roll", "owner": "let_go", "subject": "ball", "frames": [4, 12],
+        "release": {"text": "the ball is released and starts to roll", "owner": "let_go", "subject": "ball", "frames": [8, 12],
                     "predicate": {"kind": "rolls", "entity": "ball"}},
         "strike": {"text": "the ball strikes the first domino", "owner": "rigid", "subject": "d01", "frames": [8, 24], "causes": ["release"],
                    "predicate": {"kind": "hits", "entity": "ball", "other": "d01"}},

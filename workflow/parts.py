@@ -323,7 +323,7 @@ def claims(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     if spec.spec_version == "1":
         from ..worlds.prompts.proposals import proposal_text
 
-        data = {"spec_version": "1", "marked": spec.prompt, "claims_to_make": proposal_text(spec.prompt)}
+        data: dict[str, Any] = {"spec_version": "1", "marked": spec.prompt, "claims_to_make": proposal_text(spec.prompt)}
         return answer(data, "a world of version 1: nothing judges the words of its prompt; claims make it version 2", say)
     told = prompt_record(spec)
     status = {r.subject[0]: r.status for r in session.ledger.rows() if r.check == "claim" and r.subject}

@@ -9,11 +9,13 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import MARKED, PROMPT, small_spec
-from worldagent.tests.worlds.audits.test_claims import FALLS, ROLLS
+from worldagent.tests.worlds.audits.test_claims import FALLS
 from worldagent.worlds.by_claim import easier_by_claim
 from worldagent.worlds.claim_marks import claim_operations
 from worldagent.worlds.patch import apply_patch
 from worldagent.worlds.spec import WorldSpec
+
+ROLLS = {"kind": "rolls", "entity": "ball"}
 
 Edit = Callable[[dict[str, Any]], None]
 OTHER_IDS = {

@@ -22,6 +22,7 @@ from ._motion import (
     mesh_entity,
     pieces,
     random_rotation,
+    rolled,
     still,
     torus,
     turn_of,
@@ -33,6 +34,7 @@ __all__ = [
     "concave",
     "dip",
     "far_dip",
+    "filled_ditch",
     "gate",
     "head_on",
     "hidden_dip",
@@ -295,6 +297,12 @@ def gate(folder: Path, magnitude: float, rng: Rng) -> World:
     )
     paths = {"gate": Track(lift, velocity=(0, 0, rise * FPS)), "ball": Track(track, velocity=step * FPS)}
     return World(candidate_of(folder, spec, paths), ("ball", "gate"))
+
+
+def filled_ditch(folder: Path, magnitude: float, rng: Rng) -> World:
+    """A ball rolls on over a ditch that is drawn open, on its plate's hull. Magnitude: half width of the ditch in radii."""
+    radius = float(rng.uniform(0.03, 0.1))
+    return World(rolled(folder, radius, magnitude * radius, rng), ("ball", "plate"))
 
 
 def threaded_ring(folder: Path, magnitude: float, rng: Rng) -> World:

@@ -23,6 +23,7 @@ from ._motion import (
     mesh_entity,
     pieces,
     random_rotation,
+    rolled,
     still,
     torus,
     turn_of,
@@ -38,6 +39,7 @@ __all__ = [
     "far_rest",
     "fastened",
     "flush_pieces",
+    "joints_of_a_pavement",
     "landing_stick",
     "linked_rings",
     "near_miss",
@@ -100,6 +102,12 @@ def slide(folder: Path, magnitude: float, rng: Rng) -> World:
             folder, sw.world({"floor": floor, "wall": wall, "block": block}, frames=FRAMES, gravity=(0, 0, 0)), {"block": path}
         )
     )
+
+
+def joints_of_a_pavement(folder: Path, magnitude: float, rng: Rng) -> World:
+    """A ball rolls over a slot that it hardly dips into. Magnitude: half width of the slot in radii."""
+    radius = float(rng.uniform(0.03, 0.1))
+    return World(rolled(folder, radius, magnitude * radius, rng))
 
 
 def tight_pin(folder: Path, magnitude: float, rng: Rng) -> World:

@@ -13,7 +13,7 @@ import trimesh
 from ...worlds.arrays import F64, RigidPose, pose_of, rotation_matrix
 from ...worlds.built import BuiltBody, BuiltEntity, BuiltPart
 from ...worlds.candidate import Candidate
-from ...worlds.spec import Box, Entity, Mesh, Part, WorldSpec
+from ...worlds.spec import Box, Entity, Extrusion, Mesh, Part, WorldSpec
 from ..worlds import small_worlds as sw
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "mesh_entity",
     "pieces",
     "random_rotation",
+    "rolled",
     "still",
     "torus",
     "turn_of",
@@ -132,6 +133,34 @@ def bowl(inner: float, wall: float, sections: int = 16) -> trimesh.Trimesh:
     if made.volume < 0:
         made.invert()
     return made
+
+
+def rolled(folder: Path, radius: float, half: float, rng: np.random.Generator) -> Candidate:
+    """A ball rolls at one height over a plate with a ditch across its way, and the two push each other all the time.
+
+    Args:
+        folder: the world folder.
+        radius: of the ball [m].
+        half: half the width of the ditch [m], which is as deep as the ball is high.
+        rng: of its speed.
+    """
+    deep, wide = 2.0 * radius, half + 8.0 * radius
+    plate = Extrusion(
+        polygon=[
+            (-wide, -2 * deep), (wide, -2 * deep), (wide, 0.0), (half, 0.0), (half, -deep), (-half, -deep), (-half, 0.0), (-wide, 0.0),
+        ],
+        height=1.0,
+    )  # fmt: skip
+    speed = float(rng.uniform(0.5, 1.5)) * half / (FRAMES / FPS)
+    way = speed * (np.arange(FRAMES) - 0.5 * (FRAMES - 1)) / FPS
+    position = np.column_stack([way, np.full(FRAMES, radius), np.zeros(FRAMES)])
+    spin = np.array([0.0, 0.0, -speed / radius])
+    path = Track(position, turn_of((0, 0, -1), way / radius), (speed, 0.0, 0.0), spin)
+    things = {"plate": sw.entity(plate), "ball": ball(radius, motion="dynamic", at=tuple(map(float, position[0])))}
+    spec = sw.world(things, frames=FRAMES, gravity=(0, -9.81, 0))
+    weight = 9.81 * sw.build(spec, "ball").bodies[0].mass
+    touches = [sw.Touch(k, "plate", "ball", weight / FPS) for k in range(1, FRAMES)]
+    return candidate_of(folder, spec, {"ball": path}, touches=touches)
 
 
 def crate(size: F64, wall: float) -> list[Any]:

@@ -45,10 +45,12 @@ SUITE = Suite(
         Mechanism(
             "threaded ring", "a ring is linked with a bar from one frame to the next", True, broken.threaded_ring, 0.5, 3.0, "1"
         ),
+        Mechanism("filled ditch", "a ball rolls over a ditch that is drawn open", True, broken.filled_ditch, 1.0, 6.0, "radii"),
         _sound("rest", "blocks stand with no gap", clean.rest, 1e-3, 0.95, "eps"),
         _sound("far rest", "no gap, kilometres away", clean.far_rest, 10.0, 1e4, "m"),
         _sound("slide", "flush along floor and wall", clean.slide, 0.1, 30.0, "m/s"),
         _sound("tight pin", "a pin in a hole of one concave part", clean.tight_pin, 1e-8, 1e-3, "m"),
+        _sound("joints of a pavement", "a ball hardly dips into a slot", clean.joints_of_a_pavement, 0.02, 0.2, "radii"),
         _sound("bounce", "off a thin plate between two frames", clean.bounce, 0.5, 50.0, "m/s"),
         _sound("corner bounce", "off two sheets within one frame", clean.corner_bounce, 0.5, 30.0, "m/s"),
         _sound("recoil", "two flying balls strike and part", clean.recoil, 0.5, 50.0, "m/s"),

@@ -1,4 +1,4 @@
-"""Contact: no unintended overlap of visible surfaces on any written frame, and none skipped between frames (R108, R109).
+"""Contact: no unintended overlap of visible surfaces on any written frame, none skipped between frames, and no push of what is not drawn (R108, R109).
 
 Same criterion and same eps as the static check. Every pair of which one moves is inspected; static pairs are the
 static check's. Bodies that pass a static surface between two frames are found by their paths.
@@ -21,8 +21,9 @@ from ..rows.findings import Finding
 from ..scene.own_bodies import own_gap, own_pairs
 from ..scene.surfaces import surfaces_of
 from .bounds import TUNNEL_SHARE
-from .corrections import finer_contact, not_colliding, overlap_corrections, solver_of
-from .questions import CONTACT_SCENE, OVERLAP, THROUGH
+from .corrections import filled_corrections, finer_contact, not_colliding, overlap_corrections, solver_of, standing_out
+from .drawn import find_unseen
+from .questions import CONTACT_SCENE, DRAWN, OVERLAP, THROUGH
 from .tunnelling import find_passages
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row
     from ..scene.own_bodies import OwnPair
     from ..scene.surfaces import Gap, Surfaces
+    from .drawn import Unseen
     from .tunnelling import Passage
 
 __all__ = ["check"]
@@ -55,10 +57,12 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 def _between(surfaces: Surfaces, rows: list[Row]) -> list[Row]:
-    """The row of the scene and one for each passage between frames."""
+    """The row of the scene, one for each passage between frames, and one for each pair that pushes where nothing is drawn."""
     passages = find_passages(surfaces, known={(r.subject[0], r.subject[1]) for r in rows if r.status == "fail"})
     candidate = surfaces.candidate
     through = [row_of(candidate, THROUGH, (p.entity, p.through), _through(surfaces, p)) for p in passages.found]
+    unseen, _pushes = find_unseen(surfaces)
+    through += [row_of(candidate, DRAWN, (u.a, u.b), _apart(surfaces, u)) for u in unseen]
     return [row_of(candidate, CONTACT_SCENE, (), _scene(surfaces, rows, through, passages.inspected)), *through]
 
 
@@ -180,6 +184,21 @@ def _through(surfaces: Surfaces, passage: Passage) -> Finding:
         predicate=f"{passage.entity} does not pass through {passage.through} between two frames: overlap on every path that "
         f"the states allow <= {TUNNEL_SHARE:g} of the thinner wall",
         extra=[surfaces.allowed_depth(*order)],
+    )
+
+
+def _apart(surfaces: Surfaces, unseen: Unseen) -> Finding:
+    a, b = unseen.a, unseen.b
+    return Finding(
+        "fail",
+        f"{a!r} and {b!r} push each other in {unseen.frames} frames, first up to frame {unseen.frame}, where what is drawn of them "
+        f"stays {unseen.gap * 1e3:.4g} mm apart or more: what collides is not what is built",
+        unseen.gap,
+        unseen.bound,
+        frame=unseen.frame,
+        hints=tuple(filled_corrections(surfaces, (a, b))),
+        evidence={"frames_apart": unseen.frames, "standing_out_m": {n: standing_out(surfaces, n) for n in (a, b)}},
+        entities=(a, b),
     )
 
 

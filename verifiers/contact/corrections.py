@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
     from ..scene.surfaces import Surfaces
 
-__all__ = ["finer_contact", "not_colliding", "overlap_corrections", "solver_of"]
+__all__ = ["filled_corrections", "finer_contact", "not_colliding", "overlap_corrections", "solver_of", "standing_out"]
 
 Pair = tuple[str, str]
 
@@ -30,6 +30,37 @@ def solver_of(surfaces: Surfaces, *entities: str) -> str | None:
         if set(entities) <= set(solver.members):
             return name
     return None
+
+
+def standing_out(surfaces: Surfaces, entity: str) -> float:
+    """Largest distance of an entity's collision surface outside the visible one [m]."""
+    return max((part.deviation[0] for part in surfaces.candidate.entity(entity).parts), default=0.0)
+
+
+def filled_corrections(surfaces: Surfaces, order: Pair) -> list[Correction]:
+    """Ranked: let what is drawn collide instead of its hull, that of the body first whose collision stands out the farthest."""
+    found = []
+    for entity in sorted(order, key=lambda n: -standing_out(surfaces, n)):
+        for name, part in surfaces.candidate.spec.entities[entity].parts.items():
+            if part.shape.kind == "mesh" and part.shape.collision == "hull":
+                path = pointer("entities", entity, "parts", name, "shape", "collision")
+                found.append(
+                    correction(
+                        f"the hull of {entity}/{name} collides, and it fills what is drawn open",
+                        "shape",
+                        f"Let {entity}/{name} collide as it is drawn: collision 'decompose'.",
+                        pointers=(path,),
+                        patch=set_value(path, "decompose"),
+                    )
+                )
+    return found or [
+        correction(
+            f"the collision of {order[0]!r} or {order[1]!r} stands out from what is drawn",
+            "shape",
+            f"Build {order[0]!r} and {order[1]!r} of parts that are convex, or draw what they push with.",
+            pointers=tuple(pointer("entities", n, "parts") for n in order),
+        )
+    ]
 
 
 def overlap_corrections(

@@ -42,6 +42,18 @@ class ContactLog:
                         found[key] = min(float(gap), found.get(key, np.inf))
         return found
 
+    def pushed(self) -> dict[tuple[str, str], list[int]]:
+        """Frames up to which a pair of two entities gave each other an impulse, the pair in the order of the alphabet."""
+        found: dict[tuple[str, str], list[int]] = {}
+        for cache in self.candidate.rigid_caches.values():
+            names = cache.index.colliders
+            for frame, log in enumerate(cache.ragged("contact/pair", "contact/impulse")[: self.candidate.frame_count]):
+                for (i, j), given in zip(log["contact/pair"], log["contact/impulse"], strict=True):
+                    if frame > 0 and given > 0.0 and i != j:
+                        first, second = sorted((names[i], names[j]))
+                        found.setdefault((first, second), []).append(frame)
+        return found
+
     @cached_property
     def _events(self) -> dict[tuple[str, int], list[float]]:
         """Times [s] at which a contact of an entity begins in a frame."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from ..rows.questions import Question
 
-__all__ = ["CONTACT_SCENE", "OVERLAP", "QUESTIONS", "THROUGH"]
+__all__ = ["CONTACT_SCENE", "DRAWN", "OVERLAP", "QUESTIONS", "THROUGH"]
 
 CONTACT_SCENE = Question(
     "contact:scene",
-    "every pair that can touch is inspected at every frame and none overlaps",
+    "every pair that can touch is inspected at every frame, none overlaps and none pushes where nothing is drawn",
     "rows that fail, and entities whose pose is not finite",
     "1",
     "<=",
@@ -32,5 +32,14 @@ THROUGH = Question(
     "TUNNEL_SHARE of the thinner wall",
     ("entity", "entity"),
 )
+DRAWN = Question(
+    "contact:drawn",
+    "{0} and {1} push each other only where their visible surfaces meet",
+    "least distance of the visible surfaces on every path that the states allow, in the frame of a push",
+    "m",
+    "<=",
+    "limits.contact_gap, or skins and facet error where that is more, at most GAP_CAP",
+    ("entity", "entity"),
+)
 
-QUESTIONS = (CONTACT_SCENE, OVERLAP, THROUGH)
+QUESTIONS = (CONTACT_SCENE, OVERLAP, THROUGH, DRAWN)

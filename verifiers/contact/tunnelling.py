@@ -16,10 +16,8 @@ that intervals with less relative travel than twice the wanted depth hide nothin
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -29,22 +27,18 @@ from ...geometry import (
     Lowest,
     Motion,
     Solid,
-    State,
     Sweep,
-    aabb_of,
     candidate_pairs,
     lowest_clearance,
     lowest_clearances,
     relative_travel,
     signed_clearance,
-    wall_thickness,
 )
 from ...worlds.arrays import F64, RigidPose
-from ...worlds.errors import EvidenceError
 from ..scene.own_bodies import joined
-from ..scene.surfaces import NOWHERE
 from .bounds import BENT, BEYOND, PRECISION, TUNNEL_SHARE
-from .flights import ContactLog, Flight, reconstructed
+from .flights import Flight, reconstructed
+from .paths import Paths
 
 if TYPE_CHECKING:
     from ..scene.shapes import PartSurface
@@ -83,89 +77,6 @@ class Passages(NamedTuple):
     inspected: int
 
 
-@dataclass
-class _Body:
-    """Motion of one body over all frame intervals."""
-
-    flight: Flight
-    static: bool
-
-
-class _Search:
-    def __init__(self, surfaces: Surfaces) -> None:
-        self.surfaces = surfaces
-        self.intervals = surfaces.frames - 1
-        self.step = 1.0 / surfaces.candidate.spec.simulation.fps
-        self.bodies: dict[tuple[str, str], _Body] = {}
-        self.walls: dict[int, float] = {}
-        self.log = ContactLog(surfaces.candidate)
-
-    def body(self, part: PartSurface) -> _Body:
-        key = (part.entity, part.body)
-        if key not in self.bodies:
-            self.bodies[key] = _Body(self._flight(*key), self.surfaces.is_static(part.entity))
-        return self.bodies[key]
-
-    def _flight(self, entity: str, body: str) -> Flight:
-        """Broken poses are replaced by the last sound one; `usable` leaves their intervals out."""
-        candidate = self.surfaces.candidate
-        position, quaternion = self.surfaces.track(entity, body)
-        sound = self.surfaces.broken.get(entity, self.surfaces.frames)
-        keep = np.minimum(np.arange(self.surfaces.frames), max(sound - 1, 0))
-        if sound == 0:
-            position, quaternion = np.zeros_like(position), np.tile([1.0, 0.0, 0.0, 0.0], (len(quaternion), 1))
-        position, quaternion = position[keep], quaternion[keep]
-        velocity = spin = None
-        place = candidate.cache_row(entity, body)
-        if place is not None:
-            cache, row = place
-            try:
-                velocity = np.nan_to_num(cache.series("velocity")[: self.surfaces.frames, row][keep])
-                spin = np.nan_to_num(cache.series("angular_velocity")[: self.surfaces.frames, row][keep])
-            except EvidenceError:
-                velocity = spin = None
-        center = candidate.body(entity, body).center
-        states = State(position, quaternion, velocity, spin)
-        gravity = np.array(candidate.spec.simulation.gravity)
-        falls = candidate.spec.entities[entity].motion == "dynamic"
-        return Flight.of(states, center, self.step, gravity if falls else np.zeros(3))
-
-    def usable(self, entity: str) -> int:
-        """Number of first intervals with sound poses at both ends."""
-        return max(0, min(self.intervals, self.surfaces.broken.get(entity, self.surfaces.frames) - 1))
-
-    def wall(self, index: int) -> float:
-        if index not in self.walls:
-            self.walls[index] = wall_thickness(self.surfaces.parts[index].solid)
-        return self.walls[index]
-
-    @cached_property
-    def radius(self) -> list[float]:
-        """Radius of every part about the centre of its body [m]."""
-        return [
-            float(np.linalg.norm(p.solid.vertices - self.body(p).flight.motion.center, axis=1).max()) for p in self.surfaces.parts
-        ]
-
-    def boxes(self) -> tuple[F64, F64]:
-        """Boxes that hold every part on its way through each interval [m], shapes (parts, intervals, 3)."""
-        parts = self.surfaces.parts
-        low, high = np.full((len(parts), self.intervals, 3), NOWHERE), np.full((len(parts), self.intervals, 3), -NOWHERE)
-        for i, part in enumerate(parts):
-            body, count = self.body(part), self.usable(part.entity)
-            if count == 0:
-                continue
-            track = self.surfaces.track(part.entity, part.body)
-            if body.static:
-                low[i, :count], high[i, :count] = aabb_of(part.solid.vertices, track.position[:1], track.quaternion[:1])
-                continue
-            corners = np.array(list(itertools.product(*zip(part.solid.lower, part.solid.upper, strict=True))))
-            lower, upper = aabb_of(corners, track.position[: count + 1], track.quaternion[: count + 1])
-            sag = body.flight.motion.sag(self.radius[i])[:count, None]
-            low[i, :count] = np.minimum(lower[:-1], lower[1:]) - sag
-            high[i, :count] = np.maximum(upper[:-1], upper[1:]) + sag
-        return low, high
-
-
 def find_passages(surfaces: Surfaces, *, known: Collection[tuple[str, str]] = ()) -> Passages:
     """All pairs of which one moves, frame to frame; the first passage of each pair of entities.
 
@@ -178,7 +89,7 @@ def find_passages(surfaces: Surfaces, *, known: Collection[tuple[str, str]] = ()
     """
     if surfaces.frames < 2 or not surfaces.parts:
         return Passages([], 0)
-    search = _Search(surfaces)
+    search = Paths(surfaces)
     low, high = search.boxes()
     cases: list[_Case] = []
     for i, j in candidate_pairs(low, high, 0.0):
@@ -212,7 +123,7 @@ def _concerns(surfaces: Surfaces, a: PartSurface, b: PartSurface) -> bool:
     return not (surfaces.is_static(a.entity) and surfaces.is_static(b.entity))
 
 
-def _case(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> _Case | None:
+def _case(search: Paths, i: int, j: int, meet: NDArray[np.intp]) -> _Case | None:
     """Test of two parts whose boxes meet in the intervals `meet`; None where nothing moves far enough."""
     surfaces = search.surfaces
     a, b = surfaces.parts[i], surfaces.parts[j]
@@ -237,7 +148,7 @@ def _case(search: _Search, i: int, j: int, meet: NDArray[np.intp]) -> _Case | No
     return _Case(i, j, a.solid, one, b.solid, two, meet, travel, floor, bound, PRECISION * bound)
 
 
-def _judge(search: _Search, case: _Case, low: Lowest) -> Passage | None:
+def _judge(search: Paths, case: _Case, low: Lowest) -> Passage | None:
     """The first passage among the intervals of one case, given their lowest clearances."""
     a, b = search.surfaces.parts[case.i], search.surfaces.parts[case.j]
     deep = np.flatnonzero((low.value < -case.bound) & (low.ends.min(axis=1) >= case.floor))
@@ -256,7 +167,7 @@ def _judge(search: _Search, case: _Case, low: Lowest) -> Passage | None:
     return None
 
 
-def _order(search: _Search, a: PartSurface, b: PartSurface, interval: int) -> tuple[PartSurface, PartSurface]:
+def _order(search: Paths, a: PartSurface, b: PartSurface, interval: int) -> tuple[PartSurface, PartSurface]:
     """The faster one first; a static one never."""
     path = []
     for part in (a, b):
@@ -315,7 +226,7 @@ class _Case:
         length = float(np.linalg.norm(way))
         return (way / length if length > 0.0 else np.zeros(3)), found.point_a
 
-    def bent_free(self, search: _Search, i: int, j: int, interval: int) -> bool:
+    def bent_free(self, search: Paths, i: int, j: int, interval: int) -> bool:
         """Whether forces other than gravity bent the paths enough for one of the other plausible paths to be free."""
         radius_a, radius_b = search.radius[i], search.radius[j]
         slack = float(self.flight_a.slack(radius_a)[interval] + self.flight_b.slack(radius_b)[interval])

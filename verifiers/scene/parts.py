@@ -86,7 +86,8 @@ class Parts:
                 solid = self._solid(shape, closed=part.closed)
             except InputError as error:
                 raise EvidenceError(f"surface of {entity}/{part.part} cannot be inspected: {error}") from error
-            found.append(PartSurface(entity, part.part, part.body, solid, float(part.deviation[0])))
+            # A hull that fills what is drawn open widens no tolerance: whoever pushes there pushes where nothing is drawn.
+            found.append(PartSurface(entity, part.part, part.body, solid, min(float(part.deviation[0]), GAP_CAP)))
         return found
 
     def _solid(self, mesh: TriangleMesh, *, closed: bool) -> Solid:

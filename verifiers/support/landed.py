@@ -265,7 +265,7 @@ def _judge(surfaces: Surfaces, group: list[_Standing]) -> Iterator[tuple[str, Fi
 
 def _tolerance(surfaces: Surfaces, one: _Standing) -> float:
     own = max(surfaces.parts[i].deviation for i in surfaces.parts_of[one.entity])
-    return float(surfaces.candidate.spec.simulation.limits.contact_gap + min(own, 0.01))
+    return float(surfaces.candidate.spec.simulation.limits.contact_gap + own)
 
 
 def _floats(surfaces: Surfaces, one: _Standing, gap: float, bound: float) -> Finding:

@@ -21,6 +21,10 @@ __all__ = ["Contacts", "contacts_of", "hull_corners"]
 
 MOST_PAIRS = 1_000_000
 """Edge pairs or point-triangle pairs that are compared at once."""
+MOST_NEAR = 64
+"""Own choice: triangles of one surface that are looked at about one point, the nearest ones; a flush corner has a dozen."""
+MOST_EDGES = 24
+"""Own choice: directions of edges of one surface that are crossed with those of the other at one point; a rim of more is round."""
 
 
 class Contacts(NamedTuple):
@@ -157,27 +161,45 @@ def _side(points: F64, part: PartSurface, low: F64, high: F64) -> _Side:
 
 def _normals(point: F64, own: _Side, other: _Side, slack: float) -> F64:
     """Directions in which the other surface can push the own one at a point, shape (n, 3); empty where none is known."""
-    near = [
-        np.flatnonzero(nearest_on_triangles(point[None], side.triangles)[0] <= slack) if len(side.triangles) else np.zeros(0, int)
-        for side in (own, other)
-    ]
+    near = [_near(point, side, slack) for side in (own, other)]
     if min(len(n) for n in near) == 0:
         return np.zeros((0, 3))
     mine, theirs = own.triangles[near[0]], other.triangles[near[1]]
     # Flush faces lie on both sides of their plane; only their outward normals tell from where they push.
     ways = [other.normals[near[1]], -own.normals[near[0]]]
     ways += [-w for w, side in zip(ways, (other, own), strict=True) if not side.sided]
-    kept = _separating(np.concatenate(ways), point, mine, theirs, slack)
+    kept = _separating(_apart(np.concatenate(ways)), point, mine, theirs, slack)
     if len(kept) == 0:
-        edges = [(t - np.roll(t, 1, axis=1)).reshape(-1, 3) for t in (mine, theirs)]
+        edges = [_directions(t) for t in (mine, theirs)]
         across = np.cross(edges[0][:, None], edges[1][None]).reshape(-1, 3)
         length = np.linalg.norm(across, axis=1)
-        across = across[length > 0.0] / length[length > 0.0, None]
-        kept = _separating(np.concatenate([across, -across]), point, mine, theirs, slack)
-    if len(kept) == 0:
-        return kept
-    _, index = np.unique(np.round(kept / SAME_NORMAL), axis=0, return_index=True)
-    return kept[np.sort(index)]
+        across = across[length > SAME_NORMAL] / length[length > SAME_NORMAL, None]
+        kept = _separating(_apart(np.concatenate([across, -across])), point, mine, theirs, slack)
+    return kept
+
+
+def _near(point: F64, side: _Side, slack: float) -> NDArray[np.intp]:
+    """Indices of the triangles within `slack` [m] of a point, the `MOST_NEAR` nearest ones, in their order."""
+    if not len(side.triangles):
+        return np.zeros(0, dtype=np.intp)
+    distance = nearest_on_triangles(point[None], side.triangles)[0].reshape(-1)
+    found = np.flatnonzero(distance <= slack)
+    return np.sort(found[np.argsort(distance[found], kind="stable")[:MOST_NEAR]])
+
+
+def _apart(ways: F64) -> F64:
+    """Directions of which none is another once more, shape (n, 3)."""
+    _, index = np.unique(np.round(ways / SAME_NORMAL), axis=0, return_index=True)
+    return np.asarray(ways[np.sort(index)])
+
+
+def _directions(triangles: F64) -> F64:
+    """Directions of the edges of some triangles [1], each once, at most `MOST_EDGES`, shape (n, 3)."""
+    edges = (triangles - np.roll(triangles, 1, axis=1)).reshape(-1, 3)
+    length = np.linalg.norm(edges, axis=1)
+    edges = edges[length > 0.0] / length[length > 0.0, None]
+    first = np.take_along_axis(edges, np.abs(edges).argmax(axis=1)[:, None], axis=1)
+    return _apart(edges * np.sign(first))[:MOST_EDGES]
 
 
 def _separating(ways: F64, point: F64, mine: F64, theirs: F64, slack: float) -> F64:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from ...worlds.claims import named_in
 from ...worlds.predicates import describe_predicate
-from ..predicates import beat_times, evaluate
+from ..predicates import beat_times, evaluate, last_needed
 from ..rows.answers import row_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding
@@ -130,7 +130,10 @@ def _event(candidate: Candidate, name: str) -> Finding:
     }
     if unknown:
         return Finding(
-            "unverified", f"whether {unknown[0]} comes true is not known: {outcomes[unknown[0]].explanation}", evidence=evidence
+            "unverified",
+            f"whether {unknown[0]} comes true is not known: {outcomes[unknown[0]].explanation}",
+            evidence=evidence,
+            frames=(0, last_needed(candidate.spec, beats)),
         )
     bad = len(missed) + len(true)
     if missed:

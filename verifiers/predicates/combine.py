@@ -22,12 +22,14 @@ from ...worlds.predicates import (
     entities_of,
 )
 from ...worlds.quoting import listed
+from .between import passing
 from .outcome import Comparison, Outcome, Truth, Verdict, missing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ...worlds.spec import SpecModel
+    from .between import Passing
     from .scope import Scope
 
 __all__ = ["after", "always", "and_", "before", "count", "eventually", "not_", "or_", "substitute", "until", "within"]
@@ -296,14 +298,39 @@ def or_(scope: Scope, p: Or) -> Outcome:
     return replace(nearest, explanation=text, truth=truth, first_true_frame=None, frames=scope.frames)
 
 
+def _as_passed(inner: Outcome, passed: Passing) -> Outcome:
+    """The outcome of a predicate that held between two frames, as if at the second one."""
+    truth = None if inner.truth is None else inner.truth.copy()
+    if truth is not None and inner.frames[0] <= passed.frame <= inner.frames[1]:
+        truth[passed.frame - inner.frames[0]] = True
+    return replace(
+        inner,
+        status="pass",
+        explanation=passed.told,
+        truth=truth,
+        margin=None if inner.margin is None else abs(inner.margin),
+        value=None,
+        bound=None,
+        comparison="",
+        first_true_frame=passed.frame,
+        details={**inner.details, "between_frames": passed.frame},
+    )
+
+
 def not_(scope: Scope, p: Not) -> Outcome:
-    """The negated verdict over the interval; measured is the inner value.
+    """The negated verdict over the interval, between its frames too; measured is the inner value.
 
     Not-a-number and missing evidence are not negated.
     """
     inner = scope.judge(p.predicate)
     if inner.status == "unverified" or inner.details.get("non_finite"):
         return inner
+    passed = passing(scope, p.predicate) if inner.status == "fail" else None
+    if passed is not None and not passed.sure:
+        said = f"between frames: {passed.told}, which the frames do not resolve; raise simulation.fps"
+        return replace(missing(scope.frames, inner.unit, said), details={**inner.details, "between_frames": passed.frame})
+    if passed is not None:
+        inner = _as_passed(inner, passed)
     ok = inner.status == "fail"
     truth = None if inner.truth is None else ~inner.truth
     flipped: dict[str, Comparison] = {">=": "<=", "<=": ">="}

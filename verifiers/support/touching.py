@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -21,6 +22,8 @@ __all__ = ["Contacts", "contacts_of", "hull_corners"]
 
 MOST_PAIRS = 1_000_000
 """Edge pairs or point-triangle pairs that are compared at once."""
+MOST_POINTS = 200
+"""Own choice: points of two parts at which directions are looked for, those where the surfaces are nearest; flat patches keep their corners."""
 MOST_NEAR = 64
 """Own choice: triangles of one surface that are looked at about one point, the nearest ones; a flush corner has a dozen."""
 MOST_EDGES = 24
@@ -123,21 +126,37 @@ def _points(
     """Vertices of either near the other, and crossings of edges, shape (n, 3)."""
     low, high = box
     found: list[F64] = []
+    apart: list[F64] = []
     for own, solid, pose in ((placed[0], two.solid, poses[1]), (placed[1], one.solid, poses[0])):
         inside = own[((own >= low) & (own <= high)).all(axis=1)]
         if len(inside):
-            found.append(inside[distance_to_surface(solid, pose.inverse().apply(inside)).distance <= slack])
+            distance = distance_to_surface(solid, pose.inverse().apply(inside)).distance
+            found.append(inside[distance <= slack])
+            apart.append(distance[distance <= slack])
     (p, q), (r, s) = (_near_edges(own, part.solid.edges, low, high) for own, part in zip(placed, (one, two), strict=True))
     if 0 < len(p) * len(r) <= MOST_PAIRS:
         u, v = (q - p)[:, None], (s - r)[None]
         t, w = segment_points(p[:, None], u, r[None], v)
         first, second = p[:, None] + t[..., None] * u, r[None] + w[..., None] * v
-        found.append(first[np.linalg.norm(first - second, axis=-1) <= slack])
+        distance = np.linalg.norm(first - second, axis=-1)
+        found.append(first[distance <= slack])
+        apart.append(distance[distance <= slack])
     points = np.concatenate(found) if found else np.zeros((0, 3))
     if len(points) == 0:
         return points
     _, kept = np.unique(np.round(points / (0.1 * EDGE_SLACK)), axis=0, return_index=True)
+    if len(kept) > MOST_POINTS:  # flush faces of many triangles: all are as near, and the corners of the patch must be among them
+        kept = _outermost(points, np.concatenate(apart), kept)
     return points[np.sort(kept)]
+
+
+def _outermost(points: F64, apart: F64, kept: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The `MOST_POINTS` nearest of some points, and of those as near as EDGE_SLACK the farthest in every direction."""
+    near = kept[np.argsort(apart[kept], kind="stable")]
+    flush = near[apart[near] <= apart[near[0]] + EDGE_SLACK]
+    ways = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
+    corners = flush[np.argmax(points[flush] @ ways.T, axis=0)]
+    return np.unique(np.concatenate([corners, near[:MOST_POINTS]]))
 
 
 def _near_edges(points: F64, edges: NDArray[np.int32], low: F64, high: F64) -> tuple[F64, F64]:

@@ -133,6 +133,8 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     warnings += report.lacking
     moved = bool({"probe", "full"} & set(session.ledger.stages().values()))
     then = _next(session, report.passed, set(outcome.get("groups", ("shape",))) if moved else {"shape"})
+    if moved and report.passed and set(outcome.get("stale", ())) == {"final", "seen"}:
+        then = _relit(session)
     if outcome.get("undoes_revisions") and report.passed:
         then = _after_undo(session)
     links = ((f"{world} specification", f"worldagent://worlds/{world}/spec", "application/json"),)
@@ -174,6 +176,16 @@ def _next(session: Any, passed: bool, groups: set[str]) -> str:
     if not groups & SCENE_GROUPS:
         return call("probe_sim", world=world)
     return call("place_object", world=world)
+
+
+def _relit(session: Any) -> str:
+    """The next step after an edit that changes nothing but what pictures look like: acceptance stands, its pictures do not."""
+    from ..workflow.answers import call
+
+    world = session.folder.id
+    asked = call("run_checks", world=world, scope="full", only=["shots"])
+    film = call("render_shot", world=world, kind="final")
+    return f"{asked} asks the stale rows in the new look; of an accepted world {film} asks them before its first frame and is refused where one fails"
 
 
 def _after_undo(session: Any) -> str:

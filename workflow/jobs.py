@@ -52,6 +52,8 @@ WARM = (
 )
 """Modules that a process that waits for these jobs has imported. Nothing that starts a thread or takes a device while it loads:
 no Mitsuba (Dr.Jit starts a thread)."""
+ASKED = 0.1
+"""Own choice: share of a film's work before its first frame, in which plates are looked at."""
 LOOKING = 0.2
 """Part of a judgement that its plates take, for progress alone."""
 JUDGED = 1.0 - 1e-9
@@ -359,11 +361,12 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
             raise EvidenceError(
                 f"frame {altered} was altered since acceptance; call bake_sim, then run_checks(scope='acceptance')"
             )
-    context.progress(0, 1, "are the subjects seen in this light?")
+    # A stretch of its own: its pace says nothing of how long a frame takes.
+    context.progress(0, 1, "are the subjects seen in this light?", ASKED)
     require_seen(session, freeze, candidate, context.check)
     root = session.folder.candidate(freeze) / "final"
     width, height, samples = (payload.get(k) for k in ("width", "height", "samples"))
-    pace = Pace(context.progress)
+    pace = Pace(Part(context.progress, ASKED, 1.0))
     frames = render_sequence(
         candidate,
         root / "frames",

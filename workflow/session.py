@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Session"]
 
+NAMED = 8
+"""Stale rows that the reply to an edit names."""
+
 
 class Session(OpenedWorld):
     """An opened world that is edited and judged."""
@@ -84,7 +87,13 @@ class Session(OpenedWorld):
             self.write_spec()
         recorded = change.weaker and (self.ledger.ever_failed() or self.ledger.looks())
         weakened = {"weakenings_recorded": change.weaker} if recorded else {}
-        return {"revision": number, **change.told(), "rows_now_stale": len(lost), **weakened}
+        return {
+            "revision": number,
+            **change.told(),
+            "rows_now_stale": len(lost),
+            **({"stale_rows": sorted(lost)[:NAMED]} if lost else {}),
+            **weakened,
+        }
 
     def _add(self, change: Change, patch: Sequence[Mapping[str, Any]]) -> int:
         """Number of the revision that the ledger makes of a change."""

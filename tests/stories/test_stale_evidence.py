@@ -54,6 +54,18 @@ def test_another_shot_keeps_the_bake_and_asks_for_acceptance_again(accepted: Any
 SEEN = {f"shots:seen:{n}" for n in ("roll", "strike", "fall")}
 
 
+@pytest.mark.parametrize(
+    ("pointer", "value"),
+    [("/look/sky", "overcast"), ("/materials/wood/appearance/color", [0.9, 0.05, 0.05]), ("/look/exposure", 0.5)],
+)
+def test_an_edit_of_the_look_says_which_rows_are_asked_anew_and_when(accepted: Any, pointer: str, value: Any) -> None:
+    data = accepted.edit((pointer, value))
+    assert data["stale"] == ["final", "seen"]
+    assert set(data["stale_rows"]) == SEEN
+    assert "before its first frame" in data["next"]
+    assert "scope='probe'" not in data["next"]
+
+
 def test_another_look_stales_only_what_is_seen_in_it(accepted: Any) -> None:
     rows = {r.id: r.status for r in Ledger(accepted.workspace / "w" / "ledger.sqlite").rows() if r.question == "shots:seen"}
     assert rows == dict.fromkeys(SEEN, "pass")

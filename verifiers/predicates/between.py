@@ -161,7 +161,7 @@ def _tilts(scope: Scope, p: Tilts) -> Passing | None:
         spins = motion.spins(scope.candidate, p.entity)
     except EvidenceError:
         return None
-    turn = np.linalg.norm(spins, axis=1) / scope.candidate.spec.simulation.fps
+    turn = np.abs(spins) / scope.candidate.spec.simulation.fps
     angle = motion.angles(scope.candidate, p.entity, np.array(p.axis))
     low, high = (-np.inf if p.min is None else p.min), (np.inf if p.max is None else p.max)
     with np.errstate(invalid="ignore"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from worldagent.testing.defects._films import film_of
 from worldagent.testing.worlds.event_worlds import event_world
 from worldagent.verifiers.claims.check import check
+from worldagent.verifiers.stored import open_in_probe
 from worldagent.worlds.claim_marks import claim_operations
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.requirements import Row
@@ -80,3 +82,16 @@ def test_an_event_of_which_the_swapped_roles_are_as_true_is_void(tmp_path: Path)
     assert row.status == "fail"
     assert any("roles swapped" in text for text in row.evidence["true_rivals"])
     assert "ask `contact`, which has no roles" in row.corrections[0].action
+
+
+def test_a_probe_that_ends_before_what_is_denied_for_ever_waits_for_the_bake(tmp_path: Path) -> None:
+    document = event_world("hit").model_dump(mode="json")
+    document |= {"prompt": PROMPT, "story": {"beats": BEATS, "requirements": {"rolls": ROLLS}}, "shots": {"only": SHOT}}
+    spec = parse_spec(document)
+    spec = apply_patch(spec, claim_operations(MARKED, spec))
+    seen = film_of(spec).candidate(tmp_path)
+    longer = spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"frames": spec.simulation.frames + 20})})
+    probe = dataclasses.replace(seen, spec=longer, stage="probe")
+    found = {r.subject[0]: r for r in check(probe)}
+    assert found["never_rolls"].status == "unverified"
+    assert [r.id for r in open_in_probe(found.values(), probe.last_frame)] == []

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry import Sweep, lowest_clearances
 from ...worlds.arrays import F64
@@ -64,7 +65,7 @@ def find_unseen(surfaces: Surfaces) -> tuple[list[Unseen], int]:
     return found, inspected
 
 
-def _gaps(paths: Paths, a: str, b: str, rows: np.ndarray, bound: float) -> F64:
+def _gaps(paths: Paths, a: str, b: str, rows: NDArray[np.intp], bound: float) -> F64:
     """Least distance [m] of the visible surfaces in each interval, less what contacts may have bent the paths; shape (n,)."""
     surfaces = paths.surfaces
     least = np.full(len(rows), np.inf)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.errors import EvidenceError
@@ -63,7 +64,7 @@ class _Way(NamedTuple):
     """The same on straight ways."""
     bent: F64
     """By how much contacts may have bent the way [m], shape (n,)."""
-    last: F64
+    last: NDArray[np.intp]
     """Frames at which the intervals end, shape (n,)."""
 
 
@@ -118,7 +119,7 @@ def _reaches(scope: Scope, p: Reaches) -> Passing | None:
     way = _way(scope, p.entity, _thin(region))
     if region.relative_to is not None:
         at, turn = motion.entity_poses(scope.candidate, region.relative_to)
-        frames = way.last.astype(int)
+        frames = way.last
         local = [
             np.einsum("nji,nj->ni", rotation_matrix(turn[k]), way.places[:, i] - at[k])
             for i, k in ((0, frames - 1), (-1, frames))

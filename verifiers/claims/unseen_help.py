@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...geometry import distance_to_surface, signed_clearance
-from ...worlds.arrays import RigidPose, pose_of, rotation_matrix
+from ...worlds.arrays import RigidPose
 from ...worlds.references import references
+from ...worlds.spec import SpringJoint
 from ..contact.flights import ContactLog
 from ..rows.answers import row_of
 from ..rows.corrections import correction, pointer
@@ -154,34 +155,26 @@ def _springs(candidate: Candidate, named: set[str]) -> list[_Help]:
     asked = {v for p in story for _, target, v in references(p, "") if target == "joint"}
     found = []
     for name, joint in spec.simulation.joints.items():
-        if joint.kind != "spring" or joint.stiffness <= 0.0:
+        if not isinstance(joint, SpringJoint) or joint.stiffness <= 0.0:
             continue
         path = pointer("simulation", "joints", name)
         pulled = [n for n in (joint.child, joint.parent) if n in named and spec.entities[n].motion == "dynamic"]
         if not pulled or name in asked or any(p == path or p.startswith(path + "/") for p in told):
             continue
-        if not _drawn(candidate, name):
+        if not _drawn(candidate, joint):
             text = f"spring {name!r} pulls at {pulled[0]!r}; nothing is drawn at its middle, and no claim, beat or requirement names it"
             found.append(_Help(pulled[0], text, (path,)))
     return found
 
 
-def _drawn(candidate: Candidate, name: str) -> bool:
+def _drawn(candidate: Candidate, joint: SpringJoint) -> bool:
     """Whether a body other than the spring's ends is drawn at its middle at frame 0."""
-    spec, surfaces = candidate.spec, surfaces_of(candidate)
-    joint = spec.simulation.joints[name]
-    ends = []
-    for entity, local in ((joint.parent, joint.parent_point), (joint.child, joint.child_point)):  # type: ignore[union-attr]
-        if entity == "world":
-            ends.append(np.array(local))
-            continue
-        position, quaternion = pose_of(spec.entities[entity].pose)
-        ends.append(position + rotation_matrix(quaternion) @ np.array(local))
-    middle = 0.5 * (ends[0] + ends[1])
-    for i, part in enumerate(surfaces.parts):
+    surfaces = surfaces_of(candidate)
+    middle = 0.5 * (np.array(joint.parent_point) + np.array(joint.child_point))
+    for part in surfaces.parts:
         if part.entity in (joint.parent, joint.child):
             continue
         pose = surfaces.track(part.entity, part.body).at(0)
-        if float(distance_to_surface(surfaces.parts[i].solid, pose.inverse().apply(middle[None])).distance[0]) <= AT_MIDDLE:
+        if float(distance_to_surface(part.solid, pose.inverse().apply(middle[None])).distance[0]) <= AT_MIDDLE:
             return True
     return False

@@ -18,12 +18,21 @@ NAMED = {
     "box": {"quote": "box", "type": "thing", "by": ["/entities/box"]},
     "hitter": {"quote": "another box", "type": "thing", "by": ["/entities/hitter"]},
 }
-SPRING = {"kind": "spring", "parent": "hitter", "child": "box", "stiffness": 50.0, "rest_length": 0.1}
+SPRING = {
+    "kind": "spring",
+    "parent": "hitter",
+    "child": "box",
+    "parent_point": [0, 0, 1],
+    "child_point": [0.2, 0, 1],
+    "stiffness": 50.0,
+    "rest_length": 0.1,
+}
 
 
 def row(folder: Path, *operations: tuple[str, Any], claims: dict[str, Any] = NAMED) -> Row | None:
     document = event_world("hit").model_dump(mode="json")
-    document |= {"prompt": "A box hits another box and a pane.", "claims": claims}
+    document |= {"spec_version": "2", "prompt": "A box hits another box and a pane.", "claims": claims}
+    document.pop("clauses", None)
     document["materials"]["pane"] = SEEN
     spec = apply_patch(parse_spec(document), [{"op": "add", "path": p, "value": v} for p, v in operations])
     found = unseen_help.check(film_of(spec).candidate(folder))

@@ -24,7 +24,7 @@ from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..shots.plan import shots_at
 from ..shots.sight import sight_of
-from . import counts, quantities
+from . import counts, quantities, unseen_help
 from .bounds import LOOKS
 from .counts import count_of
 from .described.check import check as described
@@ -57,7 +57,7 @@ def check(candidate: Candidate) -> list[Row]:
         finding = partial(function, candidate, name)
         whole = candidate.spec.entities if claim.type in _WHOLE else None
         rows.append(row_of(candidate, question, (name,), finding, extra=extra, recipe_entities=whole))
-    return [*rows, *described(candidate)]
+    return [*rows, *described(candidate), *unseen_help.check(candidate)]
 
 
 def _told(candidate: Candidate, name: str) -> list[object]:

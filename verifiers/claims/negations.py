@@ -53,7 +53,9 @@ def negation_of(candidate: Candidate, name: str) -> Finding:
         )
         return Finding("fail", said, float(len(vacuous)), 0.0, hints=(hint,), evidence=evidence)
     if unknown:
-        return Finding("unverified", f"{quote!r}: {outcomes[unknown[0]].explanation}", evidence=evidence)
+        # A probe that ended where the beats do has not seen all of it: that waits for the bake.
+        over = (0, max((asked[r].frames or (0, last))[1] for r in unknown))
+        return Finding("unverified", f"{quote!r}: {outcomes[unknown[0]].explanation}", evidence=evidence, frames=over)
     return Finding("pass", f"{quote!r}: {', '.join(asked)} held over frames 0..{last}", 0.0, 0.0, evidence=evidence)
 
 

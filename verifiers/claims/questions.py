@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..rows.questions import Question
 
-__all__ = ["COUNT", "EVENT", "NEGATION", "ORDER", "QUANTITY", "QUESTIONS", "THING"]
+__all__ = ["COUNT", "EVENT", "NEGATION", "ORDER", "QUANTITY", "QUESTIONS", "THING", "UNSEEN"]
 
 THING = Question(
     "claim:thing",
@@ -67,4 +67,13 @@ QUANTITY = Question(
     matrix_group="physical",
 )
 
-QUESTIONS = (THING, COUNT, QUANTITY, EVENT, ORDER, NEGATION)
+UNSEEN = Question(
+    "claim:unseen",
+    "nothing that can hardly be seen and that no claim names pushes, holds or pulls a body that the prompt names",
+    "clear bodies and parts, and springs with nothing drawn, that do",
+    "1",
+    "<=",
+    "0",
+    matrix_group="temporal",
+)
+QUESTIONS = (THING, COUNT, QUANTITY, EVENT, ORDER, NEGATION, UNSEEN)

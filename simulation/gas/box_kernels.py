@@ -9,6 +9,8 @@ the last layers hold the upper faces of the box; elements beyond the cells of a 
 
 import warp as wp
 
+from ..grids.columns import vec6i
+
 wp.set_module_options({"enable_backward": False})
 
 __all__ = ["Box", "beside", "carry", "correct", "extrapolate", "fastest", "index_of", "is_cell", "place_of", "sample"]
@@ -16,12 +18,14 @@ __all__ = ["Box", "beside", "carry", "correct", "extrapolate", "fastest", "index
 
 @wp.struct
 class Box:
-    """Cells along each axis, and whether it is periodic."""
+    """Cells along each axis, whether it is periodic, which sides are open, and the velocity of the air beyond them."""
 
     nx: wp.int32
     ny: wp.int32
     nz: wp.int32
     wraps: wp.vec3i
+    opens: vec6i
+    wind: wp.vec3
 
 
 @wp.func
@@ -186,9 +190,25 @@ def held(box: Box, x: wp.vec3):
 
 @wp.func
 def traced(box: Box, carrier: wp.array(dtype=wp.vec3), x: wp.vec3, cells: float):
-    """Where the flow takes a position within a time that is given as cells per speed; midpoint rule."""
+    """Where the flow takes a position within a time that is given as cells per speed, in the box or not; midpoint rule."""
     middle = held(box, x + 0.5 * cells * speed(box, carrier, x))
-    return held(box, x + cells * speed(box, carrier, middle))
+    return x + cells * speed(box, carrier, middle)
+
+
+@wp.func
+def comes_in(box: Box, x: wp.vec3):
+    """True for a position beyond an open side: what comes from there is air that moves with the wind, whatever flows at the side.
+
+    Without that, inflow would bring ever more energy in, since the pressure is held at open sides.
+    """
+    found = int(0)
+    for a in range(3):
+        if box.wraps[a] == 0:
+            if x[a] < 0.0 and box.opens[2 * a] == 1:
+                found = 1
+            if x[a] > float(count_of(box, a)) and box.opens[2 * a + 1] == 1:
+                found = 1
+    return found == 1
 
 
 @wp.func
@@ -219,7 +239,11 @@ def carry(
     v = wp.vec3(0.0, 0.0, 0.0)
     for axis in range(3):
         if has_face(box, at, axis):
-            v[axis] = sample(box, source, axis, traced(box, carrier, face_place(at, axis), -cells))
+            foot = traced(box, carrier, face_place(at, axis), -cells)
+            if comes_in(box, foot):
+                v[axis] = box.wind[axis]
+            else:
+                v[axis] = sample(box, source, axis, held(box, foot))
     out[c] = v
 
 
@@ -235,9 +259,13 @@ def correct(
     for axis in range(3):
         if has_face(box, at, axis):
             x = face_place(at, axis)
-            back = sample(box, once, axis, traced(box, carrier, x, cells))
-            range_ = bounds(box, source, axis, traced(box, carrier, x, -cells))
-            v[axis] = wp.clamp(once[c][axis] + 0.5 * (source[c][axis] - back), range_[0], range_[1])
+            foot = traced(box, carrier, x, -cells)
+            ahead = traced(box, carrier, x, cells)
+            v[axis] = once[c][axis]
+            if not comes_in(box, foot) and not comes_in(box, ahead):
+                back = sample(box, once, axis, held(box, ahead))
+                range_ = bounds(box, source, axis, held(box, foot))
+                v[axis] = wp.clamp(v[axis] + 0.5 * (source[c][axis] - back), range_[0], range_[1])
     out[c] = v
 
 

@@ -88,7 +88,7 @@ class Gas:
         self._box = boxes.Box()
         self._box.nx, self._box.ny, self._box.nz = shape
         self._box.wraps = wp.vec3i(*(int(sides[2 * a] == "periodic") for a in range(3)))
-        self._sides = vec6i(*(int(s == "open") for s in sides))
+        self._sides = self._box.opens = vec6i(*(int(s == "open") for s in sides))
         self._no_slip = self.run.upload("gas/no_slip", np.array([s == "closed" for s in sides], np.int32), wp.int32)
         self._walls = self.run.upload("gas/walls", np.zeros((6, 2), np.float32), wp.vec2)
         self._close(sides, solids)

@@ -113,15 +113,15 @@ def _table() -> Spec:
     ("words", "named", "said"),
     [
         ("four", (0, 1, 2, 3), ""),
-        ("three", (0, 1, 2, 3), "'three' counts 3, by names 4 (shelf/leg0, shelf/leg1"),
-        ("three", (0, 1, 2), "'three' counts 3, but shelf/leg3 has the same shape and material"),
+        ("three", (0, 1, 2, 3), "'three' counts 3, by names 4 (shelf/parts/leg0, shelf/parts/leg1"),
         ("four", (0, 1, 2), "'four' counts 4, by names 3"),
     ],
 )
 def test_parts_of_a_body_are_counted(words: str, named: tuple[int, ...], said: str) -> None:
     by = " ".join(f"/entities/shelf/parts/leg{k}" for k in named)
     found = problems(
-        _table(), f"A [ball](thing ball) [rolls](event roll) on a [shelf](thing shelf) with [{words}]({'count'} {by}) legs."
+        _table(),
+        f"A [ball](thing ball) [rolls](event roll) on a [shelf](thing shelf) with [{words}]({'count'} {by}) [legs](thing {by}).",
     )
     assert said in found
     assert bool(found) is bool(said)

@@ -1,12 +1,23 @@
-"""Pointers and ids that a claim is judged by."""
+"""Spans of claims, and the pointers and ids that a claim is judged by."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from .spec import Claim, WorldSpec
 
-__all__ = ["named_in", "targets_of"]
+__all__ = ["Span", "named_in", "targets_of"]
+
+
+class Span(NamedTuple):
+    """A part of the prompt with its claim; without one it is filler."""
+
+    start: int
+    end: int
+    text: str
+    claim: str | None
+    type: str
 
 
 def targets_of(claims: Mapping[str, Claim], name: str) -> list[str]:

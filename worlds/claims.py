@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
-from .claim_targets import named_in, targets_of
+from .claim_targets import Span, named_in, targets_of
 from .described import DESCRIBING, judged_words
 from .errors import InputError
-from .predicates import entities_of
-from .predicates.events import event_atoms
+from .predicates import atoms_of, entities_of
+from .predicates.events import PairEvent, event_atoms
 from .prompts import lexicon as words
 from .prompts.languages import Held, held_words, language_of
 from .prompts.marks import occurrence
 from .prompts.numbers import number_in, quantity_in
 from .prompts.odd import odd_characters
 from .prompts.units import boundaries, letters, units_of, word_count
+from .roles import misplaced_roles
 from .spec import CLAIM_TYPES, Beat, WorldSpec
 
 __all__ = ["LONGEST", "Reading", "Span", "named_in", "prompt_record", "reading_of", "targets_of"]
@@ -28,16 +29,6 @@ LONGEST: Mapping[str, int] = {t: _SHORT if t in ("thing", "count", "property", "
 
 SAME_SHARE = 0.5
 """Own choice: with more of its things and events said to be the same as others, the verdict warns. Pronouns seldom are half of the nouns."""
-
-
-class Span(NamedTuple):
-    """A part of the prompt with its claim; without one it is filler."""
-
-    start: int
-    end: int
-    text: str
-    claim: str | None
-    type: str
 
 
 @dataclass(frozen=True)
@@ -127,6 +118,8 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     if alike > SAME_SHARE * len(told):
         yield f"{alike} of {len(told)} claims of things and events are said to be the same as another"
     yield from _idle(spec)
+    yield from (m.text for m in misplaced_roles(spec, spans, language) if not m.sure)
+    yield from _one_way(spec)
     readings = [
         words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))
         for s in spans
@@ -159,6 +152,24 @@ def _idle(spec: WorldSpec) -> Iterator[str]:
         bodies = [n for n in named_in(spec, name, "entities") if n in spec.entities and spec.entities[n].motion == "dynamic"]
         if bodies and not told & set(bodies):
             yield f"{claim.quote!r} can move, and nothing that is claimed to happen is about {', '.join(bodies[:3])}"
+
+
+def _one_way(spec: WorldSpec) -> Iterator[str]:
+    """Negations of what one body does to another that can do it too: the reverse is not denied."""
+    for name, claim in spec.claims.items():
+        if claim.type != "negation" or claim.waived is not None:
+            continue
+        keys = [r for r in named_in(spec, name, "story/requirements") if r in spec.story.requirements]
+        denied = {
+            (a.kind, a.entity, a.other)
+            for r in keys
+            for a in atoms_of(spec.story.requirements[r].predicate)
+            if isinstance(a, PairEvent) and a.kind == "hits"
+        }
+        for kind, doer, other in sorted(denied):
+            able = other in spec.entities and spec.entities[other].motion == "dynamic"
+            if able and (kind, other, doer) not in denied:
+                yield f"{claim.quote!r} denies that {doer} {kind} {other}, and not the reverse, which would look alike"
 
 
 def _about(beat: Beat) -> tuple[str, ...]:

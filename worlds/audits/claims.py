@@ -19,6 +19,7 @@ from ..problems import Problem
 from ..prompts.languages import Held, language_of
 from ..prompts.numbers import Quantity, number_in, ordinal_in, quantity_in
 from ..references import kinds_of, resolves
+from ..roles import misplaced_roles
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from .acted_on import acted_on_problems
 from .contradictions import contradiction_problems
@@ -60,6 +61,8 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
     for name, claim in spec.claims.items():
         found += _claim(spec, document, name, claim)
     found += [*acted_on_problems(spec, reading), *_shared(spec)]
+    told = misplaced_roles(spec, reading.spans, reading.language)
+    found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
     return [*found, *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]
 
 

@@ -1,0 +1,171 @@
+"""Who does an event to whom, by the order of the words of a clause, against the bodies of its predicate (R131, R155).
+
+In a clause that has its subject before the verb and its object behind it, the thing before the words of an event does it to the thing
+behind them. `by`, `from` and `of` between the event and what stands behind it turn that around. Quirk, R. et al. (1985), A Comprehensive
+Grammar of the English Language, 10.9 (subject and object by position) and 3.63 (passive). It is sure in English, of a verb that the
+lexicon knows to be of the kind that judges it and whose subject has no preposition of its own; else it is a warning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import regex
+
+from .claim_targets import Span, named_in
+from .predicates import atoms_of
+from .predicates.events import PairEvent
+from .prompts.lexicon import known_kinds, labelled, verb_kinds
+from .prompts.units import folded, units_of
+
+if TYPE_CHECKING:
+    from .spec import WorldSpec
+
+__all__ = ["Misplaced", "misplaced_roles"]
+
+DOES = frozenset(("hits", "pushes", "pulls", "lifts", "lowers", "throws"))
+"""Kinds of event that a subject does to an object; what jams or leans is told of either side."""
+TURNS: dict[str, frozenset[str]] = {
+    "en": frozenset(("by", "from", "of")),
+    "de": frozenset(("von", "vom", "durch", "des", "der", "eines", "einer")),
+    "fr": frozenset(("par", "de", "du", "des", "d'")),
+    "es": frozenset(("por", "de", "del")),
+    "it": frozenset(("da", "dal", "dalla", "dai", "dalle", "dallo", "dall'", "di", "del", "della")),
+    "pt": frozenset(("por", "pelo", "pela", "pelos", "pelas", "de", "do", "da")),
+    "nl": frozenset(("door", "van")),
+}
+"""By language with the subject before its verb in main clauses: words behind an event that make what follows its doer. Reviewed by hand."""
+ONWARDS = frozenset(("against", "into", "onto", "on", "upon", "at"))
+"""Prepositions behind `hits` and `pushes` that lead to what is hit."""
+PREPOSITIONS = ONWARDS | frozenset(
+    ["above", "across", "after", "along", "alongside", "around", "before", "behind", "below", "beneath", "beside", "between", "beyond", "by", "down", "for", "from", "in", "inside", "like", "near", "of", "off", "out", "outside", "over", "past", "round", "through", "to", "toward", "towards", "under", "underneath", "up", "via", "with", "within", "without"]
+)  # fmt: skip
+JOINS = frozenset(
+    ["and", "or", "but", "so", "nor", "yet", "as", "when", "while", "whenever", "where", "because", "if", "although", "though", "until", "till", "once", "then", "than", "since", "which", "that", "who", "whose", "whom", "it", "they", "he", "she", "this", "these", "those", "them", "him", "her", "and", "then", "und", "oder", "aber", "wenn", "als", "während", "weil", "dass", "et", "ou", "mais", "quand", "y", "o", "pero", "cuando", "e", "ma", "quando", "en", "of", "maar", "wanneer"]
+) - {"of"}  # fmt: skip
+"""Words between an event and a thing behind which the thing is another clause's, or that may stand for another body."""
+_STOP = regex.compile(r"[.;:!?…,()\n]|[—–]")
+_SENTENCE = regex.compile(r"[.!?…;\n]")
+
+
+class Misplaced(NamedTuple):
+    """An event whose predicate has its bodies in other places than the words."""
+
+    claim: str
+    text: str
+    sure: bool
+    """Whether the rule decides it; else it is a warning."""
+
+
+class _Place(NamedTuple):
+    """Surroundings of the words of an event."""
+
+    before: frozenset[str]
+    """Bodies of its sentence that stand before it."""
+    next: frozenset[str]
+    """Bodies of the next thing behind it in its clause; empty where there is none."""
+    between: tuple[str, ...]
+    """Words between the two, folded."""
+    plain: bool
+    """Whether nothing but an article or another description stands before the first thing of the sentence."""
+
+
+def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[Misplaced]:
+    """Events and negations told of the reverse of what the words say, or of a body that is not the one behind the verb.
+
+    Args:
+        spec: the specification.
+        spans: of its prompt, in order.
+        language: code of its language.
+    """
+    if language not in TURNS:
+        return
+    for index, span in enumerate(spans):
+        if span.type not in ("event", "negation") or span.claim is None or spec.claims[span.claim].waived is not None:
+            continue
+        atoms = [a for a in _atoms(spec, span.claim) if isinstance(a, PairEvent) and a.kind in DOES]
+        place = _place(spec, spans, index)
+        if not atoms or not place.next:
+            continue
+        turned = bool(TURNS[language] & set(place.between)) or bool(TURNS[language] & set(_words(span.text)))
+        kinds = verb_kinds(_verb(spec.prompt, span)) if language == "en" else None
+        known = [a for a in atoms if kinds is not None and a.kind in kinds & known_kinds()]
+        clear = bool(known) and place.plain and not set(place.between) & (PREPOSITIONS - _led(known[0].kind))
+        yield from _told(spec, span.claim, atoms, place, turned=turned, sure=clear)
+
+
+def _led(kind: str) -> frozenset[str]:
+    return ONWARDS if kind in ("hits", "pushes") else frozenset()
+
+
+def _told(
+    spec: WorldSpec, name: str, atoms: Sequence[PairEvent], place: _Place, *, turned: bool, sure: bool
+) -> Iterator[Misplaced]:
+    quote = spec.claims[name].quote
+    said = [(a.other, a.entity) if turned else (a.entity, a.other) for a in atoms]
+    fits = [(first, second) for first, second in said if second in place.next or "each" in (first, second)]
+    if fits:
+        return
+    first, second = said[0]
+    atom = atoms[0]
+    names = ", ".join(sorted(place.next)[:3])
+    if first in place.next and second in place.before and first not in place.before:
+        right = f"{second!r} to {first!r}" if not turned else f"{first!r} to {second!r}"
+        text = f"{quote!r} is {atom.kind} of {atom.entity!r} to {atom.other!r}, and its words say the reverse: {right}; exchange entity and other"
+        yield Misplaced(name, text, sure or (turned and _by_alone(place)))
+    elif first in place.before:
+        role = "does it" if turned else "it is done to"
+        text = f"{quote!r} is {atom.kind} of {atom.entity!r} to {atom.other!r}, and what stands behind it is {names}: name who {role} there"
+        yield Misplaced(name, text, sure and not turned and atom.kind != "throws")
+
+
+def _by_alone(place: _Place) -> bool:
+    return place.plain and "by" in place.between and not set(place.between) & (PREPOSITIONS - {"by"})
+
+
+def _atoms(spec: WorldSpec, name: str) -> list[object]:
+    story = spec.story
+    asked = [story.beats[n].predicate for n in named_in(spec, name, "story/beats") if n in story.beats]
+    asked += [story.requirements[n].predicate for n in named_in(spec, name, "story/requirements") if n in story.requirements]
+    return [a for predicate in asked for a in atoms_of(predicate)]
+
+
+def _verb(prompt: str, span: Span) -> str:
+    """The verb of an event, or of what a negation denies."""
+    found = [w for w in labelled(prompt) if w.type == "event" and w.start < span.end and span.start < w.end]
+    return prompt[found[-1].start : found[-1].end] if found else ""
+
+
+def _place(spec: WorldSpec, spans: Sequence[Span], index: int) -> _Place:
+    before: set[str] = set()
+    opening: list[str] = []
+    for span in reversed(spans[:index]):
+        if span.claim is None and _SENTENCE.search(span.text):
+            opening += _words(_SENTENCE.split(span.text)[-1])
+            break
+        if span.claim is None:
+            opening = _words(span.text)
+        elif span.type in ("thing", "count"):
+            before |= _bodies(spec, span.claim)
+    between: list[str] = []
+    for span in spans[index + 1 :]:
+        if span.claim is None:
+            between += _words(span.text)
+            if _STOP.search(span.text) or JOINS & set(between):
+                break
+        elif span.type == "thing" and _bodies(spec, span.claim):
+            owner = spec.prompt[span.end : span.end + 2].translate({0x2019: "'"}) == "'s"
+            if not owner:
+                return _Place(frozenset(before), _bodies(spec, span.claim), tuple(between), not PREPOSITIONS & set(opening))
+        elif span.type not in ("property", "count", "look"):
+            break
+    return _Place(frozenset(before), frozenset(), (), plain=False)
+
+
+def _bodies(spec: WorldSpec, name: str) -> frozenset[str]:
+    return frozenset(n for n in named_in(spec, name, "entities") if n in spec.entities)
+
+
+def _words(text: str) -> list[str]:
+    return [folded(u.text) for u in units_of(text)]

@@ -269,7 +269,7 @@ def test_a_random_walk_of_calls_accepts_nothing_impossible_and_crashes_nothing(a
 
 
 def test_short_sequences_of_calls_and_forgeries_accept_nothing_undeserved(walker: Any, accepted_folder: Path) -> None:
-    seen = _sequences(walker, accepted_folder, range(24))
+    seen = _sequences(walker, accepted_folder, range(30))
     assert seen["edit_spec refused"] > 10
     assert sum(n for name, n in seen.items() if name.startswith("forged")) > 10
 

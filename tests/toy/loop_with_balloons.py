@@ -34,7 +34,7 @@ SHOT = {
 }
 STORY = {"story": {"beats": {"rise": RISE}}, "shots": {"wide": SHOT}}
 PARTS = " ".join(f"/entities/balloons/parts/{side}" for side in ("left", "middle", "right"))
-CLAIMS = f"[Three](count {PARTS}) [balloons](thing balloons) [rise](event rise) from the [floor](thing floor)."
+CLAIMS = f"[Three](count {PARTS}) [balloons](thing balloons {PARTS}) [rise](event rise) from the [floor](thing floor)."
 
 
 @pytest.fixture(scope="module")

@@ -119,7 +119,7 @@ def test_roles_that_are_swapped_are_found() -> None:
 
 
 def test_beside_a_world_without_claims_only_the_whole_is_compared() -> None:
-    first = WorldSpec.model_validate({**small_spec(), "prompt": PROMPT})
+    first = WorldSpec.model_validate({**small_spec(claims={}, spec_version="1"), "prompt": PROMPT})
 
     def edit(spec: dict[str, Any]) -> None:
         for one in (WEAKER["other gravity"], WEAKER["a lighter body"], WEAKER["an optional beat"]):

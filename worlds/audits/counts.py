@@ -164,10 +164,11 @@ def _partly_told(spec: WorldSpec, name: str, claim: Claim, bodies: set[str]) -> 
 
 
 def _untold(spec: WorldSpec, name: str, claim: Claim, bodies: set[str]) -> Iterator[Problem]:
-    """Counted bodies that can move and of which no claim says anything, in a prompt that tells of events."""
+    """Counted bodies that can move and of which no claim says anything, in a prompt whose events are all judged."""
     judged = {o: c for o, c in spec.claims.items() if c.waived is None and c.type not in ("thing", "count")}
     moving = sorted(n for n in bodies & set(spec.entities) if spec.entities[n].motion == "dynamic")
-    if not moving or not any(c.type == "event" for c in judged.values()):
+    waived = any(c.type == "event" and c.waived is not None for c in spec.claims.values())
+    if waived or not moving or not any(c.type == "event" for c in judged.values()):
         return
     story: Mapping[str, Mapping[str, Beat | Requirement]] = dict(
         zip(_STORY, (spec.story.beats, spec.story.requirements), strict=True)

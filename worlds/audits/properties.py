@@ -10,15 +10,19 @@ from collections.abc import Iterator
 
 from ..problems import Problem
 from ..prompts.descriptions import meanings
-from ..prompts.languages import language_of
+from ..prompts.languages import REVIEWED, language_of
 from ..spec import WorldSpec
 
 __all__ = ["allowed_substances", "substance_problems"]
 
 
 def allowed_substances(quote: str, language: str | None) -> list[tuple[str, tuple[str, ...]]]:
-    """Words of materials in a quote, each with the substances that it allows."""
-    return [(word, tuple(term.split("|"))) for term, word in meanings(quote, language, "material") if term != "-"]
+    """Words of materials in a quote, each with the substances that it allows; of any language with lists where the prompt's is not known."""
+    found: dict[str, dict[str, None]] = {}
+    for one in (language,) if language in REVIEWED else REVIEWED:
+        for term, word in meanings(quote, one, "material"):
+            found.setdefault(word, {}).update(dict.fromkeys(s for s in term.split("|") if s != "-"))
+    return [(word, tuple(substances)) for word, substances in found.items() if substances]
 
 
 def substance_problems(spec: WorldSpec, name: str) -> Iterator[Problem]:

@@ -62,4 +62,4 @@ def candidate_of(folder: Path, world: str | WorldSpec, claims: dict[str, Any], *
 
 def rows(folder: Path, world: str | WorldSpec, claims: dict[str, Any], **more: Any) -> dict[str, Row]:
     """Rows by claim, or by claim and type where a claim has several."""
-    return {r.subject[0]: r for r in check(candidate_of(folder, world, claims, **more))}
+    return {r.subject[0]: r for r in check(candidate_of(folder, world, claims, **more)) if r.subject}

@@ -34,7 +34,7 @@ def test_the_small_world_has_one_rival_of_each_sort() -> None:
         "A steel ball never rolls into a row of three blocks. The last block falls off the shelf.",
     ]
     assert rival_prompts(world()) == rival_prompts(world())
-    assert rival_prompts(WorldSpec.model_validate({**small_spec(), "prompt": "A ball rolls."})) == []
+    assert rival_prompts(WorldSpec.model_validate({**small_spec(claims={}), "prompt": "A ball rolls."})) == []
 
 
 def test_doer_and_done_to_change_places_unless_both_do_it() -> None:

@@ -186,8 +186,10 @@ def _stories(candidate: Candidate, name: str, counted: Counted) -> list[Tally]:
 
 
 def _events(candidate: Candidate, name: str, counted: Counted) -> list[Tally]:
-    """Numbers of those who do what events say that are told of all the counted bodies."""
+    """Numbers of those who do what events say that are told of all the counted bodies; parts of one body do what it does."""
     spec, bodies, found = candidate.spec, set(counted.bodies), []
+    if len(bodies) < len(counted.units):
+        return []
     elsewhere = {b for other, c in spec.claims.items() if c.type == "count" for b in beats_of(spec, other)}
     for claim_name, claim in spec.claims.items():
         if claim.type != "event" or claim.waived is not None or not claim.by:

@@ -225,7 +225,7 @@ def domino_spec(bowl_at: tuple[float, float] = (0.203, 0.57)) -> dict[str, Any]:
                    "predicate": {"kind": "hits", "entity": "ball", "other": "d01"}},
         "corner": {"text": "the chain runs around the corner", "owner": "rigid", "subject": "d14", "frames": [16, 40], "causes": ["strike"],
                    "predicate": {**topple, "entity": "d14"}},
-        "chain": {"text": "all twenty dominoes fall", "owner": "rigid", "subject": "d20", "frames": [16, 44], "causes": ["corner"],
+        "chain": {"text": "all twenty dominoes fall", "owner": "rigid", "subject": "d20", "frames": [16, 44], "causes": ["strike", "corner"],
                   "predicate": {"kind": "and", "of": [
                       {"kind": "count", "entities": dominoes[:-1], "min": COUNT - 1, "predicate": topple},
                       {"kind": "tilts", "entity": "d20", "min": 0.3}]}},

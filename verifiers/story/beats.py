@@ -108,12 +108,16 @@ def _judged(
 
 
 def _lateness(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> dict[str, Any]:
-    """By how much a failing event misses its interval, where it does happen; negative where it is early."""
+    """By how much a failing event misses its interval, where it does happen; negative where it is early.
+
+    `shift_s` is the time that brings it inside: a fifth more than it is late, but no farther than the middle of the interval.
+    """
     at = happens_at(candidate, predicate, outcome.frames) if outcome.status == "fail" else None
     if at is None:
         return {}
-    late = at - outcome.frames[0 if at < outcome.frames[0] else 1]
-    return {"happens_at_frame": at, "late_frames": late, "late_s": late / candidate.spec.simulation.fps}
+    late, fps = at - outcome.frames[0 if at < outcome.frames[0] else 1], candidate.spec.simulation.fps
+    shift = min(1.2 * late, at - sum(outcome.frames) / 2, key=abs)
+    return {"happens_at_frame": at, "late_frames": late, "late_s": late / fps, "shift_s": shift / fps}
 
 
 def _decided_early(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> Outcome:

@@ -143,7 +143,7 @@ def test_a_driver_that_acts_too_late_is_moved_by_the_measured_time() -> None:
         check="beat",
         frames=(0, 6),
         entities=("ball",),
-        evidence={"late_frames": 6, "late_s": 0.25, "happens_at_frame": 12},
+        evidence={"late_frames": 6, "late_s": 0.25, "shift_s": 0.3, "happens_at_frame": 12},
     )
     first = diagnose(row, spec).corrections[0]
     assert first.group == "drivers"

@@ -84,6 +84,9 @@ def test_an_event_after_its_interval_is_found_and_replanned(tmp_path: Path) -> N
     assert row.status == "fail"
     assert "at frame 22, 7 frames after" in row.corrections[0].cause
     assert row.corrections[0].patch[0]["value"] == [5, 22]
+    assert row.evidence["shift_s"] == pytest.approx(1.2 * 7 / 24)
+    narrow = rows_of(sliding(tmp_path / "narrow", {"b": beat(Reaches(entity="cube", region="goal"), (1, 3))}))["beat:b"]
+    assert narrow.evidence["shift_s"] == pytest.approx((22 - 2) / 24)
 
 
 def test_what_is_over_when_its_end_is_judged_is_not_replanned_to_begin_earlier(tmp_path: Path) -> None:

@@ -23,22 +23,16 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..construction import build_world, built_paths
-from ..simulation.bake import run_bake
-from ..simulation.freeze import open_freeze
-from ..testing.defects.accepted import specifications
+from ..testing.defects.accepted import baked_in, specifications
 from ..testing.prompts import strangers
 from ..verifiers.acceptance import judge
 from ..verifiers.story.robustness import clopper_pearson
-from ..workflow.plates import LEAST_S, make_plates
 from ..workflow.review.conduct import prepare
 from ..workflow.review.questions import parse_answers, parse_choice
 from ..worlds.audits.audit import audit
-from ..worlds.baked import frame_digests
 from ..worlds.folder import WorldFolder, write_atomically
-from ..worlds.ledger import Ledger
 from ..worlds.spec import WorldSpec
-from .prompt_attack import attacked, own_world
+from .prompt_attack import attacked
 
 __all__ = ["Form", "caught", "figures", "make", "packs", "written"]
 
@@ -46,7 +40,7 @@ CASES = 40
 
 
 class Form(NamedTuple):
-    """What one form is about."""
+    """One form: the world that it shows, and the numbers of its questions."""
 
     name: str
     world: str
@@ -57,13 +51,7 @@ class Form(NamedTuple):
     spans: int
 
 
-def worlds() -> dict[str, WorldSpec]:
-    """The accepted worlds of version 2, by name."""
-    found = {name: spec for name, spec in specifications() if spec.spec_version == "2"}
-    return found or {"two_blocks": own_world()}
-
-
-def candidates(name: str, spec: WorldSpec, draw: random.Random) -> Iterator[WorldSpec]:
+def candidates(spec: WorldSpec, draw: random.Random) -> Iterator[WorldSpec]:
     """The world under strangers' prompts that the audit lets through, in a drawn order."""
     asked = list(strangers())
     draw.shuffle(asked)
@@ -83,13 +71,7 @@ def written(place: Path, name: str, spec: WorldSpec) -> tuple[Any, dict[str, Any
     """
     with tempfile.TemporaryDirectory(prefix="worldagent-readers-") as root:
         folder = WorldFolder(Path(root) / name)
-        folder.root.mkdir()
-        write_atomically(folder.spec_path, spec.model_dump_json(exclude_none=True).encode())
-        built, _ = build_world(folder, spec)
-        freeze = open_freeze(folder, spec, built, built_paths(folder, spec), 1)
-        baked = run_bake(folder, freeze)
-        Ledger(folder.ledger_path).put_bake(freeze, 1, baked.digest, {"frame_digests": frame_digests(baked.caches)})
-        make_plates(baked, seconds=LEAST_S)
+        baked = baked_in(folder, spec)
         record = judge(folder.root)
         if record["verdict"] != "accepted":
             return None, record
@@ -105,9 +87,9 @@ def written(place: Path, name: str, spec: WorldSpec) -> tuple[Any, dict[str, Any
 def make(place: Path, cases: int = CASES, seed: int = 0) -> list[Form]:
     """Write forms of forged worlds, spread over the accepted worlds, and of each of these under its own prompt."""
     draw = random.Random(seed)
-    own, refused = worlds(), Counter[str]()
+    own, refused = dict(specifications()), Counter[str]()
     forms: list[Form] = []
-    streams = {name: candidates(name, spec, draw) for name, spec in own.items()}
+    streams = {name: candidates(spec, draw) for name, spec in own.items()}
     queue = [(name, spec, False) for name, spec in own.items()]
     while len([f for f in forms if f.forged]) < cases and streams:
         for name in list(streams):

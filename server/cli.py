@@ -40,6 +40,7 @@ BENCHMARKS: dict[str, str] = {
     "liquid-flip": "worldagent.bench.liquid_flip:run",
     "forest": "worldagent.bench.forest:run",
     "cloth": "worldagent.bench.cloth:run",
+    "gas": "worldagent.bench.gas:run",
 }
 """Benchmarks by name: `run()` returns the figures."""
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["DEEDS", "correct_claim"]
 
 DEEDS = ("judge", "waive", "remove")
-"""What a person may do with a claim: say what it means and where it is judged, waive it, or make its words filler."""
+"""Actions of a person on a claim: say what it means and where it is judged, waive it, or make its words filler."""
 KEYS = {"revision", "claim", "deed", "type", "by", "because", "reason"}
 MOST_TOLD = 4
 """Problems of the audit that a refusal names."""

@@ -75,7 +75,7 @@ class _Pairs:
         self._taken: dict[str, set[str]] = {group: set() for group in self.names}
 
     def put(self, group: str, old: str, new: str) -> bool:
-        """Whether two ids mean the same now; not where one of them means another already."""
+        """True where two ids mean the same now; not where one of them means another already."""
         known = self.names[group]
         if new not in known and old not in self._taken[group]:
             known[new] = old

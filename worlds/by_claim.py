@@ -113,7 +113,7 @@ def _of_physics(before: WorldSpec, after: WorldSpec, old: Document, new: Documen
 
 
 def _leads(document: Document, pointer: str) -> bool:
-    """Whether there is such a field, whatever its value: engines and kinds of joint have different ones."""
+    """True where there is such a field, whatever its value: engines and kinds of joint have different ones."""
     at: Any = document
     for token in pointer.split("/")[1:]:
         if not isinstance(at, dict) or token not in at:

@@ -55,7 +55,7 @@ class Misplaced(NamedTuple):
     claim: str
     text: str
     sure: bool
-    """Whether the rule decides it; else it is a warning."""
+    """True where the rule decides it; else it is a warning."""
 
 
 class _Place(NamedTuple):
@@ -68,7 +68,7 @@ class _Place(NamedTuple):
     between: tuple[str, ...]
     """Words between the two, folded."""
     plain: bool
-    """Whether nothing but an article or another description stands before the first thing of the sentence."""
+    """True where nothing but an article or another description stands before the first thing of the sentence."""
 
 
 def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[Misplaced]:

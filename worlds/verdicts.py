@@ -43,7 +43,7 @@ def reader_words(prompt: Mapping[str, Any]) -> str:
 
 
 def prompt_told(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Account of the prompt for a reply: shares, filler, waivers with their reasons, warnings, who read it."""
+    """Account of the prompt for a reply: shares, filler, waivers with their reasons, words that only the agent read, warnings, who read it."""
     prompt = record.get("prompt")
     if not isinstance(prompt, Mapping):
         clauses = record.get("clauses") or {}
@@ -51,4 +51,5 @@ def prompt_told(record: Mapping[str, Any]) -> dict[str, Any]:
         silent = {k: c["static_because"] for k, c in clauses.items() if c.get("static_because")}
         return {"unmet_clauses": unmet, **({"clauses_without_event": silent} if silent else {})}
     kept = ("claimed", "filler", "waived", "filler_texts", "waivers", "language", "warnings", "read_by")
-    return {"prompt": {k: prompt[k] for k in kept if k in prompt}}
+    readings = {"readings": list(prompt["readings"])} if prompt.get("readings") else {}
+    return {"prompt": {k: prompt[k] for k in kept if k in prompt} | readings}

@@ -16,7 +16,7 @@ from .data import QueryError
 __all__ = ["corrected"]
 
 MOST_BYTES = 40_000
-"""Of a correction: a claim may name 500 bodies."""
+"""Most bodies in a correction; a claim may name 500."""
 
 
 def corrected(workspace: Path, request: Request, body: bytes) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from ...worlds.spec import WorldSpec
 __all__ = ["plate_list", "plate_picture"]
 
 MOST_BYTES = 400_000
-"""Of a plate's picture."""
+"""Format of a plate's picture."""
 
 
 def _present(folder: WorldFolder, ledger: Ledger, where: Standing, spec: WorldSpec) -> tuple[Path, Plates] | None:

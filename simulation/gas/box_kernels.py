@@ -122,6 +122,13 @@ def corners(box: Box, axis: wp.int32, x: wp.vec3):
 
 
 @wp.func
+def value_at(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, i: wp.int32, j: wp.int32, k: wp.int32):
+    """One component of a sample, which is held in the box or repeated."""
+    c = index_of(box, along(box, 0, int(axis == 0), i), along(box, 1, int(axis == 1), j), along(box, 2, int(axis == 2), k))
+    return field[c][axis]
+
+
+@wp.func
 def sample(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3):
     """One component at a position [cells], trilinear."""
     y = corners(box, axis, x)
@@ -143,10 +150,7 @@ def sample(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3)
             wy = 1.0 - wy
         if c == 0:
             wz = 1.0 - wz
-        i = along(box, 0, int(axis == 0), i0 + a)
-        j = along(box, 1, int(axis == 1), j0 + b)
-        k = along(box, 2, int(axis == 2), k0 + c)
-        total += wx * wy * wz * field[index_of(box, i, j, k)][axis]
+        total += wx * wy * wz * value_at(box, field, axis, i0 + a, j0 + b, k0 + c)
     return total
 
 
@@ -160,10 +164,7 @@ def bounds(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3)
     low = float(1.0e30)
     high = float(-1.0e30)
     for s in range(8):
-        i = along(box, 0, int(axis == 0), i0 + s // 4)
-        j = along(box, 1, int(axis == 1), j0 + (s // 2) % 2)
-        k = along(box, 2, int(axis == 2), k0 + s % 2)
-        v = field[index_of(box, i, j, k)][axis]
+        v = value_at(box, field, axis, i0 + s // 4, j0 + (s // 2) % 2, k0 + s % 2)
         low = wp.min(low, v)
         high = wp.max(high, v)
     return wp.vec2(low, high)

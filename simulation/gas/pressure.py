@@ -20,11 +20,11 @@ class Flow(NamedTuple):
     """Fields of a flow: arrays on the device, one element per cell and its lower faces."""
 
     velocity: Any
-    """Of faces [m/s]; a projection changes it."""
+    """Speeds of faces [m/s]; a projection changes them."""
     solid: Any
     """Velocities of what closes them [m/s]."""
     expansion: Any
-    """Of cells [1/s]."""
+    """Volume that cells make per volume and second [1/s]."""
     state: Any
     """Concentrations, for densities."""
     cell: float

@@ -15,7 +15,7 @@ class GasSettings:
     """Material of a gas, and numbers of its solver; SI units."""
 
     scheme: Literal["maccormack", "reflection"] = "reflection"
-    """How velocities are carried. Reflection (Zehnder, Narain and Thomaszewski 2018, doi:10.1145/3197517.3201324) makes two half steps with two
+    """Scheme that carries velocities. Reflection (Zehnder, Narain and Thomaszewski 2018, doi:10.1145/3197517.3201324) makes two half steps with two
     solves and keeps eddies alive; MacCormack alone takes half the time."""
     expands: bool = True
     """True: light gas is accelerated as its density asks, and heat makes volume. False: Boussinesq's approximation."""

@@ -22,7 +22,7 @@ FRAMES = 27
 LAST = FRAMES - 1
 SIDE = 0.1
 FRICTION = 0.1 * 600.0 * SIDE**3 * 9.81
-"""Of a block on the floor [N]."""
+"""Force on a block on the floor [N]."""
 Rng = np.random.Generator
 
 

@@ -22,6 +22,7 @@ from ...simulation.freeze import open_freeze
 from ...verifiers.acceptance import judge
 from ...workflow.plates import LEAST_S, make_plates
 from ...worlds.baked import frame_digests
+from ...worlds.candidate import Candidate
 from ...worlds.errors import RefusedError
 from ...worlds.folder import WorldFolder, write_atomically
 from ...worlds.ledger import Ledger
@@ -29,7 +30,7 @@ from ...worlds.patch import parse_spec
 from ...worlds.requirements import Row
 from ...worlds.spec import WorldSpec
 
-__all__ = ["KEPT", "Rejudged", "adopt", "recorded", "rejudge", "showcases", "specifications"]
+__all__ = ["KEPT", "Rejudged", "adopt", "baked_in", "recorded", "rejudge", "showcases", "specifications"]
 
 FOLDER = "accepted"
 SKILLS = Path(__file__).parents[2] / "skills"
@@ -85,17 +86,23 @@ def showcases() -> Iterator[tuple[str, WorldSpec]]:
         yield f"examples/{name}", parse_spec({"prompt": prompt, **spec})
 
 
+def baked_in(folder: WorldFolder, spec: WorldSpec) -> Candidate:
+    """The bake of a specification, made in a new folder with its ledger and plates."""
+    folder.root.mkdir()
+    write_atomically(folder.spec_path, spec.model_dump_json(exclude_none=True).encode())
+    built, _ = build_world(folder, spec)
+    freeze = open_freeze(folder, spec, built, built_paths(folder, spec), 1)
+    baked = run_bake(folder, freeze)
+    Ledger(folder.ledger_path).put_bake(freeze, 1, baked.digest, {"frame_digests": frame_digests(baked.caches)})
+    make_plates(baked, seconds=LEAST_S)
+    return baked
+
+
 def rejudge(world: str, spec: WorldSpec) -> Rejudged:
     """Build, bake and judge a specification from nothing, as its acceptance did."""
     with tempfile.TemporaryDirectory(prefix="worldagent-accepted-") as root:
         folder = WorldFolder(Path(root) / world.replace("/", "-"))
-        folder.root.mkdir()
-        write_atomically(folder.spec_path, spec.model_dump_json(exclude_none=True).encode())
-        built, _ = build_world(folder, spec)
-        freeze = open_freeze(folder, spec, built, built_paths(folder, spec), 1)
-        baked = run_bake(folder, freeze)
-        Ledger(folder.ledger_path).put_bake(freeze, 1, baked.digest, {"frame_digests": frame_digests(baked.caches)})
-        make_plates(baked, seconds=LEAST_S)
+        baked_in(folder, spec)
         start = time.perf_counter()
         record = judge(folder.root)
         return Rejudged(world, tuple(Row.model_validate(r) for r in record["rows"]), time.perf_counter() - start)

@@ -53,20 +53,20 @@ class InlineJobs(JobStore):
 
 @dataclass
 class Walk:
-    """How far a world came, and what was said of it."""
+    """The stage that a world came to, and what was said of it."""
 
     reached: str
     """The tool that let it go no further, or `accepted`."""
     rows: tuple[tuple[str, str], ...] = ()
     """Open mandatory rows, and what each says."""
     lines: tuple[str, ...] = ()
-    """Of a verdict: its words, warnings, filler, waivers, weakenings and approximations; else the refusal."""
+    """Text of a verdict: its words, warnings, filler, waivers, weakenings and approximations; else the refusal."""
     seconds: float = 0.0
     """Processor time of this process [s]."""
 
     @property
     def accepted(self) -> bool:
-        """Whether the verdict was `accepted`, in whatever words."""
+        """True where the verdict was `accepted`, in whatever words."""
         return self.reached == "accepted"
 
 

@@ -29,7 +29,7 @@ class Twin:
     marked: str
     """Its prompt, with what each span means."""
     changes: Mapping[str, Any] = field(default_factory=dict)
-    """What is otherwise than in the scene, by JSON pointer."""
+    """Changes of the scene, by JSON pointer."""
 
     @property
     def prompt(self) -> str:
@@ -56,7 +56,7 @@ class Case:
     prompt: str | None = None
     """Prompt where it is not that of `marked`: marks then are for another text."""
     changes: Mapping[str, Any] = field(default_factory=dict)
-    """What is otherwise than in the twin, by JSON pointer; `GONE` takes away."""
+    """Changes of the twin, by JSON pointer; `GONE` takes away."""
     act: Callable[[Agent], str] | None = None
     """Deeds on the accepted twin instead of a world of its own; returns what was answered, in which `says` must be."""
 

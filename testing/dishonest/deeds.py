@@ -24,7 +24,7 @@ _OTHER = "A steel kettle falls off a table."
 
 
 def _answer(function: Callable[[], Any]) -> str:
-    """What a call returns, or how it is refused."""
+    """Answer of a call, or its refusal."""
     try:
         return json.dumps(function(), default=str, ensure_ascii=False)
     except WorldAgentError as error:

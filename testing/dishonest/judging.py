@@ -21,13 +21,13 @@ Outcome = Literal["caught", "accepted", "otherwise", "no twin"]
 
 @dataclass(frozen=True)
 class Judged:
-    """What became of a case, or of a twin."""
+    """Outcome of a case, or of a twin."""
 
     name: str
     mechanism: str
     """Empty for a twin."""
     outcome: Outcome | Literal["refused"]
-    """Of a twin `accepted` or `refused`."""
+    """`accepted` or `refused`, of a twin."""
     reached: str
     told: str
     """Row or line that gave it away, or what was said instead."""

@@ -33,7 +33,7 @@ AT_CREATION = (
 
 
 def audited(workspace: Path, case: Case | Twin) -> Walk:
-    """How far the creation of a world comes."""
+    """Outcome of the creation of a world."""
     workspace.mkdir()
     agent = Agent(workspace)
     given = case.given() if isinstance(case, Case) else (case.prompt, case.marked, case.document())

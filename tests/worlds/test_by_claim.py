@@ -1,4 +1,4 @@
-"""What a world asks less than another of its prompt is found by claim, whatever its ids are (R157)."""
+"""Worlds of one prompt are compared by claim, whatever their ids are (R157)."""
 
 from __future__ import annotations
 

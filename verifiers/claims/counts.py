@@ -49,7 +49,7 @@ class Tally(NamedTuple):
 
 
 def is_measured(spec: WorldSpec, name: str) -> bool:
-    """Whether geometry or motion can tell what a claim counts; a number of the specification is compared by the audit."""
+    """True where geometry or motion can tell what a claim counts; a number of the specification is compared by the audit."""
     counted = counted_of(spec, name)
     return counted.asked is not None and bool(counted.bodies or counted.stories)
 
@@ -157,7 +157,7 @@ def _lookalikes(candidate: Candidate, name: str, counted: Counted) -> list[str]:
 
 
 def _alike(candidate: Candidate, a: str, b: str) -> bool:
-    """Whether two bodies look the same at a glance: extents, volume, colour."""
+    """True where two bodies look the same at a glance: extents, volume, colour."""
     spec, volumes, extents, colours = candidate.spec, [], [], []
     for name in (a, b):
         entity = spec.entities[name]
@@ -248,7 +248,7 @@ def _restricted(predicate: SpecModel, body: str) -> SpecModel | None:
 def _does_too(
     candidate: Candidate, tellers: Sequence[tuple[SpecModel, tuple[int, int]]], bodies: tuple[str, ...], other: str
 ) -> bool:
-    """Whether another body does what predicates say of one of the bodies."""
+    """True where another body does what predicates say of one of the bodies."""
     for body in bodies:
         for predicate, frames in _of_body(tellers, body):
             mapped = told_of(predicate, body, other)
@@ -275,7 +275,7 @@ def _others(
 
 
 def _told_itself(spec: WorldSpec, body: str, kinds: set[str], counted: set[str]) -> bool:
-    """Whether an event claim says one of some kinds of a body, and of none of the counted ones."""
+    """True where an event claim says one of some kinds of a body, and of none of the counted ones."""
     for other, claim in spec.claims.items():
         if claim.type != "event" or claim.waived is not None:
             continue

@@ -33,7 +33,7 @@ class Measured(NamedTuple):
 
 
 def is_told(pointer: str) -> bool:
-    """Whether anything measured tells of the number at a JSON pointer."""
+    """True where anything measured tells of the number at a JSON pointer."""
     keys = pointer.strip("/").split("/")
     head, rest = keys[:2], keys[2:]
     if head[:1] == ["story"]:

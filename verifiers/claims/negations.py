@@ -60,7 +60,7 @@ def negation_of(candidate: Candidate, name: str) -> Finding:
 
 
 def _quoted(spec: WorldSpec, requirement: str) -> bool:
-    """Whether a claim of a quantity quotes a bound of a requirement."""
+    """True where a claim of a quantity quotes a bound of a requirement."""
     place = f"/story/requirements/{requirement}/predicate/"
     told = [n for n, c in spec.claims.items() if c.type == "quantity" and c.waived is None]
     return any(p.startswith(place) for n in told for p in targets_of(spec.claims, n))

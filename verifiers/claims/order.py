@@ -190,7 +190,7 @@ def _signature(predicate: SpecModel) -> set[tuple[object, ...]]:
 
 
 def _brought_about(candidate: Candidate, earlier: Side, later: Side) -> bool:
-    """Whether the later event has the earlier one among its causes: both may begin together."""
+    """True where the later event has the earlier one among its causes: both may begin together."""
     return earlier.beat is not None and later.beat is not None and earlier.beat in behind(candidate.spec, later.beat)[1:]
 
 

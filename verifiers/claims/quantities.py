@@ -36,7 +36,7 @@ class Limits(NamedTuple):
 
 
 def is_measured(spec: WorldSpec, name: str) -> bool:
-    """Whether the words of a claim state a quantity and something measured tells of what it names."""
+    """True where the words of a claim state a quantity and something measured tells of what it names."""
     return _wanted(spec, name) is not None and any(is_told(p) for p in targets_of(spec.claims, name))
 
 

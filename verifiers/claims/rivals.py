@@ -68,7 +68,7 @@ def _signature(predicate: SpecModel) -> set[tuple[object, ...]]:
 
 
 def _told_before(candidate: Candidate, beat_id: str) -> bool:
-    """Whether another beat tells that the same happened before the interval of a beat."""
+    """True where another beat tells that the same happened before the interval of a beat."""
     beats, times = candidate.spec.story.beats, beat_times(candidate)
     mine, start = _signature(beats[beat_id].predicate), beats[beat_id].frames[0]
     for name, beat in beats.items():

@@ -168,7 +168,7 @@ def _springs(candidate: Candidate, named: set[str]) -> list[_Help]:
 
 
 def _drawn(candidate: Candidate, joint: SpringJoint) -> bool:
-    """Whether a body other than the spring's ends is drawn at its middle at frame 0."""
+    """True where a body other than the spring's ends is drawn at its middle at frame 0."""
     surfaces = surfaces_of(candidate)
     middle = 0.5 * (np.array(joint.parent_point) + np.array(joint.child_point))
     for part in surfaces.parts:

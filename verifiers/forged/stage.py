@@ -39,7 +39,7 @@ G = 9.81
 DENSITY = 600.0
 """[kg/m^3]"""
 SUBDIVISIONS = 3
-"""Of an icosahedron that stands for a ball."""
+"""Corners of an icosahedron that stands for a ball."""
 
 
 class CacheForged(Cache):

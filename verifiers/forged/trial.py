@@ -31,7 +31,7 @@ ROLES = {"entity": "it", "a": "it", "other": "other", "on": "other", "b": "other
 
 
 def is_forged(kind: str) -> bool:
-    """Whether there is a forged motion of a kind of predicate."""
+    """True where there is a forged motion of a kind of predicate."""
     return kind in BODIES or kind in PLACES
 
 

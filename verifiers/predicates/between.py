@@ -35,7 +35,7 @@ class Passing(NamedTuple):
 
     frame: int
     sure: bool
-    """Whether it holds on every way that the states allow; else the frames are too far apart to tell."""
+    """True where it holds on every way that the states allow; else the frames are too far apart to tell."""
     told: str
 
 

@@ -53,7 +53,7 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 def way_finding(candidate: Candidate, name: str, relation: Connects) -> Finding:
-    """Whether a connection is a route that its carrier can take; searched once per candidate.
+    """The finding on whether a connection is a route that its carrier can take; searched once per candidate.
 
     Raises:
         EvidenceError: the scene is incomplete, or the frames are not there.

@@ -46,7 +46,7 @@ class Deeds:
     """Part of a compound predicate that came true: bodies, the atoms that tell of each, and how many of them it needs."""
 
     least: int
-    """How many of the bodies have to do it."""
+    """Number of the bodies that have to do it."""
     atoms: dict[str, tuple[SpecModel, ...]]
     """Atoms that tell of each body."""
 
@@ -182,7 +182,7 @@ def _free(spec: WorldSpec, name: str) -> bool:
 
 
 def _happens(atom: SpecModel, kind: str) -> bool:
-    """Whether an atom says that something happens to its body, and not only that it does no more than so much."""
+    """True where an atom says that something happens to its body, and not only that it does no more than so much."""
     info = PREDICATES.get(kind)
     if is_invariant(atom) or info is None or not (info.event or kind == "speed" or kind in MOVING_KINDS):
         return False

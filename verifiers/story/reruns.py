@@ -29,7 +29,7 @@ class Rerun:
     """That are simulated for it."""
 
     def cost(self) -> dict[str, Any]:
-        """How much was simulated by now; steps are, unlike seconds, equal on every machine."""
+        """Amount simulated by now; steps are, unlike seconds, equal on every machine."""
         rigid, instances = self.candidate.rigid_caches, simulated(self.candidate)
         return {
             "frames_rerun": self.frames if instances else 0,

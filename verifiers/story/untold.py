@@ -144,7 +144,7 @@ class _Runs:
         return {beat: frozenset(untold(self.candidate.spec, beat)) & some for beat in reached}
 
     def judge(self, beat: str) -> Finding:
-        """Whether a beat comes without the drivers that reach it and of which the story does not tell.
+        """The finding on whether a beat comes without the drivers that reach it and of which the story does not tell.
 
         Raises:
             EvidenceError: it cannot be told whom they reach, or the run cannot be made.
@@ -210,7 +210,7 @@ class _Runs:
         return [r.driver for r in found]
 
     def _comes(self, beat: str, gone: frozenset[str], runs: list[dict[str, Any]]) -> bool:
-        """Whether a beat comes in the run without some drivers, which is told in `runs`.
+        """True where a beat comes in the run without some drivers, which is told in `runs`.
 
         Raises:
             EvidenceError: the run cannot be made, or the beat not be judged in it.

@@ -31,7 +31,7 @@ _NEVER: Mapping[str, str] = {
     "en": "never {}", "es": "nunca {}", "pt": "nunca {}", "it": "non {}", "ru": "не {}", "zh": "没有{}",
     "de": "{} nie", "nl": "{} nooit", "fr": "ne {} jamais",
 }  # fmt: skip
-"""How an event is denied, by language; in German, Dutch and French around its first word, the verb."""
+"""Words that deny an event, by language; in German, Dutch and French around its first word, the verb."""
 _AROUND_THE_VERB = ("de", "nl", "fr")
 _TURNED: Mapping[str, tuple[tuple[str, str], ...]] = {
     "en": (("before", "after"), ("first", "last")),

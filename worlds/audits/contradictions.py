@@ -81,7 +81,7 @@ def denying(predicate: SpecModel) -> list[SpecModel]:
 
 
 def implies(event: SpecModel, other: SpecModel) -> bool:
-    """Whether an event cannot happen without another: the same kind of the same, at least as much."""
+    """True where an event cannot happen without another: the same kind of the same, at least as much."""
     if type(event) is not type(other):
         return False
     for name in type(event).model_fields:

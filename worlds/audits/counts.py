@@ -137,7 +137,7 @@ def _more(spec: WorldSpec, name: str, claim: Claim, bodies: set[str], place: str
 
 
 def _singled(spec: WorldSpec, bodies: set[str], rest: set[str], but: set[str]) -> bool:
-    """Whether a claim speaks of the counted bodies and of none of the rest."""
+    """True where a claim speaks of the counted bodies and of none of the rest."""
     for other, claim in spec.claims.items():
         if other in but or claim.waived is not None or claim.same_as in but:
             continue

@@ -43,7 +43,7 @@ _NAMES: Mapping[str, Mapping[str, str]] = {
 MATTER_WORDS: Mapping[str, Mapping[str, str]] = {
     language: {word: kind for kind, names in _NAMES.items() for word in names[language].split()} for language in _NAMES["lake"]
 }
-"""What must be there for a word, by language: loose matter for a fluid, trees, or a kind of water that the hydrology of a landscape requires."""
+"""Matter that a word asks for, by language: loose matter for a fluid, trees, or a kind of water that the hydrology of a landscape requires."""
 _HEAD_FIRST = frozenset({"fr", "es", "it", "pt"})
 
 

@@ -1,4 +1,4 @@
-"""What must never happen must not happen between two written frames either."""
+"""Denied events between two written frames."""
 
 from __future__ import annotations
 

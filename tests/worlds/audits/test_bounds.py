@@ -1,4 +1,4 @@
-"""What a specification may not define away: bounds stand clear of noise, bodies weigh what they are made of, holds let go (R91, R154)."""
+"""Bounds that a specification may not define away: bounds stand clear of noise, bodies weigh what they are made of, holds let go (R91, R154)."""
 
 from __future__ import annotations
 

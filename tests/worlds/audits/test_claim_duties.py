@@ -1,4 +1,4 @@
-"""What claims ask of causes, of optional beats, of parts that are counted, of liquids and of land (R28, R66, R155)."""
+"""Duties of claims about causes, of optional beats, of parts that are counted, of liquids and of land (R28, R66, R155)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STANDS = {"text": "it stands", "predicate": {"kind": "tilts", "entity": "shelf",
 
 
 def problems(spec: Spec, marked: str) -> str:
-    """What the claims of marked text lack in a world; its prompt is that text without its marks."""
+    """Problems of the claims of marked text in a world; its prompt is that text without its marks."""
     import re
 
     prompt = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", marked)

@@ -51,7 +51,7 @@ class Form(NamedTuple):
     round: tuple[float, float, float]
     """Circularity of its outlines, the greatest first."""
     square: tuple[float, float, float]
-    """How square its outlines are, the greatest first: the less of ratio of sides and filled share."""
+    """Squareness of its outlines, the greatest first: the less of ratio of sides and filled share."""
     height: float
     """[m]"""
     width: float
@@ -66,7 +66,7 @@ class Form(NamedTuple):
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
-    """Whether bodies or land have the form that the words of a claim say."""
+    """The finding on whether bodies or land have the form that the words of a claim say."""
     spec, quote = candidate.spec, candidate.spec.claims[name].quote
     bodies = [n for n in named_in(spec, name, "entities") if n in spec.entities]
     answers = []

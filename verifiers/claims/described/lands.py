@@ -44,7 +44,7 @@ WATERS = ("hydrology", "lakes", "rivers", "sea", "water")
 
 
 class Shown(NamedTuple):
-    """How much of a picture land fills."""
+    """Share of a picture that land fills."""
 
     share: float
     where: str

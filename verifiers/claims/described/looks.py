@@ -55,7 +55,7 @@ class _View(NamedTuple):
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
-    """Whether a shot is taken as the words say."""
+    """The finding on whether a shot is taken as the words say."""
     spec, quote = candidate.spec, candidate.spec.claims[name].quote
     named = [n for n in named_in(spec, name, "shots") if n in spec.shots] or list(spec.shots)
     views = [v for v in (_view(candidate, n) for n in named) if v.frames]

@@ -62,7 +62,7 @@ _SENTENCE = re.compile(r"[.!?…;。！？；]")
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
-    """Whether something of the sentence is where the words say."""
+    """The finding on whether something of the sentence is where the words say."""
     spec, quote = candidate.spec, candidate.spec.claims[name].quote
     relations = [n for n in named_in(spec, name, "graph/relations") if n in spec.graph.relations]
     regions = [n for n in named_in(spec, name, "graph/regions") if n in spec.graph.regions]
@@ -151,7 +151,7 @@ def _first(
 
 
 def _in_regions(candidate: Candidate, word: Word, things: list[str], regions: list[str]) -> Answer:
-    """Whether some thing comes into one of the regions."""
+    """The answer to whether some thing comes into one of the regions."""
     for thing, region in itertools.product(things, regions):
         outcome = evaluate(candidate, Reaches(entity=thing, region=region), (0, candidate.last_frame))
         if outcome.status == "pass":
@@ -255,7 +255,7 @@ TESTS: dict[str, Callable[[_Place, str], bool]] = {
     "between": _between,
     "edge": _edge,
 }
-"""What each word asks of a thing at a frame."""
+"""Rules of words about a thing at a frame."""
 
 # ---------------------------------------------------------------- indoors
 
@@ -264,7 +264,7 @@ UP, LEVEL = np.array([[0.0, 0.0, 1.0]]), np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 
 
 
 def _housed(candidate: Candidate, word: Word, things: list[str]) -> Answer:
-    """Whether what is still stands above a thing, or around it."""
+    """The answer to whether what is still stands above a thing, or around it."""
     found = list(_closed(candidate, things))
     if not found:
         raise EvidenceError("no body stands where indoors or outdoors could be told")
@@ -276,7 +276,7 @@ def _housed(candidate: Candidate, word: Word, things: list[str]) -> Answer:
 
 
 def _closed(candidate: Candidate, things: list[str]) -> Iterator[tuple[bool, int]]:
-    """Of each thing, whether the way up is closed at frame 0, and how many level ways are."""
+    """For each thing, whether the way up is closed at frame 0, and how many level ways are."""
     still = [n for n in candidate.solids if candidate.spec.entities[n].motion == "static" and n not in things]
     for thing in things:
         center = candidate.center(thing, 0)
@@ -290,7 +290,7 @@ def _triangles(candidate: Candidate, body: str) -> F64:
 
 
 def _meets(corner: F64, origin: F64, way: F64) -> bool:
-    """Whether a ray meets a triangle: Moeller, T. and Trumbore, B. (1997), Fast, minimum storage ray/triangle intersection."""
+    """True where a ray meets a triangle: Moeller, T. and Trumbore, B. (1997), Fast, minimum storage ray/triangle intersection."""
     a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     p = np.cross(way, b)
     det = (a * p).sum(axis=1)

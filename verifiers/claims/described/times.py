@@ -40,7 +40,7 @@ COMPASS = {"dawn": 1, "morning": 1, "dusk": -1, "evening": -1}
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
-    """Whether the sun stands where the words have it."""
+    """The finding on whether the sun stands where the words have it."""
     spec, look = candidate.spec, candidate.spec.look
     answers = []
     for word in words:

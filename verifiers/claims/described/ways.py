@@ -32,7 +32,7 @@ __all__ = ["judge"]
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
-    """Whether the way is open, or gone."""
+    """The finding on whether the way is open, or gone."""
     spec, quote = candidate.spec, candidate.spec.claims[name].quote
     open_ways = list(_relations(candidate, name, quote))
     unknown = [f for f in open_ways if f.status == "unverified"]
@@ -84,7 +84,7 @@ def _reached(candidate: Candidate, name: str, quote: str, region: str) -> Answer
 
 
 def _gone(candidate: Candidate, word: Word, body: str, frames: tuple[int, int], *, done: bool) -> Answer:
-    """Whether a body goes as a word says while its beat runs."""
+    """The answer to whether a body goes as a word says while its beat runs."""
     if not done:
         return Answer(word.text, False, f"what it is judged by does not come true, see its own row ({body!r})", 1.0, 0.0, "<=")
     first, last = frames[0], min(frames[1], candidate.last_frame)

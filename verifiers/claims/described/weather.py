@@ -57,7 +57,7 @@ NO_WAY = {
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
-    """Whether the weather of the words is there."""
+    """The finding on whether the weather of the words is there."""
     spec, quote = candidate.spec, candidate.spec.claims[name].quote
     answers = []
     for word in words:
@@ -144,7 +144,7 @@ def _comes_and_goes(candidate: Candidate, name: str) -> bool:
 
 
 def _falling(candidate: Candidate, word: Word) -> Answer:
-    """Whether drops or flakes fall, or snow lies."""
+    """The answer to whether drops or flakes fall, or snow lies."""
     bound = FALL[word.term]
     if word.term == "snow" and _snowy(candidate):
         return Answer(word.text, True, f"snow lies on {LYING:.0%} of a landscape at least")

@@ -100,7 +100,8 @@ def smoke(cells: int, scheme: Scheme, frames: int = 8) -> float:
     gas = Gas((cells,) * 3, 1.0 / cells, sides, GasSettings(scheme=scheme, courant=3.0), solids=solids)
     middle = (np.arange(cells) + 0.5) / cells
     x, y, z = np.meshgrid(middle - 0.5, middle - 0.5, middle - 0.1, indexing="ij", sparse=True)
-    gas.emit(5.0 * (x * x + y * y + z * z < 0.08**2), [0.3, 0.5, 0.0, 0.0])
+    inside = x * x + y * y + z * z < 0.08**2
+    gas.emit(np.where(inside, 5.0, 0.0), [0.3, 0.5, 0.0, 0.0])
     seconds = []
     for _ in range(frames):
         start = time.perf_counter()

@@ -1,10 +1,14 @@
 """Golden rows: every row of seeded worlds as data, and what differs from them today.
 
 python -m worldagent.bench.golden record [--only CHECK] [--worlds]   # write tests/golden/<check>.json
+python -m worldagent.bench.golden record --processor                 # write rows that only this processor rounds otherwise
 python -m worldagent.bench.golden compare [--only CHECK] [--worlds]  # print each difference; 1 where there is one
 
 Of every mechanism of every suite the first world picked by hand is judged by the suite's check; `--worlds` takes the accepted worlds
 and those that the skills record instead, built and baked anew, with the rows of their acceptance.
+
+What breaks or folds multiplies rounding: a processor with AVX-512 sums in another order than one with AVX2, and the pieces fly
+elsewhere. `tests/golden/processors/<check>.json` holds such rows as another processor measured them, of the same status and bound.
 """
 
 from __future__ import annotations
@@ -31,9 +35,13 @@ GOLDEN = Path(__file__).parents[1] / "tests" / "golden"
 FIELDS = ("id", "status", "measured", "bound", "unit", "first_failing_entity", "first_failing_frame")
 CLOSE = 1e-6
 """Relative: numbers of other processors differ by rounding."""
+PROCESSORS = GOLDEN / "processors"
 TINY = 1e-9
 """Absolute: differences of numbers that are zero but for rounding."""
 SEED = 1
+
+JUDGED = [FIELDS.index(name) for name in ("id", "status", "bound", "unit")]
+"""Fields that no processor may change."""
 
 World = list[list[Any]]
 """Rows of one world, in the order of `FIELDS`, sorted by id."""
@@ -61,8 +69,12 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-def differences(before: dict[str, World], now: dict[str, World]) -> Iterator[str]:
-    """Lines about worlds and rows that are gone, new or other."""
+def _equal(one: list[Any], other: list[Any], fields: Iterable[int] = range(len(FIELDS))) -> bool:
+    return all(_same(one[i], other[i]) for i in fields)
+
+
+def differences(before: dict[str, World], now: dict[str, World], elsewhere: dict[str, World] | None = None) -> Iterator[str]:
+    """Lines about worlds and rows that are gone, new or other; `elsewhere` are rows as other processors measured them."""
     for world in sorted({*before, *now}):
         if world not in now or world not in before:
             yield f"{world}: {'gone' if world not in now else 'new'}"
@@ -71,6 +83,8 @@ def differences(before: dict[str, World], now: dict[str, World]) -> Iterator[str
         for row in sorted({*old, *new}):
             if row not in new or row not in old:
                 yield f"{world}: {row} is {'gone' if row not in new else 'new'}"
+                continue
+            if any(_equal(known, new[row]) and _equal(known, old[row], JUDGED) for known in (elsewhere or {}).get(world, ())):
                 continue
             for name, a, b in zip(FIELDS, old[row], new[row], strict=True):
                 if not _same(a, b):
@@ -84,17 +98,35 @@ def compare(name: str, now: dict[str, World]) -> list[str]:
         return [f"{name}: nothing is recorded; run `python -m worldagent.bench.golden record`"]
     # Through JSON, as the recorded ones went.
     fresh = json.loads(json.dumps(now))
-    return [f"{name}: {line}" for line in differences(json.loads(path.read_text()), fresh)]
+    return [f"{name}: {line}" for line in differences(json.loads(path.read_text()), fresh, _elsewhere(name))]
 
 
-def write(name: str, found: dict[str, World]) -> None:
-    """Keep the rows of a suite, one row a line."""
-    GOLDEN.mkdir(parents=True, exist_ok=True)
+def _elsewhere(name: str) -> dict[str, World]:
+    path = PROCESSORS / f"{name}.json"
+    return json.loads(path.read_text()) if path.exists() else {}
+
+
+def rounded_otherwise(name: str, now: dict[str, World]) -> dict[str, World]:
+    """Recorded rows of other processors, and those of `now` that differ from all recorded ones in measured fields alone."""
+    kept, known = json.loads((GOLDEN / f"{name}.json").read_text()), _elsewhere(name)
+    for world, rows in now.items():
+        old = {str(row[0]): row for row in kept.get(world, [])}
+        for row in rows:
+            seen = [old.get(str(row[0])), *known.get(world, [])]
+            if seen[0] and _equal(seen[0], row, JUDGED) and not any(_equal(one, row) for one in seen):
+                known.setdefault(world, []).append(row)
+    return known
+
+
+def write(name: str, found: dict[str, World], folder: Path | None = None) -> None:
+    """Keep the rows of a suite in `tests/golden`, or in another folder, one row a line."""
+    folder = folder or GOLDEN
+    folder.mkdir(parents=True, exist_ok=True)
     worlds = ",\n".join(
         f" {json.dumps(world)}: [\n" + ",\n".join(f"  {json.dumps(row)}" for row in rows) + "\n ]"
         for world, rows in found.items()
     )
-    (GOLDEN / f"{name}.json").write_text(f"{{\n{worlds}\n}}\n")
+    (folder / f"{name}.json").write_text(f"{{\n{worlds}\n}}\n")
 
 
 def _judge(name: str) -> dict[str, World]:
@@ -107,18 +139,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("what", choices=("record", "compare"))
     parser.add_argument("--only", action="append", choices=CHECKS, help="only this suite (repeatable)")
     parser.add_argument("--worlds", action="store_true", help="accepted and recorded worlds instead of the suites")
+    parser.add_argument("--processor", action="store_true", help="record only rows that this processor rounds otherwise")
     options = parser.parse_args(arguments)
     names = ["worlds"] if options.worlds else list(options.only or CHECKS)
     wrong = 0
     with ProcessPoolExecutor(min(core_count(), len(names)), mp_context=get_context("spawn")) as pool:
         for name, found in zip(names, pool.map(_judge, names), strict=True):
-            if options.what == "record":
+            if options.what == "record" and options.processor:
+                if others := rounded_otherwise(name, json.loads(json.dumps(found))):
+                    write(name, others, PROCESSORS)
+                    print(f"{name}: {sum(map(len, others.values()))} rows are other on other processors", flush=True)
+            elif options.what == "record":
                 write(name, found)
                 print(f"{name}: {sum(map(len, found.values()))} rows of {len(found)} worlds", flush=True)
-                continue
-            lines = compare(name, found)
-            wrong += len(lines)
-            print("\n".join(lines) if lines else f"{name}: {sum(map(len, found.values()))} rows are equal", flush=True)
+            else:
+                lines = compare(name, found)
+                wrong += len(lines)
+                print("\n".join(lines) if lines else f"{name}: {sum(map(len, found.values()))} rows are equal", flush=True)
     return 1 if wrong else 0
 
 

@@ -45,3 +45,29 @@ def test_rows_of_a_suite_are_recorded_and_compared(tmp_path: Path, monkeypatch: 
     kept[world][0][1] = "unverified"
     (tmp_path / "scale.json").write_text(json.dumps(kept))
     assert len(golden.compare("scale", found)) == 1
+
+
+@pytest.mark.parametrize(
+    ("measured", "status", "told"),
+    [
+        (0.26, "pass", 0),  # as another processor measured it
+        (0.27, "pass", 1),  # as none did
+        (0.26, "fail", 2),  # a status is never a matter of rounding
+    ],
+)
+def test_rows_of_other_processors_are_known(measured: float, status: str, told: int) -> None:
+    elsewhere = {"w": [["scale:cube", "pass", 0.26, *ROW[3:]], ["scale:cube", "fail", 0.26, *ROW[3:]]]}
+    now = {"w": [["scale:cube", status, measured, *ROW[3:]]]}
+    assert len(list(golden.differences({"w": [ROW]}, now, elsewhere))) == told
+
+
+def test_only_what_is_measured_is_kept_of_another_processor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(golden, "GOLDEN", tmp_path)
+    monkeypatch.setattr(golden, "PROCESSORS", tmp_path / "processors")
+    other, failing = ["scale:cube", "pass", 0.26, *ROW[3:]], ["scale:cube", "fail", 0.26, *ROW[3:]]
+    golden.write("scale", {"w": [ROW]})
+    assert golden.rounded_otherwise("scale", {"w": [ROW]}) == {}
+    assert golden.rounded_otherwise("scale", {"w": [failing]}) == {}
+    golden.write("scale", golden.rounded_otherwise("scale", {"w": [other]}), tmp_path / "processors")
+    assert golden.compare("scale", {"w": [other]}) == []
+    assert len(golden.compare("scale", {"w": [failing]})) == 2

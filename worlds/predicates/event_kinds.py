@@ -88,9 +88,10 @@ BODY_EVENTS = (
     _event(
         "rolls",
         "rad",
-        "It turns by at least 3.14 rad about an axis across the direction in which it moves while it touches; the point of contact slips by "
-        "less than 0.3 of its centre's way, and runs around the body by at least 0.3 of what it turns through.",
-        "mechanics: pure rolling is v + w x r = 0; the share of a turn and the slip are own choices",
+        "It turns by at least 3.14 rad about an axis across the direction in which it moves while it touches or hops no higher than 0.1 of its "
+        "half-size; the point of contact slips by less than 0.3 of its centre's way, 0.5 between two frames, and runs around the body by at "
+        "least 0.3 of what it turns through.",
+        "mechanics: pure rolling is v + w x r = 0; the share of a turn, the hop and the slips are own choices",
     ),
     _event(
         "slides",

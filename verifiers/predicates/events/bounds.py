@@ -11,6 +11,10 @@ TURN_TO_ROLL = 3.14
 """[rad] Own choice: half a turn, two faces of a die, so that what falls onto its side does not roll."""
 ROLL_SLIP = 0.3
 """[1] Own choice: slip of the contact by way of the centre up to which turning is rolling; 0 is pure rolling, 1 is sliding."""
+MOST_SLIP = 0.5
+"""[1] The same between two frames: a lump slips where it lands. Own choice."""
+ROLL_HOP = 0.1
+"""[1] of its half-size. Own choice: what is lumpy leaves the ground between its lumps, no higher than this, and rolls on."""
 ROLL_ROUND = 0.3
 """[1] Own choice: way of the contact around the body by what it turns through: 1 for a wheel, 0.45 for a die, 0 for what turns over one edge."""
 LAST_TURN = 1.0

@@ -56,16 +56,25 @@ def single(course: Course) -> None:
         )
 
 
-def meeting_of(candidate: Candidate, entity: str, other: str, span: slice) -> Meeting:
+def meeting_of(candidate: Candidate, entity: str, other: str, span: slice, hop: float = 0.0) -> Meeting:
     """Contact of an entity of one body with another entity over the intervals of a span; arrays are of that length.
+
+    Args:
+        candidate: what is judged.
+        entity: one of a single body.
+        other: the other.
+        span: intervals.
+        hop: between its first and last contact it counts as touching at the nearest points where it is no farther off than this [m].
 
     Raises:
         EvidenceError: the entity is of several bodies, or no log or surface tells.
     """
-    return candidate.memo(("meeting", entity, other, span.start, span.stop), lambda: _meeting(candidate, entity, other, span))
+    return candidate.memo(
+        ("meeting", entity, other, span.start, span.stop, hop), lambda: _meeting(candidate, entity, other, span, hop)
+    )
 
 
-def _meeting(candidate: Candidate, entity: str, other: str, span: slice) -> Meeting:
+def _meeting(candidate: Candidate, entity: str, other: str, span: slice, hop: float) -> Meeting:
     single(course_of(candidate, entity))
     course, partner = course_of(candidate, entity), course_of(candidate, other)
     logged = between(candidate, other, entity).touched[span]
@@ -73,7 +82,10 @@ def _meeting(candidate: Candidate, entity: str, other: str, span: slice) -> Meet
     asked = np.zeros(len(frames), dtype=bool)
     asked[:-1] |= logged
     asked[1:] |= logged
-    patches = [_patch(candidate, entity, other, int(f)) if ask else None for f, ask in zip(frames, asked, strict=True)]
+    if hop > 0.0 and asked.any():
+        asked[np.argmax(asked) : len(asked) - np.argmax(asked[::-1])] = True
+        logged = asked[:-1] & asked[1:]
+    patches = [_patch(candidate, entity, other, int(f), hop) if ask else None for f, ask in zip(frames, asked, strict=True)]
     points = np.array([np.full(3, np.nan) if p is None else _middle(p) for p in patches])
     there = np.isfinite(points).all(axis=1)
     touching = logged & there[:-1] & there[1:]
@@ -103,10 +115,13 @@ def _meeting(candidate: Candidate, entity: str, other: str, span: slice) -> Meet
     )
 
 
-def _patch(candidate: Candidate, entity: str, other: str, frame: int) -> F64 | None:
-    """Corners of the patch in which they touch [m], shape (n, 3); None where they are apart at that frame."""
+def _patch(candidate: Candidate, entity: str, other: str, frame: int, hop: float) -> F64 | None:
+    """Corners of the patch in which they touch [m], shape (n, 3), or the nearest point within `hop`; None where they are apart at that frame."""
     found = contacts_of(surfaces_of(candidate), entity, other, frame).points
-    return np.unique(np.round(found, 9), axis=0) if len(found) else None
+    if len(found):
+        return np.unique(np.round(found, 9), axis=0)
+    nearest = surfaces_of(candidate).gap(entity, other, frame) if hop > 0.0 else None
+    return nearest.point_a[None] if nearest is not None and nearest.distance <= hop else None
 
 
 def _middle(patch: F64) -> F64:

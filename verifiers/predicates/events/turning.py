@@ -16,7 +16,9 @@ from .bounds import (
     HALF_SIZE,
     LAST_TURN,
     LEVEL,
+    MOST_SLIP,
     PAST_BALANCE,
+    ROLL_HOP,
     ROLL_ROUND,
     ROLL_SLIP,
     SLIDE_SLIP,
@@ -51,12 +53,12 @@ def _partners(course: Course, asked: str | None) -> tuple[str, ...]:
 
 
 def _bears(course: Course, other: str, asked: str | None, span: slice) -> NDArray[np.bool_]:
-    """Where a partner counts: everywhere where it is asked about, else where it gives at least `BEARS` of what contacts bear it with."""
+    """Where a partner counts: everywhere where it is asked about, else where no other gives more than `1 - BEARS` of what contacts bear it with."""
     if asked is not None or course.strength == 0.0:
         return np.ones(span.stop - span.start, dtype=bool)
     up = {n: between(course.candidate, n, course.entity).impulse[span] @ course.up for n in course.partners}
     borne = np.sum([np.maximum(v, 0.0) for v in up.values()], axis=0)
-    return np.asarray((up[other] > 0.0) & (up[other] >= BEARS * borne))
+    return np.asarray((up[other] >= BEARS * borne) & ((up[other] > 0.0) | (borne == 0.0)))
 
 
 def _outcome(scope: Scope, p: TouchEvent, found: list[_Best], least: float, unit: str, verb: str) -> Outcome:
@@ -92,16 +94,17 @@ def rolls(scope: Scope, p: TouchEvent) -> Outcome:
 
 
 def _rolling(course: Course, other: str, asked: str | None, span: slice) -> _Best:
-    met = meeting_of(course.candidate, course.entity, other, span)
+    met = meeting_of(course.candidate, course.entity, other, span, ROLL_HOP * course.size)
     along = met.way / np.maximum(_norms(met.way), 1e-12)[:, None]
     across = _norms(met.turned - np.sum(met.turned * along, axis=1, keepdims=True) * along)
     run = (
-        met.touching & (across >= LEVEL * _norms(met.turned)) & (_norms(met.slip) <= ROLL_SLIP * _norms(met.way)) & (across > 0.0)
+        met.touching & (across >= LEVEL * _norms(met.turned)) & (_norms(met.slip) <= MOST_SLIP * _norms(met.way)) & (across > 0.0)
     )
     run &= _bears(course, other, asked, span)
     angle = run_sums(run, across)
     around, full = run_sums(run, met.around), run_sums(run, across * _norms(met.lever))
-    return _Best(other, angle, run, around >= ROLL_ROUND * full)
+    slipped = run_sums(run, _norms(met.slip)) <= ROLL_SLIP * run_sums(run, _norms(met.way))
+    return _Best(other, angle, run, slipped & (around >= ROLL_ROUND * full))
 
 
 def slides(scope: Scope, p: TouchEvent) -> Outcome:

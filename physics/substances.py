@@ -9,12 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["AIR_DENSITY", "AIR_VISCOSITY", "DENSITY_RANGES"]
+__all__ = ["AIR_DENSITY", "AIR_HEAT_CAPACITY", "AIR_VISCOSITY", "DENSITY_RANGES", "air_density"]
 
 AIR_DENSITY = 1.204
 """[kg/m^3] at 20 degrees C and 101325 Pa."""
 AIR_VISCOSITY = 1.81e-5
 """Dynamic [Pa s] at 20 degrees C."""
+AIR_HEAT_CAPACITY = 1005.0
+"""Of dry air at constant pressure [J/(kg K)]: 7/2 R / M of the standard's diatomic gas, rounded."""
+SEA_LEVEL = 101325.0
+"""Pressure [Pa]."""
+GAS_CONSTANT = 8.31432
+"""R of the standard [J/(mol K)]."""
+AIR_MOLAR_MASS = 0.0289644
+"""[kg/mol]"""
 DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
     "steel": (7700, 8100),
     "iron": (6800, 7900),
@@ -40,3 +48,8 @@ DENSITY_RANGES: Mapping[str, tuple[float, float]] = {
     "other": (0.5, 23000),
 }
 """Least and largest density [kg/m^3], in bulk (sand: from the heap to the grain; fabric: from fleece to fibre)."""
+
+
+def air_density(temperature: float) -> float:
+    """Density of dry air at sea level [kg/m^3]: p M / (R T), temperature in K."""
+    return SEA_LEVEL * AIR_MOLAR_MASS / (GAS_CONSTANT * temperature)

@@ -15,6 +15,7 @@ ENGINES: Mapping[str, tuple[str, str]] = {
     "mujoco": (".rigid.solver", "SolverRigid"),
     "dfsph": (".liquid.solver", "SolverLiquid"),
     "flip": (".liquid.solver", "SolverLiquid"),
+    "gas": (".gas.solver", "SolverGas"),
     "shell": (".cloth.solver", "SolverCloth"),
     "dem": (".particles.solver", "SolverGrains"),
     "ballistic": (".particles.flight", "SolverFlight"),

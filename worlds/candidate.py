@@ -95,6 +95,11 @@ class Candidate:
         return {n: c for n, c in self.caches.items() if n in self.spec.simulation.cloth}
 
     @cached_property
+    def gas_caches(self) -> dict[str, Cache]:
+        """Caches of gas instances: those with fields on cells."""
+        return {n: c for n, c in self.caches.items() if n in self.spec.simulation.gas}
+
+    @cached_property
     def particle_caches(self) -> dict[str, Cache]:
         """Caches of instances of grains and of flying particles."""
         return {n: c for n, c in self.caches.items() if n in self.spec.simulation.particles}

@@ -63,7 +63,7 @@ CAPS: dict[str, Cap] = _caps(
     Cap("width", 1_920, "pixels", "/look/width"),
     Cap("height", 1_080, "pixels", "/look/height"),
     Cap("samples", 1_024, "samples per pixel", "/look/samples"),
-    Cap("cells", 16_777_216, "cells", "a coarser resolution of the terrain or grid, or a smaller domain of the liquid"),
+    Cap("cells", 16_777_216, "cells", "a coarser resolution of the terrain or grid, or a smaller domain of the liquid or gas"),
     Cap("triangles", 5_000_000, "triangles", "coarser meshes or fewer of them"),
     Cap("crowded_pairs", 10_000, "pairs", "give the entities places of their own; place_object(on=...) finds the height"),
     Cap("mesh_bytes", 64_000_000, "bytes", "a simplified mesh, or a binary format (.glb, .ply, .stl)"),

@@ -8,7 +8,7 @@ the amounts along, so that their sums stay. Lightness is 1 - density / density o
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,13 +23,15 @@ from ..grids.runner import Runner
 from . import box_kernels as boxes
 from . import force_kernels as forces
 from . import transport_kernels as transport
+from .border import Border
 from .pressure import Flow, Projection
 from .settings import GasSettings, Side
 
-__all__ = ["SOOT", "Gas", "GasReport", "Solids"]
+__all__ = ["LIGHTNESS", "SOOT", "Gas", "GasReport", "Solids"]
 
 LIGHTNESS, SOOT, FUEL, PRODUCT = range(4)
 """Quantities of a cell, in this order."""
+MOTION = ("velocity", "velocity/before")
 TRANSPORT_COURANT = 0.4
 """Own choice: most of a cell that leaves it through one face in a sweep; it may lose as much through the opposite one."""
 LEAST_SPEED = 1e-9
@@ -98,12 +100,12 @@ class Gas:
         self.load = 1.0 / AIR
         """Density that a unit of soot [kg/m^3] adds, relative to the air's."""
         self._sums = wp.zeros((5, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)
+        self.border = Border(self.run, shape, [s == "periodic" for s in sides[::2]])
         self.steps = 0
         self._last = 0.0
         self.injected = np.zeros(4)
         """Amounts that sources have added."""
-        for name in ("velocity", "velocity/before"):
-            self.run.upload(name, np.zeros((self.elements, 3), np.float32), wp.vec3)
+        self.velocity = np.zeros((self.elements, 3), np.float32)
         self.run.upload("state", np.zeros((self.elements, 4), np.float32), wp.vec4)
 
     def _close(self, sides: Sequence[Side], solids: Solids | None) -> None:
@@ -148,7 +150,7 @@ class Gas:
 
     @velocity.setter
     def velocity(self, values: NDArray[np.float32]) -> None:
-        for name in ("velocity", "velocity/before"):
+        for name in MOTION:
             self.run.upload(name, np.asarray(values, np.float32).reshape(-1, 3), warp().vec3)
 
     @property
@@ -182,6 +184,25 @@ class Gas:
         """Set excess temperatures of closed sides, as shares of the ambient one; None conducts nothing."""
         values = np.array([(0.0, 0.0) if w is None else (1.0, w) for w in walls], np.float32)
         self.run.upload("gas/walls", values, warp().vec2)
+
+    @property
+    def room(self) -> NDArray[np.float32]:
+        """(nx, ny, nz) open share of cells."""
+        return self._room_host[tuple(slice(0, n) for n in self.shape)]
+
+    def pack(self) -> dict[str, Any]:
+        """Everything that the next step depends on but sources, solids and the air beyond open sides."""
+        fields = {name: self._padded(name, warp().vec3, 3) for name in MOTION}
+        return {**fields, "state": self.state, "clock": np.array([self.steps, self._last])}
+
+    def unpack(self, found: Mapping[str, Any]) -> None:
+        """Continue from such a state; raises ValueError where it has another shape."""
+        if found["state"].shape != (*self.shape, 4):
+            raise ValueError(f"it has {found['state'].shape[:3]} cells, not {self.shape}")
+        for name in MOTION:
+            self.run.upload(name, found[name].reshape(-1, 3), warp().vec3)
+        self.state = found["state"]
+        self.steps, self._last = int(found["clock"][0]), float(found["clock"][1])
 
     def _scalar(self, values: F64) -> NDArray[np.float32]:
         full = np.zeros(tuple(n + 1 for n in self.shape), np.float32)
@@ -315,10 +336,9 @@ class Gas:
             for axis in order:
                 before = [self._cells("amount"), run.array("volume", self.elements, wp.float32)]
                 after = [self._cells("amount/next"), run.array("volume/next", self.elements, wp.float32)]
-                cells = dt / self.cell
-                run(
-                    transport.sweep, self.elements, [self._box, axis, cells, velocity, self._opening, *before, *after], grain=1024
-                )
+                flow = [self._box, axis, dt / self.cell, velocity, self._opening]
+                self.border.count(axis, flow, before)
+                run(transport.sweep, self.elements, [*flow, *before, *after], grain=1024)
                 run.swap("amount", "amount/next")
                 run.swap("volume", "volume/next")
             done = [self._cells("amount"), run.array("volume", self.elements, wp.float32), self._cells("state")]

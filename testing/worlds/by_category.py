@@ -9,6 +9,7 @@ from ...worlds.patch import parse_spec
 from ...worlds.spec import WorldSpec
 from .small_bodies import door_spec, struck_wall_spec
 from .small_cloth import PULLED_PROMPT, pulled_spec
+from .small_gas import SMOKE_PROMPT, smoke_spec
 from .small_grains import SAND_PROMPT, sand_spec
 from .small_liquids import PROMPT, jelly_tank_spec, tank_spec
 
@@ -52,6 +53,7 @@ SMALL_WORLDS: Mapping[str, SmallWorld] = {
     "elastic": SmallWorld("jelly", _jelly_in_air),
     "liquid": SmallWorld("water", hot_tank),
     "cloth": SmallWorld("strip", lambda: spec_of(pulled_spec(stretch=0.2, strength=20.0, frames=FRAMES), PULLED_PROMPT)),
+    "gas": SmallWorld("smoke", lambda: spec_of(smoke_spec(frames=FRAMES, resolution=0.1), SMOKE_PROMPT)),
     "particles": SmallWorld("sand", lambda: spec_of(sand_spec(frames=FRAMES, radius=0.016, preroll=0.02), SAND_PROMPT)),
 }
 """By name of the category, for those that an engine moves."""

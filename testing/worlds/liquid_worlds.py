@@ -25,10 +25,10 @@ from ...worlds.spec import (
     Entity,
     FlipInstance,
     FlipSettings,
-    LiquidDomain,
     LiquidPhysics,
     Material,
     RigidInstance,
+    SidedDomain,
     SimulationPlan,
     WorldSpec,
 )
@@ -275,7 +275,7 @@ def liquid_world(
     **more: Any,
 ) -> WorldSpec:
     """A specification with a liquid instance `water` that moves the liquids, and a rigid one `rigid` that has all else."""
-    domain = LiquidDomain(
+    domain = SidedDomain(
         center=tuple((np.array(low) + np.array(high)) / 2), size=tuple(np.array(high) - np.array(low)), sides=tuple(sides)
     )
     liquids = [n for n, e in entities.items() if e.physics.category == "liquid"]

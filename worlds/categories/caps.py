@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["CATEGORY_CAPS", "CLOTH_CAPS", "LOOSE_CAPS", "PIECES", "Cap"]
+__all__ = ["CATEGORY_CAPS", "CLOTH_CAPS", "GAS_CAPS", "LOOSE_CAPS", "PIECES", "Cap"]
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,14 @@ CLOTH_CAPS = (
         "a larger resolution of the sheets, a smaller stretch_stiffness or damping, or fewer frames",
     ),
 )
+GAS_CAPS = (
+    Cap(
+        "cell_steps",
+        50_000_000_000,
+        "cell steps",
+        "a larger /entities/<gas>/physics/resolution, a smaller domain, a larger courant or max_step, or fewer frames",
+    ),
+)
 PIECES = Cap("pieces", 2_000, "pieces", "fewer pieces in /entities/<id>/breakable/pattern, or larger bricks")
-CATEGORY_CAPS = (*LOOSE_CAPS, *CLOTH_CAPS, PIECES)
+CATEGORY_CAPS = (*LOOSE_CAPS, *CLOTH_CAPS, *GAS_CAPS, PIECES)
 """Caps of all categories; a test compares them with those that the categories declare."""

@@ -1,4 +1,4 @@
-"""Facts that liquids and particles share: the domain in which they are followed, and the caps on their numbers."""
+"""Facts that loose matter shares: the domain in which it is followed, and the caps on its numbers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import F64
 
 if TYPE_CHECKING:
-    from ..spec import LiquidInstance, ParticleInstance, WorldSpec
+    from ..spec import GasInstance, LiquidInstance, ParticleInstance, WorldSpec
 
 __all__ = ["LooseEstimate", "counts", "domain_box"]
 
@@ -29,7 +29,7 @@ class LooseEstimate(NamedTuple):
     """Of its grid; 0 for particles."""
 
 
-def domain_box(instance: LiquidInstance | ParticleInstance) -> tuple[F64, F64]:
+def domain_box(instance: GasInstance | LiquidInstance | ParticleInstance) -> tuple[F64, F64]:
     """Least and greatest corner of a domain [m]."""
     center, half = np.array(instance.settings.domain.center), 0.5 * np.array(instance.settings.domain.size)
     return center - half, center + half

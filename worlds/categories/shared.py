@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from ..parameters import DRIVER, PHYSICS, POSE, SETTINGS, parameters
 
-__all__ = ["DAMPING", "DOMAIN", "ELASTIC_MODULI", "LINEAR_VELOCITY", "OPENING", "PINS", "RESOLUTION", "STEPS", "TEMPERATURE"]
+__all__ = [
+    "DAMPING",
+    "DOMAIN",
+    "ELASTIC_MODULI",
+    "LINEAR_VELOCITY",
+    "OPENING",
+    "PINS",
+    "RESOLUTION",
+    "SIDES",
+    "STEPS",
+    "TEMPERATURE",
+]
 
 _START = "the state at frame 0 and what holds it"
 _LAWS = "rows hold the motion against laws"
@@ -18,8 +29,9 @@ ELASTIC_MODULI = (
     *parameters(PHYSICS, "poisson_ratio", "stiffness", "repair", "how it yields across", physical=True),
 )
 DOMAIN = parameters(
-    f"{SETTINGS}/domain", ". center size", "domain", "repair", "where a liquid or grains are followed; what leaves is counted"
+    f"{SETTINGS}/domain", ". center size", "domain", "repair", "where loose matter is followed; what leaves is counted"
 )
+SIDES = parameters(SETTINGS, "domain/sides", "domain", "repair", "whether it leaves there; what leaves is counted")
 STEPS = (
     *parameters(SETTINGS, "max_step iterations exchange", "step", "repair", _LAWS),
     *parameters(SETTINGS, "device", "step", "repair", "where it runs"),

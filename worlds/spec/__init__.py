@@ -1,9 +1,10 @@
 """Specification models. `WorldSpec` is the root."""
 
 from ..categories.cloth.models import ClothInstance, ClothPhysics, ClothPin, ClothSettings, ClothTear
+from ..categories.domains import SidedDomain
 from ..categories.elastic.models import ElasticPhysics, Pin
 from ..categories.fracture.models import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
-from ..categories.gas.models import GasPhysics
+from ..categories.gas.models import EmissionDriver, GasInstance, GasPhysics, GasSettings
 from ..categories.liquid.models import (
     Current,
     DfsphInstance,
@@ -11,7 +12,6 @@ from ..categories.liquid.models import (
     FlipInstance,
     FlipSettings,
     InflowDriver,
-    LiquidDomain,
     LiquidPhysics,
     OutflowDriver,
     WavesDriver,
@@ -132,6 +132,7 @@ __all__ = [
     "DfsphSettings",
     "Dimensions",
     "ElasticPhysics",
+    "EmissionDriver",
     "EmitterDriver",
     "Entity",
     "Extrusion",
@@ -140,7 +141,9 @@ __all__ = [
     "FlipInstance",
     "FlipSettings",
     "ForceDriver",
+    "GasInstance",
     "GasPhysics",
+    "GasSettings",
     "GlassPattern",
     "HeightField",
     "HingeJoint",
@@ -148,7 +151,6 @@ __all__ = [
     "Interacts",
     "Joint",
     "Limits",
-    "LiquidDomain",
     "LiquidInstance",
     "LiquidPhysics",
     "Look",
@@ -181,6 +183,7 @@ __all__ = [
     "Shape",
     "Sheet",
     "Shot",
+    "SidedDomain",
     "SimulationPlan",
     "SlideJoint",
     "SolverInstance",

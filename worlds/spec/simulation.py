@@ -7,6 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field
 
 from ..categories.cloth.models import ClothInstance
+from ..categories.gas.models import EmissionDriver, GasInstance
 from ..categories.liquid.models import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
 from ..categories.particles.models import BallisticInstance, DemInstance, EmitterDriver
 from ..categories.rigid.joints import BallJoint, HingeJoint, SlideJoint, SpringJoint, WeldJoint
@@ -44,6 +45,7 @@ SolverInstance = Annotated[
     RigidInstance
     | DfsphInstance
     | FlipInstance
+    | GasInstance
     | ClothInstance
     | DemInstance
     | BallisticInstance,
@@ -73,6 +75,7 @@ Driver = Annotated[
     | MotorDriver
     | DetachDriver
     | FieldDriver
+    | EmissionDriver
     | EmitterDriver
     | InflowDriver
     | OutflowDriver
@@ -167,6 +170,11 @@ class SimulationPlan(SpecModel):
     def liquid(self) -> dict[str, LiquidInstance]:
         """Liquid instances by id."""
         return {k: s for k, s in self.solvers.items() if isinstance(s, DfsphInstance | FlipInstance)}
+
+    @property
+    def gas(self) -> dict[str, GasInstance]:
+        """Gas instances by id."""
+        return {k: s for k, s in self.solvers.items() if isinstance(s, GasInstance)}
 
     @property
     def particles(self) -> dict[str, ParticleInstance]:

@@ -1,21 +1,51 @@
-"""Gas: declared in the specification, moved by no engine of this build."""
+"""Gases: smoke, steam, hot air."""
 
 from __future__ import annotations
 
-from ...parameters import PHYSICS, parameters
-from ..category import CategorySpec
-from ..shared import RESOLUTION, TEMPERATURE
-from .models import GasPhysics
+from ...parameters import PHYSICS, SETTINGS, GroupInfo, parameters
+from ..caps import GAS_CAPS
+from ..category import Audit, CategorySpec
+from ..shared import DOMAIN, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
+from .audit import gas_problems
+from .channels import CHANNELS, DIMENSIONS
+from .facts import gas_counts, gas_seconds
+from .models import EmissionDriver, GasInstance, GasPhysics
 
 __all__ = ["GAS"]
 
 GAS = CategorySpec(
     name="gas",
     shape=GasPhysics.shape,
+    covers="smoke, steam and hot air on a grid, which solids stand in the way of and wind blows; it pushes nothing",
     physics=GasPhysics,
+    instances=(GasInstance,),
+    drivers=(EmissionDriver,),
+    asked="reaches or speed of it",
+    groups=(GroupInfo("gas", "solver", "viscosity, conduction, confinement and ambient temperature of gases"),),
     parameters=(
         *TEMPERATURE,
         *RESOLUTION,
-        *parameters(PHYSICS, "soot_density fuel", "mass", "repair", "no engine moves gas"),
+        *parameters(PHYSICS, "soot_density", "initial_state", "repair", "how dark and heavy it is at its source", physical=True),
+        *DOMAIN,
+        *SIDES,
+        *STEPS,
+        *parameters(SETTINGS, "scheme courant", "step", "repair", "rows hold the motion against laws"),
+        *parameters(SETTINGS, "expands confinement", "gas", "repair", "an approximation that stands in the register"),
+        *parameters(
+            SETTINGS,
+            "viscosity diffusivity ambient_temperature",
+            "gas",
+            "repair",
+            "how it flows and gives off heat",
+            physical=True,
+        ),
+        *OPENING,
     ),
+    channels=CHANNELS,
+    dimensions=DIMENSIONS,
+    knobs={"gas": ("resolution",)},
+    caps=GAS_CAPS,
+    estimate=gas_counts,
+    audit=Audit("gases", "gases have a box each that holds and resolves their source, an emission, and a way out", gas_problems),
+    seconds=gas_seconds,
 )

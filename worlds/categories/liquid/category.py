@@ -6,7 +6,7 @@ from ...parameters import DRIVER, PHYSICS, SETTINGS, GroupInfo, parameters
 from ..caps import LOOSE_CAPS
 from ..category import Audit, CategorySpec
 from ..loose import counts
-from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, STEPS, TEMPERATURE
+from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import liquid_problems
 from .channels import CHANNELS, DIMENSIONS, writers
 from .events import EVENTS
@@ -47,7 +47,7 @@ LIQUID = CategorySpec(
         *TEMPERATURE,
         *RESOLUTION,
         *DOMAIN,
-        *parameters(SETTINGS, "domain/sides", "domain", "repair", "whether liquid leaves there; what leaves is counted"),
+        *SIDES,
         *STEPS,
         *parameters(
             SETTINGS,

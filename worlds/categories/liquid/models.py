@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from ...matter import DriverBase, Instance, Matter, MatterShape, TimedDriver
 from ...shapes import Pose
 from ...vocabulary import EntityRef, Finite, Id, NonNegative, Positive, SpecModel, Vec3
+from ..domains import SidedDomain
 
 __all__ = [
     "Current",
@@ -17,30 +18,17 @@ __all__ = [
     "FlipInstance",
     "FlipSettings",
     "InflowDriver",
-    "LiquidDomain",
     "LiquidPhysics",
     "OutflowDriver",
     "WaveSide",
     "WavesDriver",
 ]
 
-Side = Literal["open", "closed"]
 WaveSide = Literal["-x", "+x", "-y", "+y"]
 
 
-class LiquidDomain(SpecModel):
-    """Axis-aligned box in which a liquid is simulated. Solids that reach into it are its boundaries."""
-
-    center: Vec3 = Field(description="[m]")
-    size: tuple[Positive, Positive, Positive] = Field(description="full extents x, y, z [m]")
-    sides: tuple[Side, Side, Side, Side, Side, Side] = Field(
-        default=("open", "open", "open", "open", "open", "open"),
-        description="-x, +x, -y, +y, -z, +z. open: what leaves is counted as outflow; closed: a smooth wall",
-    )
-
-
 class _LiquidSettings(SpecModel):
-    domain: LiquidDomain
+    domain: SidedDomain
     max_step: float = Field(default=5e-3, ge=1e-5, le=0.05, description="longest step [s]")
     wall_friction: float = Field(
         default=0.0, ge=0, le=1, description="viscosity felt at walls: 0 free slip, 1 that of the liquid"

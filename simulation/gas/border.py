@@ -1,0 +1,45 @@
+"""Sums of what leaves a box through its open sides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...geometry.launch import warp
+from ...worlds.arrays import F64
+
+if TYPE_CHECKING:
+    from ..grids.runner import Runner
+
+__all__ = ["Border"]
+
+
+class Border:
+    """The faces of a box's sides along axes that are not periodic.
+
+    Args:
+        run: launches and the device.
+        shape: cells along each axis.
+        wraps: which axes are periodic.
+    """
+
+    def __init__(self, run: Runner, shape: tuple[int, int, int], wraps: Sequence[bool]) -> None:
+        faces = [0 if wraps[a] else 2 * shape[(a + 1) % 3] * shape[(a + 2) % 3] for a in range(3)]
+        self.run, self.faces = run, faces
+        self._starts = [0, faces[0], faces[0] + faces[1]]
+        self._out = warp().zeros((max(1, sum(faces)), 5), dtype=warp().float64, device=run.device)
+
+    def count(self, axis: int, flow: Sequence[Any], before: Sequence[Any]) -> None:
+        """Add what a sweep along an axis takes out; `flow` and `before` are the first inputs of `transport_kernels.sweep`."""
+        from .border_kernels import leave
+
+        inputs = [*flow, *before, self._starts[axis], self._out]
+        self.run(leave, self.faces[axis], inputs, grain=1024)
+
+    def take(self) -> F64:
+        """(5,) four amounts and the volume that have left since the last call, less what came in [cells]."""
+        found: F64 = np.array(self._out.numpy(), dtype=np.float64).sum(axis=0)
+        self._out.zero_()
+        return found

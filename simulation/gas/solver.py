@@ -1,0 +1,179 @@
+"""A gas instance as a `Solver`: its box among bodies, what its emissions make, and what its frames hold."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...physics.substances import AIR_HEAT_CAPACITY, air_density
+from ...worlds.arrays import F64
+from ...worlds.categories.gas.facts import SOURCE_SHARE, emissions_of, gas_of, grid_of
+from ...worlds.categories.loose import domain_box
+from ...worlds.errors import InputError
+from ..boundaries import BodyState, Surround, surround_of
+from ..coupled_solver import CoupledSolver
+from ..sealed import from_bytes, to_bytes
+from ..step_reports import StepReport
+from .engine import LIGHTNESS, MOTION, SOOT, Gas
+from .obstacles import standing
+from .settings import GasSettings
+from .source import cover
+
+if TYPE_CHECKING:
+    from ...worlds.spec import EmissionDriver
+
+__all__ = ["SolverGas"]
+
+LEAST_OPEN = 0.01
+"""Own choice: share of a source that solids must leave open; less is a mistake in its place."""
+VOLUME = 4
+"""Place of the volume in what a border counts, after the four amounts."""
+
+
+class SolverGas(CoupledSolver):
+    """One gas in its box."""
+
+    KIND = "gas"
+    REMEDY = "shorten max_step or lower courant"
+
+    @property
+    def surround(self) -> Surround:
+        """The bodies that stand in its way."""
+        return self._surround
+
+    def set_up(self) -> None:
+        """Air at rest in the box, and the source."""
+        spec, instance = self.spec, self.instance
+        found = gas_of(spec, self.name)
+        if found is None:
+            raise InputError(
+                f"{self.members[0]!r} is no gas; make it one, or take it out of /simulation/solvers/{self.name}/members"
+            )
+        member, entity, self.physics = found
+        self.grid = grid_of(instance, self.physics.resolution)
+        self._surround = surround_of(spec, self.built, domain_box(instance), 2.0 * self.grid.cell)
+        settings = instance.settings
+        known = {n: getattr(settings, n) for n in GasSettings.__dataclass_fields__ if hasattr(settings, n)}
+        self.engine = Gas(
+            self.grid.shape, self.grid.cell, settings.domain.sides, GasSettings(**known),
+            gravity=spec.simulation.gravity, solids=standing(self._surround, self.grid), device=settings.device,
+        )  # fmt: skip
+        ambient = settings.ambient_temperature
+        self.density = air_density(ambient)
+        self.engine.load = 1.0 / self.density
+        light = 1.0 - ambient / self.physics.temperature if settings.expands else self.physics.temperature / ambient - 1.0
+        self.content = np.array([light, self.physics.soot_density, 0.0, 0.0])
+        self.unit = np.array([self.density * AIR_HEAT_CAPACITY * ambient, 1.0])
+        """Heat of a unit of lightness and soot of a unit of soot, per volume."""
+        self.emissions = {k: d for k, d in emissions_of(spec, self.name).items() if k not in self._done.without}
+        self._place_source(member, cover(entity, self.built[member], self.grid))
+
+    def _place_source(self, member: str, share: F64) -> None:
+        """Gas per volume and second in each cell for an emission of 1 m^3/s."""
+        share = share * (self.engine.room > 0.0)
+        opened = float((share * self.engine.room).sum())
+        if opened < LEAST_OPEN * max(float(share.sum()), 1.0):
+            raise InputError(
+                f"the source {member!r} lies in solids, or in no cell of its box; move it with /entities/{member}/pose, or make its parts larger"
+            )
+        self.share = share / (opened * self.grid.cell**3)
+
+    # ------------------------------------------------------------------ steps
+
+    def max_stable_dt(self) -> float:
+        """Longest step now [s]; an emission that is about to start counts."""
+        longest = min(self.engine.longest(), float(self.instance.settings.max_step))
+        most = sum(d.rate for d in self.emissions.values()) * float(self.share.max())
+        return min(longest, SOURCE_SHARE / most) if most > 0.0 else longest
+
+    def step(self, limit: float, bodies: BodyState, time: float) -> StepReport:
+        """One step of `limit` seconds from `time`, counted into the frame."""
+        if self.held(time):
+            return StepReport.still(limit, self.surround)
+        volume = sum(_made(d, time, time + limit) for d in self.emissions.values())
+        self.engine.emit(self.share * (volume / limit), self.content.tolist())
+        report = self.engine.step(limit)
+        tally, ledger, cell = self._tally, self._ledger, self.grid.cell**3
+        tally["steps"] += 1
+        tally["time"] += limit
+        tally["iterations"] = max(tally["iterations"], report.iterations)
+        tally["divergence"] = max(tally["divergence"], report.divergence)
+        tally["capped"] += int(report.capped)
+        tally["speed"] = max(tally["speed"], report.courant * self.grid.cell / limit)
+        out = self.engine.border.take() * cell
+        ledger["emitted_heat"] += volume * float(self.content[LIGHTNESS]) * float(self.unit[0])
+        ledger["emitted_soot"] += volume * float(self.content[SOOT])
+        ledger["escaped_heat"] += float(out[LIGHTNESS]) * float(self.unit[0])
+        ledger["escaped_soot"] += float(out[SOOT])
+        ledger["volume_emitted"] += volume
+        ledger["volume_escaped"] += float(out[VOLUME])
+        return StepReport.still(limit, self.surround)
+
+    def open_ledger(self) -> dict[str, Any]:
+        """Sums since frame 0."""
+        sums = ("emitted_soot", "escaped_soot", "emitted_heat", "escaped_heat", "lost_heat", "volume_emitted", "volume_escaped")
+        return dict.fromkeys(sums, 0.0)
+
+    def open_tally(self) -> dict[str, Any]:
+        """Sums of a frame."""
+        return {"steps": 0, "time": 0.0, "iterations": 0, "divergence": 0.0, "capped": 0, "speed": 0.0}
+
+    # ------------------------------------------------------------------ state
+
+    def pack(self) -> bytes:
+        """State of the engine."""
+        return to_bytes(self.engine.pack())
+
+    def unpack(self, state: bytes) -> None:
+        """Continue from such a state."""
+        self.engine.unpack(from_bytes(state, (*MOTION, "state", "clock")))
+
+    # ------------------------------------------------------------------ output
+
+    def coordinates(self) -> tuple[F64, F64]:
+        """Amounts of cells and speeds of faces."""
+        return self.engine.state.astype(np.float64), self.engine.velocity.astype(np.float64)
+
+    def measured(self) -> dict[str, Any]:
+        """Channels and records of the frame that ends."""
+        engine, tally, settings = self.engine, self._tally, self.instance.settings
+        state, velocity = engine.state, engine.velocity
+        light, ambient = state[..., LIGHTNESS].astype(np.float64), settings.ambient_temperature
+        heat, soot = engine.totals()[[LIGHTNESS, SOOT]] * self.unit * self.grid.cell**3
+        records = {
+            **self._ledger,
+            "soot_mass": soot,
+            "heat": heat,
+            "divergence": tally["divergence"],
+            "max_speed": tally["speed"],
+            "steps": tally["steps"],
+            "step": tally["time"] / max(tally["steps"], 1),
+            "iterations": tally["iterations"],
+            "capped": tally["capped"],
+        }
+        return {
+            "gas_corner": self.grid.corner,
+            "gas_soot": state[..., SOOT].copy(),
+            "gas_temperature": (ambient / (1.0 - light) if settings.expands else ambient * (1.0 + light)).astype(np.float32),
+            "gas_velocity": _centred(velocity),
+            "gas_room": engine.room.copy(),
+            **{f"record/{name}": np.float64(value) for name, value in records.items()},
+        }
+
+    def driver_names(self) -> tuple[str, ...]:
+        """Its emissions."""
+        return tuple(self.emissions)
+
+
+def _made(driver: EmissionDriver, start: float, end: float) -> float:
+    """Volume that an emission makes between two times [m^3]."""
+    last = end if driver.end is None else min(end, driver.end)
+    return driver.rate * max(0.0, last - max(start, driver.start))
+
+
+def _centred(velocity: Any) -> Any:
+    """Velocities at the middle of cells (nx, ny, nz, 3), from those of faces."""
+    inner = velocity[:-1, :-1, :-1]
+    ahead = np.stack([velocity[1:, :-1, :-1, 0], velocity[:-1, 1:, :-1, 1], velocity[:-1, :-1, 1:, 2]], axis=-1)
+    return (0.5 * (inner + ahead)).astype(np.float32)

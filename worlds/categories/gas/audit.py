@@ -1,0 +1,137 @@
+"""Rows of the audit about gases: one source per box, in it and resolved, with an emission and a way out (R60)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...arrays import F64
+from ...extents import box_extent, initial_box
+from ...problems import Problem, removed, replaced
+from .facts import LEAST_CELLS, emissions_of, gas_of, grid_of
+
+if TYPE_CHECKING:
+    from ...spec import Entity, GasInstance, GasPhysics, WorldSpec
+
+__all__ = ["gas_problems"]
+
+LEAST_SOURCE = 1.5
+"""Own choice: cells across a source; a thinner one is a point whose size its cell decides."""
+BOUSSINESQ = 0.1
+"""Largest difference of temperatures, as a share of the ambient one, that Boussinesq's approximation describes within some percent
+(Gray and Giorgini 1976, doi:10.1016/0017-9310(76)90168-X)."""
+
+
+def gas_problems(spec: WorldSpec) -> list[Problem]:
+    """Problems of gases, their instances and their drivers."""
+    found = [*_entities(spec)]
+    for name, instance in spec.simulation.gas.items():
+        found += _instance(spec, name, instance)
+    return [*found, *_drivers(spec)]
+
+
+def _entities(spec: WorldSpec) -> Iterator[Problem]:
+    for name, entity in spec.entities.items():
+        if entity.physics.category != "gas":
+            continue
+        place = f"/entities/{name}"
+        if entity.motion != "dynamic":
+            yield Problem(
+                f"{place}/motion",
+                f"the gas {name!r} is {entity.motion}; gases are dynamic",
+                replaced(f"{place}/motion", "dynamic"),
+            )
+        if entity.generator is not None:
+            yield Problem(
+                f"{place}/generator", f"the gas {name!r} has a generator; give it parts that are the room of its source"
+            )
+
+
+def _instance(spec: WorldSpec, name: str, instance: GasInstance) -> Iterator[Problem]:
+    place = f"/simulation/solvers/{name}"
+    if len(instance.members) > 1:
+        yield Problem(
+            f"{place}/members",
+            f"{name!r} has {len(instance.members)} gases, a box has 1; give each of the others an instance of its own, or make their "
+            f"parts parts of {instance.members[0]!r}",
+            replaced(f"{place}/members", instance.members[:1]),
+        )
+    held = gas_of(spec, name)
+    if held is None:
+        return
+    member, entity, physics = held
+    yield from _source(spec, name, member, entity, physics)
+    settings, hot = instance.settings, physics.temperature / instance.settings.ambient_temperature - 1.0
+    if not settings.expands and abs(hot) > BOUSSINESQ:
+        yield Problem(
+            f"{place}/settings/expands",
+            f"{member!r} has {physics.temperature:g} K, {abs(hot):.0%} from the ambient {settings.ambient_temperature:g} K; without expansion "
+            f"at most {BOUSSINESQ:.0%} is described: let it expand",
+            replaced(f"{place}/settings/expands", True),
+        )
+    if emissions_of(spec, name) and "open" not in settings.domain.sides:
+        yield Problem(
+            f"{place}/settings/domain/sides",
+            f"{member!r} is let into a box without an open side, which has no room for it; open one, as the top",
+            replaced(f"{place}/settings/domain/sides", [*settings.domain.sides[:5], "open"]),
+        )
+
+
+def _source(spec: WorldSpec, name: str, member: str, entity: Entity, physics: GasPhysics) -> Iterator[Problem]:
+    """Problems of the box and the shape of a source."""
+    place, cell = f"/simulation/solvers/{name}/settings/domain", physics.resolution
+    grid = grid_of(spec.simulation.gas[name], cell)
+    if min(grid.shape) < LEAST_CELLS:
+        yield Problem(
+            f"{place}/size",
+            f"the domain of {member!r} is {min(grid.shape)} cells of {cell:g} m wide, at least {LEAST_CELLS} hold a flow; widen it, or use "
+            f"a resolution of at most {cell * min(grid.shape) / LEAST_CELLS:.3g} m",
+        )
+    thin = min((e for p in entity.parts.values() if (e := box_extent(p.shape)) is not None), default=np.inf)
+    if thin < LEAST_SOURCE * cell:
+        yield Problem(
+            f"/entities/{member}/physics/resolution",
+            f"the source {member!r} is {thin:.3g} m thin, less than {LEAST_SOURCE:g} cells of {cell:g} m; use at most "
+            f"{thin / LEAST_SOURCE:.3g} m, or make it larger",
+        )
+    box, low, high = initial_box(entity), grid.corner, grid.corner + cell * np.array(grid.shape)
+    if box is not None and ((box[0] < low - 1e-9).any() or (box[1] > high + 1e-9).any()):
+        yield Problem(
+            place,
+            f"the source {member!r} {_box(*box)} reaches out of the box of its gas {_box(low, high)}; widen or move the domain",
+        )
+
+
+def _drivers(spec: WorldSpec) -> Iterator[Problem]:
+    emitting = set()
+    for key, driver in spec.simulation.drivers.items():
+        place = f"/simulation/drivers/{key}"
+        entity = spec.entities.get(getattr(driver, "entity", "") or "")
+        gas = entity is not None and entity.physics.category == "gas"
+        if driver.kind == "emission":
+            emitting.add(driver.entity)
+            if entity is not None and not gas:
+                yield Problem(f"{place}/entity", f"emission {key!r} makes {driver.entity!r}, which is no gas; name a gas")
+            elif not driver.start < (spec.simulation.frames - 1) / spec.simulation.fps:
+                yield Problem(f"{place}/start", f"emission {key!r} starts at {driver.start:g} s, after the last frame")
+        elif gas:
+            yield Problem(
+                place,
+                f"driver {driver.kind!r} cannot act on a gas; use emission, a field (wind), or a solid that moves it",
+                removed(place),
+            )
+    for name, entity in spec.entities.items():
+        if entity.physics.category == "gas" and name not in emitting:
+            text = f"nothing makes the gas {name!r}; add a driver of kind 'emission' with its rate [m^3/s]"
+            add = {
+                "op": "add",
+                "path": f"/simulation/drivers/{name}-source",
+                "value": {"kind": "emission", "entity": name, "rate": 0.01},
+            }
+            yield Problem("/simulation/drivers", text, add)
+
+
+def _box(low: F64, high: F64) -> str:
+    return f"[{', '.join(f'{v:.4g}' for v in low)}] to [{', '.join(f'{v:.4g}' for v in high)}] m"

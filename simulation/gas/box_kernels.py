@@ -15,6 +15,8 @@ wp.set_module_options({"enable_backward": False})
 
 __all__ = ["Box", "beside", "carry", "correct", "extrapolate", "fastest", "index_of", "is_cell", "place_of", "sample"]
 
+vec8 = wp.types.vector(length=8, dtype=wp.float32)
+
 
 @wp.struct
 class Box:
@@ -129,45 +131,46 @@ def value_at(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, i: wp.int
 
 
 @wp.func
-def sample(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3):
-    """One component at a position [cells], trilinear."""
-    y = corners(box, axis, x)
-    i0 = int(wp.floor(y[0]))
-    j0 = int(wp.floor(y[1]))
-    k0 = int(wp.floor(y[2]))
-    f = wp.vec3(y[0] - float(i0), y[1] - float(j0), y[2] - float(k0))
-    total = float(0.0)
-    for s in range(8):
-        a = s // 4
-        b = (s // 2) % 2
-        c = s % 2
-        wx = f[0]
-        wy = f[1]
-        wz = f[2]
-        if a == 0:
-            wx = 1.0 - wx
-        if b == 0:
-            wy = 1.0 - wy
-        if c == 0:
-            wz = 1.0 - wz
-        total += wx * wy * wz * value_at(box, field, axis, i0 + a, j0 + b, k0 + c)
-    return total
+def lies_within(box: Box, i: wp.int32, j: wp.int32, k: wp.int32):
+    """True where the eight samples from (i, j, k) on are all in the box, for every component."""
+    return i >= 0 and j >= 0 and k >= 0 and i + 1 < box.nx and j + 1 < box.ny and k + 1 < box.nz
 
 
 @wp.func
-def bounds(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3):
-    """Least and greatest of the eight samples around a position."""
+def mixed(lower: float, higher: float, share: float):
+    """Value between two."""
+    return lower + share * (higher - lower)
+
+
+@wp.func
+def around(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3):
+    """One component at a position [cells], trilinear, and the least and the greatest of its eight samples."""
     y = corners(box, axis, x)
-    i0 = int(wp.floor(y[0]))
-    j0 = int(wp.floor(y[1]))
-    k0 = int(wp.floor(y[2]))
-    low = float(1.0e30)
-    high = float(-1.0e30)
-    for s in range(8):
-        v = value_at(box, field, axis, i0 + s // 4, j0 + (s // 2) % 2, k0 + s % 2)
-        low = wp.min(low, v)
-        high = wp.max(high, v)
-    return wp.vec2(low, high)
+    i = int(wp.floor(y[0]))
+    j = int(wp.floor(y[1]))
+    k = int(wp.floor(y[2]))
+    f = wp.vec3(y[0] - float(i), y[1] - float(j), y[2] - float(k))
+    v = vec8()
+    if lies_within(box, i, j, k):
+        c = index_of(box, i, j, k)
+        row = box.nz + 1
+        layer = (box.ny + 1) * row
+        for s in range(8):
+            v[s] = field[c + (s // 4) * layer + ((s // 2) % 2) * row + s % 2][axis]
+    else:
+        for s in range(8):
+            v[s] = value_at(box, field, axis, i + s // 4, j + (s // 2) % 2, k + s % 2)
+    low = wp.min(wp.min(wp.min(v[0], v[1]), wp.min(v[2], v[3])), wp.min(wp.min(v[4], v[5]), wp.min(v[6], v[7])))
+    high = wp.max(wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])), wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])))
+    first = mixed(mixed(v[0], v[1], f[2]), mixed(v[2], v[3], f[2]), f[1])
+    second = mixed(mixed(v[4], v[5], f[2]), mixed(v[6], v[7], f[2]), f[1])
+    return wp.vec3(mixed(first, second, f[0]), low, high)
+
+
+@wp.func
+def sample(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3):
+    """One component at a position [cells], trilinear."""
+    return around(box, field, axis, x)[0]
 
 
 @wp.func
@@ -190,9 +193,32 @@ def held(box: Box, x: wp.vec3):
 
 
 @wp.func
-def traced(box: Box, carrier: wp.array(dtype=wp.vec3), x: wp.vec3, cells: float):
-    """Where the flow takes a position within a time that is given as cells per speed, in the box or not; midpoint rule."""
-    middle = held(box, x + 0.5 * cells * speed(box, carrier, x))
+def face_speed(box: Box, carrier: wp.array(dtype=wp.vec3), c: wp.int32, at: wp.vec3i, axis: wp.int32):
+    """Velocity at the centre of an element's lower face: its own, and the means of the four faces around it along other axes."""
+    v = wp.vec3(0.0, 0.0, 0.0)
+    v[axis] = carrier[c][axis]
+    for a in range(3):
+        if a != axis:
+            to = at
+            to[a] = at[a] + 1
+            back = at
+            back[axis] = at[axis] - 1
+            both = to
+            both[axis] = at[axis] - 1
+            v[a] = 0.25 * (
+                carrier[c][a]
+                + carrier[index_of(box, to[0], to[1], to[2])][a]
+                + carrier[index_of(box, back[0], back[1], back[2])][a]
+                + carrier[index_of(box, both[0], both[1], both[2])][a]
+            )
+    return v
+
+
+@wp.func
+def traced(box: Box, carrier: wp.array(dtype=wp.vec3), x: wp.vec3, start: wp.vec3, cells: float):
+    """Where the flow takes a position within a time that is given as cells per speed, in the box or not; midpoint rule.
+    `start` is the velocity there."""
+    middle = held(box, x + 0.5 * cells * start)
     return x + cells * speed(box, carrier, middle)
 
 
@@ -229,29 +255,47 @@ def extrapolate(
     out[c] = now[c] + ratio * (now[c] - before[c])
 
 
+@wp.func
+def start_speed(box: Box, carrier: wp.array(dtype=wp.vec3), c: wp.int32, at: wp.vec3i, axis: wp.int32):
+    """Velocity at the centre of an element's lower face, also beside the sides of the box."""
+    v = wp.vec3(0.0, 0.0, 0.0)
+    if lies_within(box, at[0] - 1, at[1] - 1, at[2] - 1) and lies_within(box, at[0], at[1], at[2]):
+        v = face_speed(box, carrier, c, at, axis)
+    else:
+        v = speed(box, carrier, face_place(at, axis))
+    return v
+
+
 @wp.kernel
 def carry(
     first: wp.int32, box: Box, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
-    out: wp.array(dtype=wp.vec3),
+    out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Every face takes the value from where the flow comes; `cells` is time over cell size, negative to look ahead."""
+    """Every face takes the value from where the flow comes, and the least and greatest around there; `cells` is time over cell size,
+    negative to look ahead."""
     c = first + wp.tid()
     at = place_of(box, c)
     v = wp.vec3(0.0, 0.0, 0.0)
+    least = wp.vec3(0.0, 0.0, 0.0)
+    most = wp.vec3(0.0, 0.0, 0.0)
     for axis in range(3):
         if has_face(box, at, axis):
-            foot = traced(box, carrier, face_place(at, axis), -cells)
-            if comes_in(box, foot):
-                v[axis] = box.wind[axis]
-            else:
-                v[axis] = sample(box, source, axis, held(box, foot))
+            foot = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), -cells)
+            found = wp.vec3(box.wind[axis], box.wind[axis], box.wind[axis])
+            if not comes_in(box, foot):
+                found = around(box, source, axis, held(box, foot))
+            v[axis] = found[0]
+            least[axis] = found[1]
+            most[axis] = found[2]
     out[c] = v
+    low[c] = least
+    high[c] = most
 
 
 @wp.kernel
 def correct(
     first: wp.int32, box: Box, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
-    once: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
+    once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """The second half of MacCormack: what the way there and back changes is taken out by half, within the values that were carried."""
     c = first + wp.tid()
@@ -259,14 +303,11 @@ def correct(
     v = wp.vec3(0.0, 0.0, 0.0)
     for axis in range(3):
         if has_face(box, at, axis):
-            x = face_place(at, axis)
-            foot = traced(box, carrier, x, -cells)
-            ahead = traced(box, carrier, x, cells)
+            ahead = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), cells)
             v[axis] = once[c][axis]
-            if not comes_in(box, foot) and not comes_in(box, ahead):
+            if not comes_in(box, ahead):
                 back = sample(box, once, axis, held(box, ahead))
-                range_ = bounds(box, source, axis, held(box, foot))
-                v[axis] = wp.clamp(v[axis] + 0.5 * (source[c][axis] - back), range_[0], range_[1])
+                v[axis] = wp.clamp(v[axis] + 0.5 * (source[c][axis] - back), low[c][axis], high[c][axis])
     out[c] = v
 
 

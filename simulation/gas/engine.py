@@ -275,10 +275,9 @@ class Gas:
     def _carry(self, source: str, carrier: str, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
         state = [self._box, seconds / self.cell, self._face(carrier), self._face(source)]
-        once = self._face("velocity/once")
-        self.run(boxes.carry, self.elements, [*state, once], grain=512)
-        target = self._face("velocity/carried")
-        self.run(boxes.correct, self.elements, [*state, once, target], grain=512)
+        found = [self._face("velocity/once"), self._face("velocity/low"), self._face("velocity/high")]
+        self.run(boxes.carry, self.elements, [*state, *found], grain=512)
+        self.run(boxes.correct, self.elements, [*state, *found, self._face("velocity/carried")], grain=512)
         self.run.swap("velocity/carried", out)
 
     def _push(self, name: str, seconds: float) -> None:

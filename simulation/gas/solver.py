@@ -16,7 +16,7 @@ from ..coupled_solver import CoupledSolver
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
 from .engine import LIGHTNESS, MOTION, SOOT, Gas
-from .obstacles import standing
+from .obstacles import Obstacles
 from .settings import GasSettings
 from .source import cover
 
@@ -53,11 +53,12 @@ class SolverGas(CoupledSolver):
         member, entity, self.physics = found
         self.grid = grid_of(instance, self.physics.resolution)
         self._surround = surround_of(spec, self.built, domain_box(instance), 2.0 * self.grid.cell)
+        self.obstacles = Obstacles(self._surround, self.grid)
         settings = instance.settings
         known = {n: getattr(settings, n) for n in GasSettings.__dataclass_fields__ if hasattr(settings, n)}
         self.engine = Gas(
             self.grid.shape, self.grid.cell, settings.domain.sides, GasSettings(**known),
-            gravity=spec.simulation.gravity, solids=standing(self._surround, self.grid), device=settings.device,
+            gravity=spec.simulation.gravity, solids=self.obstacles.start, device=settings.device,
         )  # fmt: skip
         ambient = settings.ambient_temperature
         self.density = air_density(ambient)

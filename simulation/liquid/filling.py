@@ -83,7 +83,7 @@ class PlacedSolid:
         step = float(z[1] - z[0]) if len(z) > 1 else float(high[2] - low[2]) + 1e-9
         # Rays start below the box, a whole number of steps under the first point.
         more = int(np.ceil((float(z[0]) - float(low[2])) / step)) + 1
-        mesh, middle = self._tree
+        mesh, middle = self.tree
         base = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
         start = np.column_stack([base, np.full(len(base), float(z[0]) - (more + 0.5) * step)])
         inverse = self.pose.inverse()
@@ -123,7 +123,7 @@ class PlacedSolid:
         from .filling_kernels import nearest_places
 
         count = len(local)
-        mesh, middle = self._tree
+        mesh, middle = self.tree
         nearest, outward = (wp.zeros(count, dtype=wp.vec3, device="cpu") for _ in range(2))
         face = wp.zeros(count, dtype=wp.int32, device="cpu")
         points = wp.array((local - middle).astype(np.float32), dtype=wp.vec3, device="cpu")
@@ -132,7 +132,7 @@ class PlacedSolid:
         return nearest.numpy().astype(np.float64) + middle, face.numpy(), sign.numpy() < 0.0
 
     @cached_property
-    def _tree(self) -> tuple[Any, F64]:
+    def tree(self) -> tuple[Any, F64]:
         wp = warp()
         middle = self.solid.sphere_center
         mesh = wp.Mesh(

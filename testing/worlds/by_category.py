@@ -53,7 +53,7 @@ SMALL_WORLDS: Mapping[str, SmallWorld] = {
     "elastic": SmallWorld("jelly", _jelly_in_air),
     "liquid": SmallWorld("water", hot_tank),
     "cloth": SmallWorld("strip", lambda: spec_of(pulled_spec(stretch=0.2, strength=20.0, frames=FRAMES), PULLED_PROMPT)),
-    "gas": SmallWorld("smoke", lambda: spec_of(smoke_spec(frames=FRAMES, resolution=0.1), SMOKE_PROMPT)),
+    "gas": SmallWorld("smoke", lambda: spec_of(smoke_spec(frames=FRAMES), SMOKE_PROMPT)),
     "particles": SmallWorld("sand", lambda: spec_of(sand_spec(frames=FRAMES, radius=0.016, preroll=0.02), SAND_PROMPT)),
 }
 """By name of the category, for those that an engine moves."""

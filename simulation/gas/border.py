@@ -13,7 +13,23 @@ from ...worlds.arrays import F64
 if TYPE_CHECKING:
     from ..grids.runner import Runner
 
-__all__ = ["Border"]
+__all__ = ["Border", "side_faces"]
+
+
+def side_faces(shape: tuple[int, int, int]) -> tuple[tuple[int, int, int], F64]:
+    """Where the faces of each axis begin in the order of `Box.beyond`, and the middles of all of them [cells], shape (n, 3)."""
+    found: list[F64] = []
+    starts = []
+    for axis in range(3):
+        second, third = (axis + 1) % 3, (axis + 2) % 3
+        starts.append(sum(map(len, found)))
+        for side in (0, 1):
+            middles = np.zeros((shape[second], shape[third], 3))
+            middles[..., axis] = side * shape[axis]
+            middles[..., second] = np.arange(shape[second])[:, None] + 0.5
+            middles[..., third] = np.arange(shape[third])[None, :] + 0.5
+            found.append(middles.reshape(-1, 3))
+    return (starts[0], starts[1], starts[2]), np.concatenate(found)
 
 
 class Border:

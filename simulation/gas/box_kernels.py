@@ -20,14 +20,16 @@ vec8 = wp.types.vector(length=8, dtype=wp.float32)
 
 @wp.struct
 class Box:
-    """Cells along each axis, whether it is periodic, which sides are open, and the velocity of the air beyond them."""
+    """Cells along each axis, whether it is periodic, which sides are open, and the velocity of the air beyond the faces of all sides: those
+    of an axis begin at `starts`, first the lower side's, the third axis after this one running fastest."""
 
     nx: wp.int32
     ny: wp.int32
     nz: wp.int32
     wraps: wp.vec3i
     opens: vec6i
-    wind: wp.vec3
+    starts: wp.vec3i
+    beyond: wp.array(dtype=wp.vec3)
 
 
 @wp.func
@@ -246,6 +248,42 @@ def face_place(at: wp.vec3i, axis: wp.int32):
     return x
 
 
+@wp.func
+def air_beyond(box: Box, axis: wp.int32, side: wp.int32, x: wp.vec3):
+    """Velocity of the air beyond a side (0 the lower, 1 the upper one of an axis), at the face nearest to a position."""
+    second = (axis + 1) % 3
+    third = (axis + 2) % 3
+    across = count_of(box, third)
+    i = wp.clamp(int(wp.floor(x[second])), 0, count_of(box, second) - 1)
+    j = wp.clamp(int(wp.floor(x[third])), 0, across - 1)
+    return box.beyond[box.starts[axis] + (side * count_of(box, second) + i) * across + j]
+
+
+@wp.func
+def incoming(box: Box, x: wp.vec3):
+    """Velocity of the air beyond the open side that a position lies behind."""
+    v = wp.vec3(0.0, 0.0, 0.0)
+    for a in range(3):
+        if box.wraps[a] == 0:
+            if x[a] < 0.0 and box.opens[2 * a] == 1:
+                v = air_beyond(box, a, 0, x)
+            if x[a] > float(count_of(box, a)) and box.opens[2 * a + 1] == 1:
+                v = air_beyond(box, a, 1, x)
+    return v
+
+
+@wp.func
+def blown_in(box: Box, at: wp.vec3i, axis: wp.int32):
+    """Speed of wind into the box through a face of an open side; 0 where none blows in."""
+    speed = float(0.0)
+    if box.wraps[axis] == 0:
+        if at[axis] == 0 and box.opens[2 * axis] == 1:
+            speed = wp.max(air_beyond(box, axis, 0, face_place(at, axis))[axis], 0.0)
+        if at[axis] == count_of(box, axis) and box.opens[2 * axis + 1] == 1:
+            speed = wp.min(air_beyond(box, axis, 1, face_place(at, axis))[axis], 0.0)
+    return speed
+
+
 @wp.kernel
 def extrapolate(
     first: wp.int32, ratio: float, now: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3)
@@ -281,9 +319,14 @@ def carry(
     for axis in range(3):
         if has_face(box, at, axis):
             foot = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), -cells)
-            found = wp.vec3(box.wind[axis], box.wind[axis], box.wind[axis])
-            if not comes_in(box, foot):
-                found = around(box, source, axis, held(box, foot))
+            wind = blown_in(box, at, axis)
+            found = wp.vec3(wind, wind, wind)
+            if wind == 0.0:
+                if comes_in(box, foot):
+                    outer = incoming(box, foot)[axis]
+                    found = wp.vec3(outer, outer, outer)
+                else:
+                    found = around(box, source, axis, held(box, foot))
             v[axis] = found[0]
             least[axis] = found[1]
             most[axis] = found[2]

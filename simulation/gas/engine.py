@@ -23,7 +23,7 @@ from ..grids.runner import Runner
 from . import box_kernels as boxes
 from . import force_kernels as forces
 from . import transport_kernels as transport
-from .border import Border
+from .border import Border, side_faces
 from .pressure import Flow, Projection
 from .settings import GasSettings, Side
 
@@ -91,6 +91,10 @@ class Gas:
         self._box.nx, self._box.ny, self._box.nz = shape
         self._box.wraps = wp.vec3i(*(int(sides[2 * a] == "periodic") for a in range(3)))
         self._sides = self._box.opens = vec6i(*(int(s == "open") for s in sides))
+        starts, self.outer = side_faces(shape)
+        """Middles of the faces of all sides [cells], shape (n, 3)."""
+        self._box.starts = wp.vec3i(*starts)
+        self._box.beyond = self.run.upload("gas/beyond", np.zeros((len(self.outer), 3), np.float32), wp.vec3)
         self._no_slip = self.run.upload("gas/no_slip", np.array([s == "closed" for s in sides], np.int32), wp.int32)
         self._walls = self.run.upload("gas/walls", np.zeros((6, 2), np.float32), wp.vec2)
         self._close(sides, solids)
@@ -179,6 +183,10 @@ class Gas:
         self._emitted = np.asarray(content, float) * float(np.sum(rate))
 
     _emitted: F64 = np.zeros(4)
+
+    def blow(self, speeds: F64) -> None:
+        """Set the velocity of the air beyond each of the `outer` faces [m/s]."""
+        self.run.upload("gas/beyond", np.asarray(speeds, np.float32), warp().vec3)
 
     def warm(self, walls: Sequence[float | None]) -> None:
         """Set excess temperatures of closed sides, as shares of the ambient one; None conducts nothing."""

@@ -11,6 +11,7 @@ from ...worlds.arrays import F64
 from ...worlds.categories.gas.facts import SOURCE_SHARE, emissions_of, gas_of, grid_of
 from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
+from ...worlds.fields import fields_of
 from ..boundaries import BodyState, Surround, surround_of
 from ..coupled_solver import CoupledSolver
 from ..sealed import from_bytes, to_bytes
@@ -18,6 +19,7 @@ from ..step_reports import StepReport
 from .engine import LIGHTNESS, MOTION, SOOT, Gas
 from .obstacles import Obstacles
 from .settings import GasSettings
+from .solids import corners_of
 from .source import cover
 
 if TYPE_CHECKING:
@@ -68,7 +70,32 @@ class SolverGas(CoupledSolver):
         self.unit = np.array([self.density * AIR_HEAT_CAPACITY * ambient, 1.0])
         """Heat of a unit of lightness and soot of a unit of soot, per volume."""
         self.emissions = {k: d for k, d in emissions_of(spec, self.name).items() if k not in self._done.without}
+        self.fields = fields_of(spec, member, self._done.without)
+        self._outer = self.grid.corner + self.grid.cell * self.engine.outer
+        self.wind = 0.0
+        """Speed of the fastest air beyond the sides, along an axis [m/s]."""
+        if self.fields and "open" in settings.domain.sides:
+            self._start_wind()
         self._place_source(member, cover(entity, self.built[member], self.grid))
+
+    def _blow(self, time: float) -> None:
+        """Let the air beyond the sides move as it does at a time; before frame 0, as it does then."""
+        speeds = self.fields.medium(self._outer, max(time, 0.0)).velocity
+        self.wind = float(np.abs(speeds).max(initial=0.0))
+        self.engine.blow(speeds)
+
+    def _start_wind(self) -> None:
+        """Wind that blows at frame 0 flows around the bodies then, as a flow without eddies."""
+        self._blow(0.0)
+        if self.wind == 0.0:
+            return
+        lower = corners_of(self.grid.shape, self.grid.cell, self.grid.corner)
+        speeds = np.zeros(lower.shape, np.float32)
+        for axis in range(3):
+            middles = lower + 0.5 * self.grid.cell * (np.arange(3) != axis)
+            speeds[..., axis] = self.fields.medium(middles.reshape(-1, 3), 0.0).velocity[:, axis].reshape(lower.shape[:3])
+        self.engine.velocity = speeds
+        self.engine.solve(self.engine.settings.tolerance * self.wind, self.engine.settings.iterations)
 
     def _place_source(self, member: str, share: F64) -> None:
         """Gas per volume and second in each cell for an emission of 1 m^3/s."""
@@ -85,6 +112,8 @@ class SolverGas(CoupledSolver):
     def max_stable_dt(self) -> float:
         """Longest step now [s]; an emission that is about to start counts."""
         longest = min(self.engine.longest(), float(self.instance.settings.max_step))
+        if self.wind > 0.0:
+            longest = min(longest, self.engine.settings.courant * self.grid.cell / self.wind)
         most = sum(d.rate for d in self.emissions.values()) * float(self.share.max())
         return min(longest, SOURCE_SHARE / most) if most > 0.0 else longest
 
@@ -92,6 +121,8 @@ class SolverGas(CoupledSolver):
         """One step of `limit` seconds from `time`, counted into the frame."""
         if self.held(time):
             return StepReport.still(limit, self.surround)
+        if self.fields:
+            self._blow(time + 0.5 * limit)
         volume = sum(_made(d, time, time + limit) for d in self.emissions.values())
         self.engine.emit(self.share * (volume / limit), self.content.tolist())
         report = self.engine.step(limit)

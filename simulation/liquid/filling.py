@@ -133,6 +133,7 @@ class PlacedSolid:
 
     @cached_property
     def tree(self) -> tuple[Any, F64]:
+        """The surface as a mesh of Warp in its own frame, about a point, and that point [m]."""
         wp = warp()
         middle = self.solid.sphere_center
         mesh = wp.Mesh(

@@ -103,7 +103,7 @@ async def test_capabilities_name_engines_versions_and_caps(workspace: Path, monk
         "covers": "rigid bodies, joints, ropes of links, drivers",
     }
     assert found["categories"]["liquid"]["engine"] == "dfsph, flip"
-    assert not found["categories"]["gas"]["available"]
+    assert found["categories"]["gas"]["engine"] == "gas"
     assert found["versions"]["mujoco"]
     assert found["caps"]["bodies"]["value"] == 2000
 

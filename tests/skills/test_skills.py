@@ -157,7 +157,6 @@ ROWS = {
         "audit:clauses",
         "audit:bounds",
         "audit:density:wood",
-        "audit:engine:cloud",
         "audit:elastic",
         "audit:reach",
         "audit:cloth",

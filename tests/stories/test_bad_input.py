@@ -68,10 +68,10 @@ AUDIT: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "causes in a circle": ([("/story/beats/roll/causes", ["fall"])], "story", "causes form a cycle"),
     "a beat after the end": ([("/story/beats/fall/frames", [4, 99])], "story", "end after the last frame 35"),
     "an impossible density": ([("/materials/wood/density", 9000)], "density:wood", "allowed 120 to 1200"),
-    "an engine that is not there": (
+    "a gas in the engine of bodies": (
         [(f"{BALL}/physics", {"category": "gas", "resolution": 0.01})],
-        "engine:ball",
-        "no engine for 'gas' in this build; there are engines for rigid",
+        "ownership",
+        "'ball' is gas, which engine 'mujoco' does not move",
     ),
     "a liquid in the engine of bodies": (
         [(f"{BALL}/physics", {"category": "liquid", "resolution": 0.01})],

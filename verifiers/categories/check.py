@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...worlds.categories.registry import shape_of
-from ...worlds.spec import MOVED
 from ..rows.answers import row_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding
@@ -33,9 +32,8 @@ def check(candidate: Candidate) -> list[Row]:
         category = entity.physics.category
         if shape_of(entity) == "solid" or name in simulated:
             continue
-        missing = "no instance simulates it" if category in MOVED else "this build has no engine for it"
         place = f"/entities/{name}/physics"
-        text = f"{name} is {category}, and {missing}, so there is nothing to inspect"
+        text = f"{name} is {category}, and no instance simulates it, so there is nothing to inspect"
         hint = correction("no engine", "story", f"make {name} rigid, or leave it out", pointers=(place,))
         evidence = {"category": category, "pointers": [place]}
         words = f"{name} behaves as {category}"

@@ -20,7 +20,7 @@ from ..instances import bake_order
 from ..problems import Problem, replaced
 from ..references import closest, references
 from ..requirements import Correction, Row
-from ..spec import MOVED, WorldSpec
+from ..spec import WorldSpec
 from .bounds import bound_problems, hold_problems, overlap_problems
 from .claims import claim_problems
 from .collisions import pair_problems, skin_problems
@@ -150,21 +150,6 @@ class _Audit:
         text = "every moving entity has exactly one responsible solver or driver"
         self.add("ownership", text, ownership_problems(self.spec))
 
-    def engines(self) -> None:
-        """Engines exist for the categories used."""
-        for name, entity in self.spec.entities.items():
-            category = entity.physics.category
-            if category not in MOVED:
-                text = f"no engine for {category!r} in this build; there are engines for {', '.join(MOVED)}"
-                self.add(
-                    f"engine:{name}",
-                    f"an engine of this build simulates category {category!r}",
-                    [Problem(f"/entities/{name}/physics", text)],
-                    entity=name,
-                    status="unverified",
-                    group="physical",
-                )
-
     # ---------------------------------------------------------------- story
 
     def story(self) -> None:
@@ -256,7 +241,6 @@ def audit(spec: WorldSpec) -> AuditReport:
     work = _Audit(spec)
     work.references()
     work.ownership()
-    work.engines()
     work.story()
     work.matter()
     work.graph()

@@ -67,7 +67,6 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "a motor on a weld": (
         [("/simulation/joints/w", {"kind": "weld", "child": "b1", "anchor": [0, 0, 0]}),
          ("/simulation/drivers/m", {"kind": "motor", "joint": "w", "velocity": 1, "max_effort": 1, "end": 1})], "ownership", "only hinges"),
-    "a category without an engine": ([("/entities/b1/physics", {"category": "gas", "resolution": 0.1})], "engine:b1", "no engine for 'gas'"),
     "a beat beyond the end": ([("/story/beats/fall/frames", [4, 40])], "story", f"end after the last frame {LAST}"),
     "an owner that does not move the subject": ([("/story/beats/fall/subject", "b3"), ("/simulation/solvers/rigid/members", ["floor", "shelf", "ball", "b1", "b2"])],
                                                 "story", "does not move 'b3'"),

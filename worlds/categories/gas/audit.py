@@ -9,16 +9,20 @@ import numpy as np
 
 from ...arrays import F64
 from ...extents import box_extent, initial_box
+from ...fields import Fields, acting_on, field_drivers
 from ...problems import Problem, removed, replaced
+from ..loose import domain_box
 from .facts import LEAST_CELLS, emissions_of, gas_of, grid_of
 
 if TYPE_CHECKING:
-    from ...spec import Entity, GasInstance, GasPhysics, WorldSpec
+    from ...spec import Entity, FieldDriver, GasInstance, GasPhysics, WorldSpec
 
 __all__ = ["gas_problems"]
 
 LEAST_SOURCE = 1.5
 """Own choice: cells across a source; a thinner one is a point whose size its cell decides."""
+SEEN = 9
+"""Own choice: points along each edge of a side, and times of a sequence, at which a field is looked for."""
 BOUSSINESQ = 0.1
 """Largest difference of temperatures, as a share of the ambient one, that Boussinesq's approximation describes within some percent
 (Gray and Giorgini 1976, doi:10.1016/0017-9310(76)90168-X)."""
@@ -29,7 +33,7 @@ def gas_problems(spec: WorldSpec) -> list[Problem]:
     found = [*_entities(spec)]
     for name, instance in spec.simulation.gas.items():
         found += _instance(spec, name, instance)
-    return [*found, *_drivers(spec)]
+    return [*found, *_drivers(spec), *_couplings(spec)]
 
 
 def _entities(spec: WorldSpec) -> Iterator[Problem]:
@@ -63,6 +67,7 @@ def _instance(spec: WorldSpec, name: str, instance: GasInstance) -> Iterator[Pro
         return
     member, entity, physics = held
     yield from _source(spec, name, member, entity, physics)
+    yield from _blown(spec, member, instance)
     settings, hot = instance.settings, physics.temperature / instance.settings.ambient_temperature - 1.0
     if not settings.expands and abs(hot) > BOUSSINESQ:
         yield Problem(
@@ -131,6 +136,54 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
                 "value": {"kind": "emission", "entity": name, "rate": 0.01},
             }
             yield Problem("/simulation/drivers", text, add)
+
+
+def _blown(spec: WorldSpec, member: str, instance: GasInstance) -> Iterator[Problem]:
+    """Fields that act on a gas: it feels the air beyond open sides, and no pull."""
+    for key, driver in field_drivers(spec).items():
+        if member not in acting_on(spec, driver) or driver.field.kind == "drag":
+            continue
+        place = f"/simulation/drivers/{key}"
+        if driver.field.kind == "attraction":
+            text = f"field {key!r} pulls at the gas {member!r}, which feels no pull but gravity; name the entities that it acts on, without the gas"
+            yield Problem(f"{place}/entities", text)
+        elif "open" not in instance.settings.domain.sides:
+            text = f"field {key!r} moves the air beyond open sides, and the box of {member!r} has none; open the side that it blows in at"
+            yield Problem(f"/simulation/solvers/{_owner(spec, member)}/settings/domain/sides", text)
+        elif not _arrives(spec, driver, instance):
+            text = (
+                f"field {key!r} moves the air beyond open sides, and at those of the box of {member!r} it blows at no time; move its region or "
+                "time, or widen or open the domain there"
+            )
+            yield Problem(place, text)
+
+
+def _arrives(spec: WorldSpec, driver: FieldDriver, instance: GasInstance) -> bool:
+    """Whether a field moves the air at an open side of a box, at some of a few times."""
+    fields, (low, high) = Fields({"field": driver}), domain_box(instance)
+    axes = [np.linspace(low[k], high[k], SEEN) for k in range(3)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    sides = [
+        np.moveaxis(points, k // 2, 0)[-(k % 2)].reshape(-1, 3)
+        for k, s in enumerate(instance.settings.domain.sides)
+        if s == "open"
+    ]
+    last = (spec.simulation.frames - 1) / spec.simulation.fps
+    return any(np.abs(fields.medium(np.concatenate(sides), t).velocity).max() > 0.0 for t in np.linspace(0.0, last, SEEN))
+
+
+def _owner(spec: WorldSpec, member: str) -> str:
+    return next(name for name, instance in spec.simulation.gas.items() if member in instance.members)
+
+
+def _couplings(spec: WorldSpec) -> Iterator[Problem]:
+    plan = spec.simulation
+    for name, coupling in plan.couplings.items():
+        gases = [s for s in (coupling.source, coupling.target) if s in plan.gas]
+        if gases and coupling.direction == "two_way":
+            place = f"/simulation/couplings/{name}"
+            text = f"coupling {name!r}: the gas of {gases[0]!r} pushes nothing; make it one_way from the rigid instance, or leave it out"
+            yield Problem(place, text, removed(place))
 
 
 def _box(low: F64, high: F64) -> str:

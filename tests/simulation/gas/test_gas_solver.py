@@ -44,10 +44,10 @@ def balance(frame: Mapping[str, Any], what: str, held: str) -> float:
 
 
 def test_what_is_made_is_in_the_box_or_has_left_it() -> None:
-    """A quarter of a second at 0.004 m^3/s, at twenty times that speed out at the sides."""
+    """A quarter of a second at 0.08 m^3/s, in wind that takes it out at a side."""
     frame = frame_of({"/simulation/drivers/fire/rate": 0.08, "/simulation/drivers/wind": WIND})
     assert float(frame["record/volume_emitted"]) == pytest.approx(0.08 * 6 / 24)
-    assert float(frame["record/escaped_soot"]) > 0.2 * float(frame["record/emitted_soot"])
+    assert float(frame["record/escaped_soot"]) > 0.1 * float(frame["record/emitted_soot"])
     assert balance(frame, "soot", "soot_mass") < 1e-6
     assert balance(frame, "heat", "heat") < 1e-3
     assert float(frame["record/volume_escaped"]) == pytest.approx(0.02, rel=1e-3)
@@ -74,8 +74,8 @@ def test_wind_blows_around_the_plate_from_frame_0_on() -> None:
     for frame in (start, later):
         speed = frame["gas_velocity"][..., 0]
         assert speed[0].mean() == pytest.approx(1.5, rel=0.05)
-        assert speed[8, 8, 11] == pytest.approx(0.0, abs=0.1), "in the plate"
-        assert speed.max() > 1.6, "past its edges"
+        assert speed.max() > 1.6, "past the plate"
+        assert np.abs(frame["gas_velocity"][..., 2]).max() > 0.1, "up and down at its edge"
 
 
 def test_wind_that_begins_later_comes_in_at_the_side_that_it_blows_at() -> None:

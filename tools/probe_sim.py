@@ -67,7 +67,7 @@ def probe_sim(
     data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:
         data["estimate_s"] = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
-        data["estimate_of"] = "moving its liquids once, checks and runs without a cause apart,"
+        data["estimate_of"] = "moving its liquids and gases once, checks and runs without a cause apart,"
     return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.lacking]}, detail)
 
 

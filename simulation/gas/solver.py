@@ -13,7 +13,7 @@ from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
 from ...worlds.fields import fields_of
 from ..boundaries import BodyState, Surround, surround_of
-from ..coupled_solver import CoupledSolver
+from ..coupled_solver import CoupledSolver, motion_records
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
 from .engine import LIGHTNESS, MOTION, SOOT, Gas
@@ -54,6 +54,9 @@ class SolverGas(CoupledSolver):
             )
         member, entity, self.physics = found
         self.grid = grid_of(instance, self.physics.resolution)
+        self._middles = (corners_of(self.grid.shape, self.grid.cell, self.grid.corner) + 0.5 * self.grid.cell)[
+            :-1, :-1, :-1
+        ].reshape(-1, 3)
         self._surround = surround_of(spec, self.built, domain_box(instance), 2.0 * self.grid.cell)
         self.obstacles = Obstacles(self._surround, self.grid)
         settings = instance.settings
@@ -173,8 +176,15 @@ class SolverGas(CoupledSolver):
         state, velocity = engine.state, engine.velocity
         light, ambient = state[..., LIGHTNESS].astype(np.float64), settings.ambient_temperature
         heat, soot = engine.totals()[[LIGHTNESS, SOOT]] * self.unit * self.grid.cell**3
+        density = self.density * (1.0 - light) + state[..., SOOT]
+        volume, speed = (engine.room * self.grid.cell**3).astype(np.float64).ravel(), _centred(velocity)
+        gravity = np.array(self.spec.simulation.gravity)
+        moved = motion_records(density.ravel() * volume, self._middles, speed.reshape(-1, 3).astype(np.float64), gravity)
+        heavier = (density.ravel() - self.density) * volume
         records = {
+            **moved,
             **self._ledger,
+            "potential_energy": -float(heavier @ (self._middles @ gravity)),
             "soot_mass": soot,
             "heat": heat,
             "divergence": tally["divergence"],
@@ -188,7 +198,7 @@ class SolverGas(CoupledSolver):
             "gas_corner": self.grid.corner,
             "gas_soot": state[..., SOOT].copy(),
             "gas_temperature": (ambient / (1.0 - light) if settings.expands else ambient * (1.0 + light)).astype(np.float32),
-            "gas_velocity": _centred(velocity),
+            "gas_velocity": speed,
             "gas_room": engine.room.copy(),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }

@@ -12,7 +12,10 @@ from ..arrays import F64
 if TYPE_CHECKING:
     from ..spec import GasInstance, LiquidInstance, ParticleInstance, WorldSpec
 
-__all__ = ["LooseEstimate", "counts", "domain_box"]
+__all__ = ["ROUNDED", "LooseEstimate", "counts", "domain_box", "told_box"]
+
+ROUNDED = 1e-3
+"""Share that sizes may be short by: messages tell spacings with three digits, and corners are sums."""
 
 CACHE_BYTES_PER_PARTICLE_FRAME = 48
 """Position, velocity, id, fluid, volume, density, pressure, temperature in 32 bits [bytes]."""
@@ -33,6 +36,11 @@ def domain_box(instance: GasInstance | LiquidInstance | ParticleInstance) -> tup
     """Least and greatest corner of a domain [m]."""
     center, half = np.array(instance.settings.domain.center), 0.5 * np.array(instance.settings.domain.size)
     return center - half, center + half
+
+
+def told_box(low: F64, high: F64) -> str:
+    """Text for a box."""
+    return f"[{', '.join(f'{v:.4g}' for v in low)}] to [{', '.join(f'{v:.4g}' for v in high)}] m"
 
 
 def counts(spec: WorldSpec, estimates: Iterable[LooseEstimate]) -> dict[str, float]:

@@ -9,13 +9,13 @@ __all__ = [
 ]  # fmt: skip
 
 MOTION = (
-    quantity("kinetic_energy", "J", "sum over moving bodies, liquid or particles", sign="+"),
-    quantity("potential_energy", "J", "gravity, against z = 0, plus springs"),
-    *vector("momentum", "kg m/s", "sum over moving bodies or liquid"),
-    quantity("mass", "kg", "sum over moving bodies; of a liquid, what is in the domain", sign="+", conserved=True),
+    quantity("kinetic_energy", "J", "sum over moving bodies, fluids or particles", sign="+"),
+    quantity("potential_energy", "J", "gravity, against z = 0, plus springs; of a gas, by how much heavier it is than the air around"),
+    *vector("momentum", "kg m/s", "sum over moving bodies or fluids"),
+    quantity("mass", "kg", "sum over moving bodies; of a fluid, what is in the domain, air of a gas included", sign="+", conserved=True),
     quantity("max_speed", "m/s", "fastest centre of mass or particle over all steps of the frame", total="max", sign="+"),
     quantity("steps", "1", "solver steps taken in the frame", sign="+"),
-    quantity("step", "s", "time step used in the frame; of a liquid, their mean", total="max", sign="+"),
+    quantity("step", "s", "time step used in the frame; of a fluid, their mean", total="max", sign="+"),
 )  # fmt: skip
 """Records of everything that moves."""
 DRIVER_WORK = quantity("driver_work", "J", "work done by drivers since frame 0, positive into the bodies or the liquid")

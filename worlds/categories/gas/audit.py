@@ -7,20 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import F64
 from ...extents import box_extent, initial_box
 from ...fields import Fields, acting_on, field_drivers
 from ...problems import Problem, removed, replaced
-from ..loose import domain_box
-from .facts import LEAST_CELLS, emissions_of, gas_of, grid_of
+from ..loose import ROUNDED, domain_box, told_box
+from .facts import LEAST_CELLS, LEAST_SOURCE, emissions_of, gas_of, grid_of
 
 if TYPE_CHECKING:
     from ...spec import Entity, FieldDriver, GasInstance, GasPhysics, WorldSpec
 
 __all__ = ["gas_problems"]
 
-LEAST_SOURCE = 1.5
-"""Own choice: cells across a source; a thinner one is a point whose size its cell decides."""
 SEEN = 9
 """Own choice: points along each edge of a side, and times of a sequence, at which a field is looked for."""
 BOUSSINESQ = 0.1
@@ -95,7 +92,7 @@ def _source(spec: WorldSpec, name: str, member: str, entity: Entity, physics: Ga
             f"a resolution of at most {cell * min(grid.shape) / LEAST_CELLS:.3g} m",
         )
     thin = min((e for p in entity.parts.values() if (e := box_extent(p.shape)) is not None), default=np.inf)
-    if thin < LEAST_SOURCE * cell:
+    if thin < (1.0 - ROUNDED) * LEAST_SOURCE * cell:
         yield Problem(
             f"/entities/{member}/physics/resolution",
             f"the source {member!r} is {thin:.3g} m thin, less than {LEAST_SOURCE:g} cells of {cell:g} m; use at most "
@@ -105,7 +102,7 @@ def _source(spec: WorldSpec, name: str, member: str, entity: Entity, physics: Ga
     if box is not None and ((box[0] < low - 1e-9).any() or (box[1] > high + 1e-9).any()):
         yield Problem(
             place,
-            f"the source {member!r} {_box(*box)} reaches out of the box of its gas {_box(low, high)}; widen or move the domain",
+            f"the source {member!r} {told_box(*box)} reaches out of the box of its gas {told_box(low, high)}; widen or move the domain",
         )
 
 
@@ -184,7 +181,3 @@ def _couplings(spec: WorldSpec) -> Iterator[Problem]:
             place = f"/simulation/couplings/{name}"
             text = f"coupling {name!r}: the gas of {gases[0]!r} pushes nothing; make it one_way from the rigid instance, or leave it out"
             yield Problem(place, text, removed(place))
-
-
-def _box(low: F64, high: F64) -> str:
-    return f"[{', '.join(f'{v:.4g}' for v in low)}] to [{', '.join(f'{v:.4g}' for v in high)}] m"

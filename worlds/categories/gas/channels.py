@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...channel import Channel, quantity
+from ..shared_channels import MOTION
 
 __all__ = ["CHANNELS", "DIMENSIONS"]
 
@@ -16,6 +17,7 @@ DIMENSIONS: Mapping[str, str] = {
 BOX = ("cells x", "cells y", "cells z")
 CHANNELS: Mapping[str, tuple[Channel, ...]] = {
     "gas": (
+        *MOTION,
         Channel("gas_corner", "f8", (3,), "m", "lower corner of the first cell, world", finite=True),
         Channel("gas_soot", "f4", BOX, "kg/m^3", "soot, droplets or dust"),
         Channel("gas_temperature", "f4", BOX, "K", "present temperature", sign="+"),
@@ -31,9 +33,6 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
         quantity("volume_emitted", "m^3", "of gas made by emissions since frame 0, at its temperature", sign="+"),
         quantity("volume_escaped", "m^3", "of gas and air that left through open sides since frame 0, less what came in"),
         quantity("divergence", "1", "largest flux out of a cell after a step of the frame beyond what sources ask for, over the largest speed", total="max", sign="+"),
-        quantity("max_speed", "m/s", "fastest centre of mass or particle over all steps of the frame", total="max", sign="+"),
-        quantity("steps", "1", "solver steps taken in the frame", sign="+"),
-        quantity("step", "s", "time step used in the frame; of a liquid, their mean", total="max", sign="+"),
         quantity("iterations", "1", "most iterations of the pressure solves in a step of the frame", total="max", sign="+"),
         quantity("capped", "1", "steps of the frame that ended at the iteration cap", sign="+"),
     ),

@@ -14,15 +14,27 @@ from ..loose import domain_box
 if TYPE_CHECKING:
     from ...spec import EmissionDriver, Entity, GasInstance, GasPhysics, WorldSpec
 
-__all__ = ["LEAST_CELLS", "SOURCE_SHARE", "Grid", "emissions_of", "gas_counts", "gas_of", "gas_seconds", "grid_of"]
+__all__ = [
+    "LEAST_CELLS",
+    "LEAST_SOURCE",
+    "SOURCE_SHARE",
+    "Grid",
+    "emissions_of",
+    "gas_counts",
+    "gas_of",
+    "gas_seconds",
+    "grid_of",
+]
 
+LEAST_SOURCE = 2.0
+"""Own choice: cells across a source; a thinner one is a point whose size its cell decides."""
 LEAST_CELLS = 4
 """Own choice: a box narrower than so many cells holds no flow."""
 SOURCE_SHARE = 0.5
 """Own choice: most of a cell's volume that a source makes in a step, so that what leaves it finds its way out."""
 CACHE_BYTES_PER_CELL = 28
 """Soot, temperature, velocity and room in 32 bits, half of it kept after compression, and what checkpoints hold [bytes]."""
-CELL_STEPS = 4.0e5
+CELL_STEPS = 2.0e5
 """Per second on two cores of the development machine, schemes alike within a factor of two; an estimate before anything was measured."""
 FALL = 0.5
 """Own choice: share of the speed that unhindered hot gas would reach over the height of its box, for estimates."""

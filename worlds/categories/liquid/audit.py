@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import F64, pose_of
+from ...arrays import pose_of
 from ...extents import initial_box
 from ...problems import Problem, replaced
-from ..loose import domain_box
+from ..loose import ROUNDED, domain_box, told_box
 from .facts import LEAST_MOUTH, LEAST_SPACINGS, inflows_of, spacing_of
 from .wave_audit import wave_problems
 
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from ...spec import LiquidInstance, WorldSpec
 
 __all__ = ["liquid_problems"]
-
-ROUNDED = 1e-3
-"""Share that sizes may be short by: messages tell spacings with three digits, and corners are sums."""
 
 
 def liquid_problems(spec: WorldSpec) -> list[Problem]:
@@ -83,7 +80,7 @@ def _instance(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[
         if (box[0] < low - 1e-9).any() or (box[1] > high + 1e-9).any():
             yield Problem(
                 f"{place}/domain",
-                f"the domain {_box(low, high)} cuts the initial volume of {member!r} {_box(*box)}; it must hold all of it",
+                f"the domain {told_box(low, high)} cuts the initial volume of {member!r} {told_box(*box)}; it must hold all of it",
             )
     for key, inflow in inflows_of(spec, name).items():
         where = f"/simulation/drivers/{key}"
@@ -92,7 +89,7 @@ def _instance(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[
         if (corners < low - 1e-9).any() or (corners > high + 1e-9).any():
             yield Problem(
                 f"{where}/pose",
-                f"inflow {key!r} {_box(corners.min(0), corners.max(0))} reaches out of the domain {_box(low, high)}",
+                f"inflow {key!r} {told_box(corners.min(0), corners.max(0))} reaches out of the domain {told_box(low, high)}",
             )
         mouth = LEAST_MOUTH[instance.engine]
         if min(inflow.size) < mouth * spacing:
@@ -119,7 +116,3 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
                 f"/simulation/drivers/{name}",
                 f"driver {driver.kind!r} cannot act on a liquid; use inflow, outflow, waves, gravity, or a kinematic solid that moves it",
             )
-
-
-def _box(low: F64, high: F64) -> str:
-    return f"[{', '.join(f'{v:.4g}' for v in low)}] to [{', '.join(f'{v:.4g}' for v in high)}] m"

@@ -47,7 +47,7 @@ def test_a_sound_gas_passes_with_and_without_wind() -> None:
 WRONG = [
     (("/entities/smoke/motion", "static"), "gases are dynamic"),
     (("/entities/smoke/pose", {"position": [0.38, 0, 0.05]}), "reaches out of the box"),
-    (("/entities/smoke/physics/resolution", 0.08), "less than 1.5 cells of 0.08 m; use at most 0.0667 m"),
+    (("/entities/smoke/physics/resolution", 0.08), "less than 2 cells of 0.08 m; use at most 0.05 m"),
     ((f"{AIR}/domain/size", [0.8, 0.15, 1.2]), "is 3 cells of 0.05 m wide, at least 4 hold a flow"),
     ((f"{AIR}/domain/sides", ["closed"] * 6), "without an open side"),
     ((f"{AIR}/expands", False), "36% from the ambient 293.15 K"),

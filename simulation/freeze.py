@@ -8,12 +8,15 @@ from functools import lru_cache
 from pathlib import Path
 
 from ..worlds.built import BuiltEntity
-from ..worlds.canonical import digest_of, source_digest, spec_digest
+from ..worlds.canonical import digest_of, source_changed, source_digest, spec_digest
 from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.slices import motion_slice
 from ..worlds.spec import WorldSpec
 
-__all__ = ["engine_versions", "freeze_hash", "open_freeze", "solver_source"]
+__all__ = ["engine_versions", "freeze_hash", "open_freeze", "solver_changed", "solver_source"]
+
+
+_FOLDERS = (Path(__file__).parent, Path(__file__).parents[1] / "physics")
 
 
 @lru_cache(maxsize=1)
@@ -26,8 +29,12 @@ def engine_versions() -> dict[str, str]:
 
 def solver_source() -> str:
     """SHA-256 over the source of what computes the motion: the engines, and the laws that they follow."""
-    here = Path(__file__).parent
-    return source_digest(here, here.parent / "physics")
+    return source_digest(*_FOLDERS)
+
+
+def solver_changed() -> bool:
+    """True where that source is another than when this process first read it, after an update for instance."""
+    return source_changed(*_FOLDERS)
 
 
 def freeze_hash(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
@@ -112,6 +112,13 @@ def verdict_reply(job: Job) -> ToolReply:
     )
 
 
+def _call_asked(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The call that all open rows ask for, none of them for an edit; empty where one does."""
+    actions = {r["corrections"][0]["action"] if r.get("corrections") else "" for r in rows}
+    first = next(iter(actions), "")
+    return first if len(actions) == 1 and first.startswith("call ") else ""
+
+
 def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only: Sequence[str] = ()) -> ToolReply:
     from ..workflow.answers import answer, call, job_answer, rows_answer
 
@@ -144,5 +151,5 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
     repair = (
         "edit_spec: mend the first open row with one hypothesis and one parameter group, then repeat from the first stale step"
     )
-    told = rows_answer(world, {**place, **data}, detail, text, then if good else repair)
+    told = rows_answer(world, {**place, **data}, detail, text, then if good else _call_asked(data.get("open_rows", ())) or repair)
     return ToolReply(told, links=proof_links(world, data))

@@ -201,7 +201,7 @@ def _unjudged(candidate: Candidate, check: Check) -> Row:
 
 def _freeze_row(candidate: Candidate, recorded: str, present: str) -> Row:
     same = recorded == present
-    action = "probe and bake again with this version (worldagent recompute FOLDER)"
+    action = "call probe_sim and bake_sim again: this version simulates it anew (without a server: worldagent recompute FOLDER)"
     found = Finding(
         "pass" if same else "fail",
         "the freeze is the recorded one" if same else f"recorded {recorded[:16]}, present {present[:16]}",

@@ -28,9 +28,15 @@ def require_probe(session: Session, freeze: str) -> dict[str, Any]:
     Raises:
         RefusedError: there is none, or rows of it, or of the matrix at the probe, are open or missing.
     """
+    from ..simulation.freeze import solver_changed
     from ..verifiers.stored import open_in_probe
 
     known = session.ledger.freeze(freeze)
+    if known is None and solver_changed():
+        raise RefusedError(
+            "the program was changed or updated while this server ran, so it and its jobs are of two versions; restart the server, then "
+            "call probe_sim"
+        )
     if known is None:
         raise RefusedError("bake_sim needs a passing probe of exactly these settings; call probe_sim first")
     stages, last = session.ledger.stages(), int(known["detail"].get("rows", {}).get("last", -1))

@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-__all__ = ["canonical_json", "digest_of", "source_digest", "spec_digest"]
+__all__ = ["canonical_json", "digest_of", "source_changed", "source_digest", "spec_digest"]
 
 
 def canonical_json(value: Any) -> bytes:
@@ -105,3 +105,8 @@ def source_digest(*folders: Path) -> str:
             state.update(path.relative_to(folder).as_posix().encode())
             state.update(path.read_bytes())
     return state.hexdigest()
+
+
+def source_changed(*folders: Path) -> bool:
+    """True where a producer's files are others than when `source_digest` first read them: the program changed under this process."""
+    return source_digest.__wrapped__(*folders) != source_digest(*folders)

@@ -312,5 +312,5 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     found += directed_weakenings(old, new, places)
     found += physical_weakenings(before, after, old, new, places)
     found += _shot_weakenings(old["shots"], new["shots"])
-    found += claim_weakenings(old.get("claims", {}), new.get("claims", {}))
+    found += claim_weakenings(old.get("claims", {}), new.get("claims", {}), after.prompt)
     return found

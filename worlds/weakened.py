@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 from .bound_fields import Bound, binders_of, bound_fields
 from .categories.registry import CATEGORIES
 from .directions import field_of, way_of
+from .errors import InputError
+from .prompts.marks import occurrence
 from .quoting import listed
 from .slices import physical_materials
 from .spec import WorldSpec
@@ -270,13 +272,13 @@ def directed_weakenings(old: Document, new: Document, places: Iterable[str]) -> 
             yield f"{place} {was} -> {now}"
 
 
-def claim_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
-    """Edits of claims, as JSON, that ask for less (R157): compared by quote, since ids may change."""
+def claim_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], prompt: str) -> Iterator[str]:
+    """Edits of claims, as JSON, that ask for less (R157): compared by quote and place in the prompt, since ids may change."""
     before, now = ({(c["quote"], c.get("nth", 1)): c for c in claims.values()} for claims in (old, new))
     for place, claim in before.items():
         told, after = f"claim of {place[0]!r}", now.get(place)
         if after is None:
-            yield f"{told} dropped: these words are filler"
+            yield from _marked_otherwise(told, claim, new.values(), prompt)
         elif after.get("waived") and not claim.get("waived"):
             yield f"{told} waived: {after['waived']}"
         elif after["type"] != claim["type"] and not claim.get("waived"):
@@ -288,3 +290,32 @@ def claim_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator
     for place, claim in now.items():
         if place not in before and claim.get("waived") and old:
             yield f"claim of {place[0]!r} waived: {claim['waived']}"
+
+
+def _marked_otherwise(told: str, claim: Mapping[str, Any], now: Iterable[Mapping[str, Any]], prompt: str) -> Iterator[str]:
+    """What less is asked of words whose claim is gone: nothing where claims of its type now cover them all and name all that it named."""
+    words = _letters(claim, prompt)
+    over = [c for c in now if not c.get("waived") and words & _letters(c, prompt)]
+    left = words.difference(*(_letters(c, prompt) for c in over))
+    if claim.get("waived"):
+        return
+    if not over:
+        yield f"{told} dropped: these words are filler"
+        return
+    if left:
+        kept = "".join(prompt[i] if i in left else " " for i in range(min(words), max(words) + 1)).split()
+        yield f"{told} covers less: {' '.join(kept)!r} is filler now"
+    if claim["type"] not in {c["type"] for c in over} | ({"thing"} if any(c["type"] == "count" for c in over) else set()):
+        yield f"{told} is part of {over[0]['quote']!r}, of type {over[0]['type']}; it was {claim['type']}"
+    lost = sorted(set(claim.get("by", ())).difference(*(c.get("by", ()) for c in over)))
+    if lost:
+        yield f"{told} is no longer judged by {', '.join(lost)}"
+
+
+def _letters(claim: Mapping[str, Any], prompt: str) -> set[int]:
+    """Indices into the prompt of the letters and digits that a claim marks; none where its quote is not there."""
+    try:
+        start, end = occurrence(prompt, claim["quote"], claim.get("nth", 1))
+    except InputError:
+        return set()
+    return {i for i in range(start, end) if prompt[i].isalnum()}

@@ -10,7 +10,7 @@ import rfc8785
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from worldagent.tests.stories.small_run import PROMPT, small_spec
-from worldagent.worlds.canonical import canonical_json, digest_of, source_digest, spec_digest
+from worldagent.worlds.canonical import canonical_json, digest_of, source_changed, source_digest, spec_digest
 from worldagent.worlds.patch import parse_spec
 
 # RFC 8785, section 3.2.2 and 3.2.3, and appendix B (IEEE-754 double -> text)
@@ -93,6 +93,15 @@ def test_the_source_digest_covers_names_and_content(tmp_path: Path) -> None:
         (folder / name).write_text(text)
         folders.append(source_digest(folder))
     assert len(set(folders)) == 3
+
+
+def test_a_source_that_changes_under_the_process_is_told(tmp_path: Path) -> None:
+    (tmp_path / "one.py").write_text("a")
+    first = source_digest(tmp_path)
+    assert not source_changed(tmp_path)
+    (tmp_path / "one.py").write_text("b")
+    assert source_changed(tmp_path)
+    assert source_digest(tmp_path) == first
 
 
 JSON = st.recursive(

@@ -15,6 +15,7 @@ import numpy as np
 from ...worlds.errors import EvidenceError
 from ...worlds.plates import MOST_PLATES, SEEDS, Plates, View, plate_size, plates_folder
 from ...worlds.provenance import recipes
+from ..rows.corrections import correction
 from ..rows.findings import Finding
 from .bounds import BRIGHT, DARK, JUST_NOTICEABLE, SEEN_NOISE, SEEN_PIXELS, SEEN_SHARE
 from .difference import Difference, compared, lab, linear
@@ -113,7 +114,8 @@ class _Judge:
             )
         if view not in plates.views:
             why = plates.left.get(subject, "no plate shows it there")
-            return replace(told, text=f"{subject} was not looked at in shot {view.shot} at frame {view.frame}: {why}; {AGAIN}")
+            text = f"{subject} was not looked at in shot {view.shot} at frame {view.frame}: {why}; {AGAIN}"
+            return replace(told, text=text, hints=(correction(why, "look", AGAIN, pointers=("/look",)),))
         mask = self.sight.mask(subject, view.shot, view.frame, plates.size)
         if int(mask.visible.sum()) < SEEN_PIXELS:
             return self._small(told, view, mask)

@@ -249,6 +249,7 @@ def test_who_was_not_looked_at_is_unverified_and_told_why(tmp_path: Path) -> Non
     (row,) = check(candidate)
     assert row.status == "unverified"
     assert "the time for plates was over" in row.evidence["explanation"]
+    assert row.corrections[0].action.startswith("call run_checks(scope='full')")
 
 
 def test_the_view_is_where_the_subject_is_largest_while_its_beat_comes_true(tmp_path: Path) -> None:

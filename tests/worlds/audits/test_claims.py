@@ -206,6 +206,7 @@ def test_versions_do_not_mix_and_a_version_stays_out_of_the_motion() -> None:
         (swapped("[shelf](thing shelf)", '[shelf](waived because="nobody sees it anyway")'), "claim of 'shelf' waived"),
         (swapped("[falls off](event fall)", "[falls off](route fall)"), "claim of 'falls off' is route, was event"),
         (swapped("(thing b1 b2 b3)", "(thing b1 b2)"), "no longer judged by /entities/b3"),
+        (swapped("[falls off](event fall)", "[falls](event fall) off"), "claim of 'falls off' covers less: 'off' is filler now"),
     ],
 )
 def test_an_edit_of_claims_that_asks_for_less_is_called_so(edited: str, told: str) -> None:
@@ -213,6 +214,15 @@ def test_an_edit_of_claims_that_asks_for_less_is_called_so(edited: str, told: st
     after = apply_patch(spec, claim_operations(edited, spec))
     assert any(told in w for w in weakenings(spec, after)), weakenings(spec, after)
     assert weakenings(spec, spec) == []
+
+
+def test_words_that_are_marked_together_or_apart_ask_for_no_less() -> None:
+    apart = world()
+    marked = swapped("[three](count b1 b2 b3) [blocks](thing b1 b2 b3)", "[three blocks](count b1 b2 b3)")
+    marked = marked.replace("same_as=blocks", 'same_as="three blocks"')
+    together = apply_patch(apart, claim_operations(marked, apart))
+    assert [w for w in weakenings(apart, together) if "claim" in w] == []
+    assert [w for w in weakenings(together, apart) if "claim" in w] == []
 
 
 def test_a_requirement_that_must_never_come_true_is_weaker_where_its_event_is_harder() -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from .claim_targets import Span, named_in, targets_of
 from .described import DESCRIBING, judged_words
 from .errors import InputError
+from .nouns import noun_of
+from .orders import orders_said
 from .predicates import atoms_of, entities_of
 from .predicates.events import PairEvent, event_atoms
 from .prompts import lexicon as words
@@ -17,6 +19,7 @@ from .prompts.marks import occurrence
 from .prompts.numbers import number_in, quantity_in
 from .prompts.odd import odd_characters
 from .prompts.units import boundaries, letters, units_of, word_count
+from .repeats import is_repeat
 from .roles import misplaced_roles
 from .spec import CLAIM_TYPES, Beat, WorldSpec
 
@@ -187,13 +190,24 @@ def _kinds(spec: WorldSpec, name: str) -> list[str]:
 # ---------------------------------------------------------------- in words
 
 
-def _only_read(spec: WorldSpec, name: str, language: str | None) -> bool:
+def _nounless(spec: WorldSpec, spans: Sequence[Span], at: int, language: str | None) -> bool:
+    """True where a count is a number alone, and no claim says which things the noun behind it means."""
+    words = spans[at].text.split()
+    return len(words) == 1 and not is_repeat(spec, str(spans[at].claim)) and noun_of(spec, spans, at, language) is None
+
+
+def _only_read(spec: WorldSpec, spans: Sequence[Span], name: str, language: str | None) -> bool:
     """Whether nothing but the agent's reading says that what a claim names is what its words say."""
     claim = spec.claims[name]
     if claim.waived is not None:
         return False
-    if claim.type in ("count", "quantity"):
-        return (number_in(claim.quote, language) if claim.type == "count" else quantity_in(claim.quote, language)) is None
+    at = next((k for k, s in enumerate(spans) if s.claim == name), None)
+    if claim.type == "quantity":
+        return quantity_in(claim.quote, language) is None
+    if claim.type == "count":
+        return number_in(claim.quote, language) is None or (at is not None and _nounless(spec, spans, at, language))
+    if claim.type == "order":
+        return at is not None and not orders_said(spec, spans, at, language)
     return claim.type in DESCRIBING and not judged_words(spec, name)
 
 
@@ -228,7 +242,7 @@ def prompt_record(spec: WorldSpec) -> dict[str, Any]:
         "readings": {
             spec.claims[s.claim].quote: targets_of(spec.claims, s.claim)
             for s in found.spans
-            if s.claim and _only_read(spec, s.claim, found.language)
+            if s.claim and _only_read(spec, found.spans, s.claim, found.language)
         },
         "language": found.language,
         "warnings": list(found.warnings),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from . import claims, deeds, physics, pictures, words
+from . import bindings, claims, deeds, physics, pictures, words
 from .cases import Case, Twin
 
 __all__ = ["MECHANISMS", "Case", "Twin"]
@@ -15,6 +15,7 @@ __all__ = ["MECHANISMS", "Case", "Twin"]
 MECHANISMS: Mapping[str, tuple[Case, ...]] = {
     **words.MECHANISMS,
     **claims.MECHANISMS,
+    **bindings.MECHANISMS,
     **pictures.MECHANISMS,
     **physics.MECHANISMS,
     **deeds.MECHANISMS,

@@ -20,6 +20,7 @@ from ...worlds.claims import named_in
 from ...worlds.predicates import And, Count, Or, atoms_of, entities_of
 from ...worlds.predicates.events import event_atoms
 from ...worlds.quoting import listed
+from ...worlds.repeats import is_repeat
 from ..predicates import evaluate
 from ..predicates.combine import substitute
 from ..rows.corrections import correction
@@ -28,6 +29,7 @@ from ..scene.surfaces import surfaces_of
 from .bounds import ALIKE
 from .mapping import told_of
 from .naming import beats_of
+from .repeats import repeats_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,6 +58,8 @@ def is_measured(spec: WorldSpec, name: str) -> bool:
 
 def count_of(candidate: Candidate, name: str) -> Finding:
     """The finding about a claim of a count."""
+    if is_repeat(candidate.spec, name):
+        return repeats_of(candidate, name)
     spec, counted = candidate.spec, counted_of(candidate.spec, name)
     asked, quote = float(counted.asked or 0), spec.claims[name].quote
     tallies = [*_pieces(candidate, name, counted), *_stories(candidate, name, counted), *_events(candidate, name, counted)]

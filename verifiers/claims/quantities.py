@@ -10,8 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...worlds.claims import targets_of
-from ...worlds.prompts.languages import language_of
-from ...worlds.prompts.numbers import Quantity, quantity_in
+from ...worlds.quantities import quantity_said
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from .bounds import NEARER
@@ -19,6 +18,7 @@ from .measured import is_told, measured_at
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
+    from ...worlds.prompts.numbers import Quantity
     from ...worlds.spec import WorldSpec
     from .measured import Measured
 
@@ -41,7 +41,7 @@ def is_measured(spec: WorldSpec, name: str) -> bool:
 
 
 def _wanted(spec: WorldSpec, name: str) -> Quantity | None:
-    return quantity_in(spec.claims[name].quote, language_of(spec.prompt))
+    return quantity_said(spec, name)
 
 
 def limits_of(wanted: Quantity) -> Limits:

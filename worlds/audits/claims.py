@@ -6,7 +6,6 @@ the motion and the pictures is asked in `verifiers/claims`.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -16,20 +15,24 @@ from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
 from ..problems import Problem
-from ..prompts.languages import Held, language_of
-from ..prompts.numbers import Quantity, number_in, ordinal_in, quantity_in
+from ..prompts.languages import Held
+from ..prompts.numbers import number_in, ordinal_in
 from ..references import kinds_of, resolves
 from ..roles import misplaced_roles
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from .acted_on import acted_on_problems
 from .contradictions import contradiction_problems
 from .counts import count_problems
+from .leaves import leaf_at, value_at
 from .matter_words import matter_problems
 from .negations import negation_problems
+from .nouns import noun_problems
+from .orders import order_problems
 from .properties import substance_problems
+from .quantities import quantity_problems
 from .unclaimed import unclaimed_problems
 
-__all__ = ["claim_problems", "leaf_at"]
+__all__ = ["claim_problems"]
 
 WAIVED_SHARE = 0.2
 """Own choice: with more of its letters waived, a world is not the prompt's any more."""
@@ -60,7 +63,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
     found = [Problem(f"/claims/{name}/quote", text) for name, text in reading.problems]
     for name, claim in spec.claims.items():
         found += _claim(spec, document, name, claim)
-    found += [*acted_on_problems(spec, reading), *_shared(spec)]
+    found += [*acted_on_problems(spec, reading), *_shared(spec), *noun_problems(spec, reading), *order_problems(spec, reading)]
     told = misplaced_roles(spec, reading.spans, reading.language)
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
     return [*found, *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]
@@ -133,56 +136,11 @@ def _shared(spec: WorldSpec) -> Iterator[Problem]:
 
 def _count(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
     # Counts are whole numbers in the specification; a length that happens to be 3 counts nothing.
-    whole = [p for p in claim.by if isinstance(_value_at(document, p), int)]
-    yield from count_problems(spec, name, claim, [leaf_at(document, p) for p in whole])
+    whole = {p: leaf_at(document, p) for p in claim.by if isinstance(value_at(document, p), int)}
+    yield from count_problems(spec, name, claim, whole)
 
 
-# ---------------------------------------------------------------- numbers
-
-
-def _value_at(document: Any, pointer: str) -> Any:
-    """Value at a JSON pointer; None where there is none."""
-    at = document
-    for token in pointer.strip("/").split("/"):
-        key = token.replace("~1", "/").replace("~0", "~")
-        if isinstance(at, dict):
-            at = at.get(key)
-        else:
-            at = at[int(key)] if isinstance(at, list) and key.isdigit() and int(key) < len(at) else None
-    return at
-
-
-def leaf_at(document: Any, pointer: str) -> float | None:
-    """Number at a JSON pointer; None where there is none."""
-    at = _value_at(document, pointer)
-    return float(at) if isinstance(at, (int, float)) and not isinstance(at, bool) else None
-
-
-def _quantity(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
-    place, wanted = f"/claims/{name}/by", quantity_in(claim.quote, language_of(spec.prompt))
-    leaves = {p: leaf_at(document, p) for p in claim.by}
-    none = [p for p, value in leaves.items() if value is None]
-    if none:
-        yield Problem(place, f"a quantity is judged by numbers, and {none[0]!r} is none; give the pointer of a single number")
-        return
-    if wanted is None:
-        return
-    for pointer, value in leaves.items():
-        have = _in_unit(spec, pointer, value or 0.0, wanted)
-        if not wanted.low <= have <= wanted.high:
-            text = (
-                f"{claim.quote!r} says {wanted.value:g} {wanted.unit} ({wanted.low:g} to {wanted.high:g}), {pointer} is {have:g}"
-            )
-            yield Problem(place, text)
-
-
-def _in_unit(spec: WorldSpec, pointer: str, value: float, wanted: Quantity) -> float:
-    """A number of the specification in the unit of the quantity: frames as seconds, degrees as radians."""
-    if wanted.dimension == "time" and pointer.endswith(("/frames", "/frames/0", "/frames/1", "/preroll")):
-        return value / spec.simulation.fps
-    if wanted.dimension == "angle" and pointer.endswith("_deg"):
-        return math.radians(value)
-    return abs(value) if wanted.value >= 0 else value
+# ---------------------------------------------------------------- properties
 
 
 def _property(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
@@ -255,7 +213,7 @@ def _route(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
 _DUTIES = {
     "thing": _thing,
     "count": _count,
-    "quantity": _quantity,
+    "quantity": quantity_problems,
     "property": _property,
     "event": _event,
     "order": _order,

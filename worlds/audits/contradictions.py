@@ -12,19 +12,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import combinations, pairwise
-from typing import NamedTuple
 
 from ..claims import named_in, targets_of
 from ..predicates import After, Always, And, Before, Count, Eventually, Until, Within
-from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_event
 from ..problems import Problem
 from ..prompts.languages import language_of
-from ..prompts.numbers import quantity_in
+from ..quantities import quantity_said
 from ..references import cycle_in
 from ..spec import Claim, SpecModel, WorldSpec
 from .counts import counted_of
 from .properties import allowed_substances
+from .steps import steps_of
 
 __all__ = ["contradiction_problems"]
 
@@ -122,39 +121,8 @@ def _denied(spec: WorldSpec) -> Iterator[Problem]:
 # ---------------------------------------------------------------- orders
 
 
-class _Step(NamedTuple):
-    """One event before another, by a claim."""
-
-    earlier: str
-    later: str
-    claim: str
-
-
-def _steps(spec: WorldSpec) -> Iterator[_Step]:
-    beats, requirements = spec.story.beats, spec.story.requirements
-    for name, _ in _claims(spec, "order"):
-        named = [b for b in named_in(spec, name, _BEATS) if b in beats]
-        yield from (_Step(a, b, name) for a, b in pairwise(named))
-        told: list[tuple[str, SpecModel]] = [(b, beats[b].predicate) for b in named]
-        for r in named_in(spec, name, _REQUIREMENTS):
-            if r in requirements and not requirements[r].never:
-                told.append((_beat_of(spec, requirements[r].predicate) or f"requirement {r}", requirements[r].predicate))
-        for own, predicate in told:
-            for ordering in orderings_of(predicate):
-                if isinstance(ordering, Before):
-                    yield _Step(own, ordering.beat, name)
-                elif isinstance(ordering, After | Within):
-                    yield _Step(ordering.beat, own, name)
-
-
-def _beat_of(spec: WorldSpec, predicate: SpecModel) -> str | None:
-    """The beat that tells the event of a requirement of order."""
-    inner = getattr(predicate, "predicate", None)
-    return next((n for n, b in spec.story.beats.items() if b.predicate == inner), None)
-
-
 def _orders(spec: WorldSpec) -> Iterator[Problem]:
-    steps = list(_steps(spec))
+    steps = [step for name, _ in _claims(spec, "order") for step in steps_of(spec, name)]
     edges: dict[str, list[str]] = {}
     for step in steps:
         edges.setdefault(step.earlier, []).append(step.later)
@@ -191,9 +159,9 @@ def _numbers(spec: WorldSpec) -> Iterator[Problem]:
 
 def _quantities(spec: WorldSpec) -> Iterator[Problem]:
     """Quantities of the same field that no number meets."""
-    language, told = language_of(spec.prompt), []
-    for name, claim in _claims(spec, "quantity"):
-        found = quantity_in(claim.quote, language)
+    told = []
+    for name, _ in _claims(spec, "quantity"):
+        found = quantity_said(spec, name)
         if found is not None:
             told.append((name, found, set(targets_of(spec.claims, name))))
     for (a, one, here), (b, two, there) in combinations(told, 2):

@@ -14,11 +14,22 @@ from ..predicates import And, Count, entities_of
 from ..problems import Problem
 from ..prompts.languages import language_of
 from ..prompts.numbers import number_in
+from ..repeats import is_repeat
 from ..slices import geometry_slice
 from ..spec import Beat, Claim, Requirement, SpecModel, WorldSpec
+from .repeats import repeat_problems
 
 __all__ = ["Counted", "count_problems", "counted_of", "countings_of"]
 
+_NO_COUNTS = (
+    "/simulation/seed",
+    "/simulation/solvers",
+    "/simulation/limits",
+    "/simulation/fps",
+    "/simulation/frames",
+    "/simulation/order",
+)
+"""Whole numbers of the specification that count nothing that is to be seen."""
 _STORY = ("story/beats", "story/requirements")
 
 
@@ -60,19 +71,26 @@ def countings_of(predicate: SpecModel) -> list[Count]:
     return [found for member in predicate.of for found in countings_of(member)] if isinstance(predicate, And) else []
 
 
-def count_problems(spec: WorldSpec, name: str, claim: Claim, leaves: list[float | None]) -> Iterator[Problem]:
+def count_problems(spec: WorldSpec, name: str, claim: Claim, leaves: Mapping[str, float | None]) -> Iterator[Problem]:
     """Problems of one claim of a count.
 
     Args:
         spec: the specification.
         name: of the claim.
         claim: itself.
-        leaves: numbers that its pointers lead to; None for those that lead elsewhere.
+        leaves: whole numbers of the specification that its pointers lead to, by pointer.
     """
+    if is_repeat(spec, name):
+        yield from repeat_problems(spec, name, claim, leaves)
+        return
     found, place = counted_of(spec, name), f"/claims/{name}/by"
+    own = {p: v for p, v in leaves.items() if not p.startswith(_NO_COUNTS)}
+    if own.keys() != leaves.keys():
+        text = f"{claim.quote!r} is judged by {min(leaves.keys() - own.keys())}, a setting that counts nothing of what is to be seen: "
+        yield Problem(place, text + "name the entities, or a number of the thing itself, as the pieces of its pattern")
     yield from _told_by(spec, claim, found, place)
     number = found.number
-    if found.stories or (number is not None and any(leaf is not None and leaf == number for leaf in leaves)):
+    if found.stories or (number is not None and any(leaf is not None and leaf == number for leaf in own.values())):
         return
     if number is not None and len(found.units) != number:
         named = ", ".join(u.removeprefix("/entities/") for u in found.units[:4])

@@ -19,6 +19,7 @@ import regex
 from .function_words import FUNCTION_WORDS
 from .held_lists import ALONE, ASIDES, HAN_HELD, NADA_OF, NEGATIONS, ONLY_WITH, ORDERS, UNLESS_BEFORE, UNLESS_BEHIND
 from .held_numbers import han_numbers, number_spans
+from .numbers import hedge_spans
 from .units import APOSTROPHES, Unit, boundaries, folded, units_of
 
 __all__ = ["REVIEWED", "Held", "HeldKind", "function_words", "held_words", "language_of"]
@@ -147,7 +148,14 @@ def held_words(text: str, language: str | None) -> tuple[Held, ...]:
     aside = [
         match.span() for match in regex.finditer(ASIDES.get(language, r"(?!)"), text.translate(APOSTROPHES), regex.IGNORECASE)
     ]
-    meant = [held for held in found if not any(start <= held.start < end for start, end in aside)]
+    # `no more than` gives the most of a quantity; the number behind it is held.
+    bounds = hedge_spans(text)
+    meant = [
+        held
+        for held in found
+        if not any(start <= held.start < end for start, end in aside)
+        and not (held.kind == "negation" and any(start <= held.start and held.end <= end for start, end in bounds))
+    ]
     return tuple(sorted(meant, key=lambda held: held.start))
 
 

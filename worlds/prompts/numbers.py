@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from typing import Literal, NamedTuple, TypeVar
@@ -19,9 +19,9 @@ from .digits import Found, digit_numbers, prepared
 from .measures import SI_UNITS, Measure, measure_behind
 from .spelled import spelled_numbers
 from .tables import NUMBER_LANGUAGES
-from .units import folded
+from .units import APOSTROPHES, folded
 
-__all__ = ["How", "Quantity", "number_in", "ordinal_in", "quantity_in"]
+__all__ = ["HEDGES", "How", "Quantity", "hedge_beside", "hedge_spans", "number_in", "ordinal_in", "quantity_in"]
 
 Answer = TypeVar("Answer")
 How = Literal["written", "about", "at least", "at most", "between"]
@@ -36,7 +36,7 @@ LONGEST_QUOTE = 300
 HEDGES: dict[How, tuple[str, ...]] = {
     "at least": (
         "at least", "no less than", "not less than", "no fewer than", "more than", "greater than", "longer than", "taller than",
-        "heavier than", "higher than", "minimum", "or more", "upwards of",
+        "heavier than", "higher than", "minimum", "or more", "upwards of", "no shorter than", "no lighter than", "no lower than",
         "mindestens", "wenigstens", "mehr als", "länger als", "höher als", "schwerer als", "nicht weniger als",
         "au moins", "plus de", "minimum", "pas moins de", "al menos", "por lo menos", "como mínimo", "más de", "no menos de",
         "almeno", "più di", "oltre", "non meno di", "pelo menos", "no mínimo", "mais de", "não menos de",
@@ -45,7 +45,7 @@ HEDGES: dict[How, tuple[str, ...]] = {
     ),
     "at most": (
         "at most", "no more than", "not more than", "less than", "fewer than", "shorter than", "lighter than", "lower than", "up to",
-        "within", "no farther than", "no further than",
+        "within", "no farther than", "no further than", "no longer than", "no higher than", "no taller than", "no heavier than", "no wider than",
         "maximum", "or less", "or fewer", "höchstens", "maximal", "nicht mehr als", "weniger als", "bis zu", "kürzer als",
         "au plus", "moins de", "jusqu'à", "pas plus de", "como máximo", "a lo sumo", "menos de", "hasta", "no más de",
         "al massimo", "meno di", "fino a", "non più di", "no máximo", "até", "não mais de", "hooguit", "hoogstens", "minder dan",
@@ -69,12 +69,37 @@ TO = (
 ALSO = ("and", "und", "et", "y", "e", "en", "и", "和", "と")
 """Words between two numbers that make a range: alone, and behind a word of `BETWEEN`."""
 
+_FORWARD = frozenset(
+    (
+        "within",
+        "up to",
+        "around",
+        "about",
+        "bis zu",
+        "jusqu'à",
+        "hasta",
+        "fino a",
+        "até",
+        "до",
+        "de",
+        "oltre",
+        "cerca de",
+        "unos",
+        "unas",
+        "uns",
+        "umas",
+    )
+)
+"""Words that open only what follows them."""
+
 OPEN_BELOW = -math.inf
 OPEN_ABOVE = math.inf
 
 _CLUSTERED = regex.compile(r"(?V1)[\p{Han}\p{Hiragana}\p{Katakana}~≈∼～〜\-]")
 _GAP = regex.compile(r"[\s,]*(?:and|und|et|y|e|en|и)?[\s,]*")
 _A = regex.compile(r"(?i)\b(?:an?)\b")
+_LINKS = regex.compile(r"(?:\s+(?:an?|the|of|by|ein|eine|einen|um|un|une|de|una|van|een))?\s*")
+"""Words that may stand between an opening word and its quantity."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +112,15 @@ class Quantity:
     low: float
     high: float
     how: How
+
+    def opened(self, how: How) -> Quantity:
+        """The same value where words beside it say how it is meant: the least, the most or about."""
+        if how == "at least":
+            return replace(self, low=self.value, high=OPEN_ABOVE, how=how)
+        if how == "at most":
+            return replace(self, low=OPEN_BELOW, high=self.value, how=how)
+        half = ABOUT * abs(self.value) if how == "about" else 0.0
+        return replace(self, low=min(self.low, self.value - half), high=max(self.high, self.value + half), how=how)
 
 
 def number_in(text: str, language: str | None = None) -> float | None:
@@ -222,6 +256,31 @@ def _hedge(plain: str) -> How:
         (match.start(), -len(match.group()), how) for how, words in HEDGES.items() for match in _any_of(words).finditer(plain)
     ]
     return min(hits)[2] if hits else "written"
+
+
+def hedge_spans(text: str) -> list[tuple[int, int]]:
+    """Places of words that give the least or the most, `no more than` among them: they deny nothing."""
+    plain, bounds = text.translate(APOSTROPHES), (*HEDGES["at least"], *HEDGES["at most"])
+    return [match.span() for match in _any_of(bounds).finditer(plain)]
+
+
+def hedge_beside(before: str, behind: str, language: str | None) -> How | None:
+    """How the words right before a quantity, or right behind it, leave it open; None where they say nothing of it.
+
+    Args:
+        before: text of its clause before it.
+        behind: text of its clause behind it; what leads on to another number is no word about this one.
+        language: code of the language of both.
+    """
+    found: list[tuple[int, How]] = []
+    for how, words in HEDGES.items():
+        for match in _any_of(words).finditer(folded(before)):
+            if _LINKS.fullmatch(folded(before), match.end()):
+                found.append((match.end() - match.start(), how))
+        for match in _any_of(tuple(w for w in words if w not in _FORWARD)).finditer(folded(behind)):
+            if not folded(behind)[: match.start()].strip() and number_in(behind[match.end() :], language) is None:
+                found.append((match.end() - match.start(), how))
+    return max(found)[1] if found else None
 
 
 def _open(amount: _Amount, plain: str) -> Quantity:

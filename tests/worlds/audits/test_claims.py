@@ -59,7 +59,7 @@ WRONG: dict[str, tuple[WorldSpec, str, str]] = {
     "an event judged by a thing": (world(swapped("(event fall)", "(event /entities/b3)")), "/claims/falls_off/by/0", "judged by /story/beats, not by"),
     "too few that are counted": (world(swapped("(count b1 b2 b3)", "(count b1 b2)")), "/claims/three/by", "counts 3, by names 2"),
     "one more of the same": (
-        world(swapped("row of [three](count b1 b2 b3) [blocks](thing b1 b2 b3)", "row of [three](count b1 b2 ball) [blocks](thing b1 b2)")
+        world(swapped("row of [three](count b1 b2 b3) [blocks](thing b1 b2 b3)", "row of [three](count b1 b2 ball) blocks")
               .replace("[block](thing b3 same_as=blocks)", "block")),
         "/claims/three/by", "b3 has the same shape and material"),
     "two spans that share a thing": (

@@ -1,0 +1,234 @@
+"""Words of order and the two events that they put in order, by where their spans stand (R131, R155).
+
+`A before B` and `before B, A` say the same, and so do `B after A` and `after A, B`; `then` leads from what stands before it to the event of its own
+clause. Events that one subject does, bound by `and`, stand together: `rolls and falls, then`. Words that are not here, and languages without
+reviewed lists, leave the order to the agent's reading, which the verdict prints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import regex
+
+from .prompts.units import APOSTROPHES, folded, units_of
+
+if TYPE_CHECKING:
+    from .claim_targets import Span
+    from .spec import WorldSpec
+
+__all__ = ["Ordered", "orders_said"]
+
+Kind = Literal["then", "before", "after"]
+"""`then`: what stands before it comes first; `before`, `after`: of two clauses, as conjunctions."""
+
+
+def _listed(words: str) -> tuple[str, ...]:
+    return tuple(entry.strip() for entry in words.split(","))
+
+
+WORDS: Mapping[str, Mapping[Kind, tuple[str, ...]]] = {
+    "en": {
+        "then": _listed(
+            "then, afterwards, afterward, after that, after this, after which, thereafter, subsequently, whereupon, later, next, before long"
+        ),
+        "before": _listed("before, until, till"),
+        "after": _listed("after, as soon as, only after"),
+    },
+    "de": {
+        "then": _listed("dann, danach, daraufhin, anschließend, woraufhin, worauf, später"),
+        "before": _listed("bevor, ehe, bis"),
+        "after": _listed("nachdem, sobald, erst nachdem, nach"),
+    },
+    "fr": {
+        "then": _listed("puis, ensuite, après quoi, plus tard"),
+        "before": _listed("avant, avant de, avant que, avant qu', jusqu'à ce que"),
+        "after": _listed("après, après que, après qu', dès que, une fois que, aussitôt que"),
+    },
+    "es": {
+        "then": _listed("luego, después, entonces, a continuación, tras lo cual, más tarde"),
+        "before": _listed("antes de, antes de que, hasta que"),
+        "after": _listed("después de, después de que, en cuanto, tan pronto como, tras"),
+    },
+    "it": {
+        "then": _listed("poi, in seguito, successivamente, dopodiché, più tardi"),
+        "before": _listed("prima di, prima che, finché non, fino a quando"),
+        "after": _listed("dopo, dopo che, non appena, appena"),
+    },
+    "pt": {
+        "then": _listed("depois, então, em seguida, mais tarde"),
+        "before": _listed("antes de, antes que, até que"),
+        "after": _listed("depois de, depois que, assim que, logo que, após"),
+    },
+    "nl": {
+        "then": _listed("dan, daarna, vervolgens, waarna, later"),
+        "before": _listed("voordat, totdat, tot"),
+        "after": _listed("nadat, zodra, na"),
+    },
+    "ru": {
+        "then": _listed("потом, затем, после чего, после этого, позже"),
+        "before": _listed("прежде чем, перед тем как, до того как, пока не"),
+        "after": _listed("после того как, как только"),
+    },
+    "zh": {"then": _listed("然后, 随后, 接着, 之后, 后来"), "before": (), "after": ()},
+}
+"""Words of order by language and by what they do. Reviewed by hand; `while`, `at first`, `finally`, `one by one` say less and are not here."""
+_WHILE = regex.compile(
+    r"\s*(?:\p{L}+\s+){0,2}(?:while|moment|moments|bit|time|instant|seconds?|minutes?|s|weile|moment|augenblick|zeit|sekunden?|minuten?|instant|"
+    r"secondes?|rato|segundos?|minutos?|momento|secondi|secondo|minuti|po'|tempo|instante|tijdje|seconden?|ogenblik)\b",
+    regex.IGNORECASE,
+)
+"""Lengths of time behind `after`: they make it `then`, as `after a while`."""
+_AND = frozenset(("and", "und", "et", "y", "e", "en", "и", "并", "且"))
+_SENTENCE = regex.compile(r"[.!?…;。！？；\n]|\s[—–]\s")
+_COMMA = regex.compile(r"[,，、]")
+_CLAUSE = regex.compile(
+    r"[.!?…;。！？；\n,，、:()]|[—–]|\b(?:and|und|et|y|e|en|и|but|aber|mais|pero|ma|mas|maar|но)\b", regex.IGNORECASE
+)
+
+
+class Ordered(NamedTuple):
+    """One reading of a word of order: one of the earlier spans before one of the later ones."""
+
+    earlier: tuple[str, ...]
+    """Claims of events that stand together."""
+    later: tuple[str, ...]
+
+
+def orders_said(spec: WorldSpec, spans: Sequence[Span], index: int, language: str | None) -> list[Ordered]:
+    """Readings of a claim of order that its place allows; none where its word, its language or its place tells of none.
+
+    Args:
+        spec: the specification.
+        spans: of its prompt, in order.
+        index: of the span of order among them.
+        language: code of the language of the prompt.
+    """
+    kind = _kind(spans[index].text, language)
+    if kind is None:
+        return []
+    rest = spec.prompt[spans[index].end :]
+    if kind == "after" and (_WHILE.search(spans[index].text) or _WHILE.match(rest) or _is_number(spans, index + 1)):
+        kind = "then"
+    events = [k for k, s in enumerate(spans) if s.claim is not None and s.type in ("event", "negation")]
+    left, right = [k for k in events if k < index], [k for k in events if k > index]
+    pairs = (
+        list(_then(spec, spans, index, left, right, language))
+        if kind == "then"
+        else list(_joined(spec, spans, index, kind, left, right))
+    )
+    if any(_denies(spec, spans, k) for pair in pairs for k in pair):
+        return []
+    return [Ordered(_together(spec, spans, a, index, b), _together(spec, spans, b, index, a)) for a, b in pairs]
+
+
+def _kind(text: str, language: str | None) -> Kind | None:
+    """The way in which the words of a claim put events in order."""
+    plain = " ".join(folded(u.text.translate(APOSTROPHES)) for u in units_of(text)) if language != "zh" else text
+    found: list[tuple[int, Kind]] = []
+    for kind, words in WORDS.get(language or "", {}).items():
+        for word in words:
+            form = word if language == "zh" else " ".join(folded(u.text.translate(APOSTROPHES)) for u in units_of(word))
+            if form in plain if language == "zh" else f" {form} " in f" {plain} ":
+                found.append((len(form), kind))
+    return max(found)[1] if found else None
+
+
+def _is_number(spans: Sequence[Span], at: int) -> bool:
+    """True where nothing but blanks and the claim of a quantity come next."""
+    while at < len(spans) and spans[at].claim is None and not units_of(spans[at].text):
+        at += 1
+    return at < len(spans) and spans[at].type == "quantity"
+
+
+def _denies(spec: WorldSpec, spans: Sequence[Span], at: int) -> bool:
+    """True of what is no event that happens: nothing comes before or after it."""
+    claim = spec.claims[str(spans[at].claim)]
+    return spans[at].type != "event" or claim.waived is not None
+
+
+def _between(spec: WorldSpec, spans: Sequence[Span], a: int, b: int) -> str:
+    """Text of the prompt between two spans."""
+    return spec.prompt[spans[a].end : spans[b].start]
+
+
+def _together(spec: WorldSpec, spans: Sequence[Span], at: int, word: int, other: int) -> tuple[str, ...]:
+    """An event and those that the same subject does beside it, up to a word of order and to the `other` event: `falls on a table and wobbles`."""
+    events = [k for k, s in enumerate(spans) if s.claim is not None and s.type == "event" and (k < word) == (at < word)]
+    place, found = events.index(at), [at]
+    for step in (-1, 1):
+        k = place
+        while 0 <= k + step < len(events):
+            one, two = sorted((events[k], events[k + step]))
+            if other in (one, two) or not _same_subject(spec, spans, one, two):
+                break
+            k += step
+            found.append(events[k])
+    return tuple(str(spans[k].claim) for k in sorted(found))
+
+
+def _same_subject(spec: WorldSpec, spans: Sequence[Span], one: int, two: int) -> bool:
+    """True where the later event follows `and` or a comma right before it, in the same sentence: no other subject stands there."""
+    if _SENTENCE.search(_between(spec, spans, one, two)) or spans[two - 1].claim is not None:
+        return False
+    gap = spans[two - 1].text
+    words = [folded(u.text) for u in units_of(gap)]
+    return (
+        bool(words and words[-1] in _AND)
+        or (not words and bool(_COMMA.search(gap)))
+        or (bool(words) and gap.rstrip()[-1:] == ",")
+    )
+
+
+def _then(
+    spec: WorldSpec, spans: Sequence[Span], index: int, left: list[int], right: list[int], language: str | None
+) -> Iterator[tuple[int, int]]:
+    """The event of the word's own clause, after the nearest one before that."""
+    own_right = [k for k in right[:1] if not _CLAUSE.search(_between(spec, spans, index, k))]
+    own_left = [k for k in left[-1:] if not _CLAUSE.search(_between(spec, spans, k, index))]
+    if own_left and left[:-1] and not own_right and language != "zh":
+        yield left[-2], left[-1]
+    elif right and left:
+        yield left[-1], right[0]
+        if own_left and own_right and left[:-1] and language in ("de", "nl"):
+            # `er fällt dann auf einen Boden, der bebt`: behind its verb.
+            yield left[-2], left[-1]
+
+
+def _joined(
+    spec: WorldSpec, spans: Sequence[Span], index: int, kind: Kind, left: list[int], right: list[int]
+) -> Iterator[tuple[int, int]]:
+    """The events of the two clauses that a conjunction joins, in the order that it tells."""
+    if (
+        not right
+        or _COMMA.search(_between(spec, spans, index, right[0]))
+        or _SENTENCE.search(_between(spec, spans, index, right[0]))
+    ):
+        return
+    opens = (
+        not left or bool(_SENTENCE.search(_between(spec, spans, left[-1], index))) or _opens_behind(spec, spans, left[-1], index)
+    )
+    if not opens:
+        yield (left[-1], right[0]) if kind == "before" else (right[0], left[-1])
+    else:
+        for main in _mains(spec, spans, right):
+            yield (main, right[0]) if kind == "before" else (right[0], main)
+
+
+def _opens_behind(spec: WorldSpec, spans: Sequence[Span], at: int, index: int) -> bool:
+    """True where a word of order opens a clause of its own behind `and` or another joining word: `it rolls, and after it hits, it falls`."""
+    gap = spec.prompt[spans[at].end : spans[index].start].rstrip()
+    words = [folded(u.text) for u in units_of(gap)]
+    return bool(words) and words[-1] in _AND and bool(_COMMA.search(gap))
+
+
+def _mains(spec: WorldSpec, spans: Sequence[Span], right: list[int]) -> Iterator[int]:
+    """Events that may be those of the main clause behind a clause that opens the sentence: the first behind each comma, in its sentence."""
+    first = right[0]
+    for before, k in pairwise(right):
+        if _SENTENCE.search(_between(spec, spans, first, k)):
+            return
+        if _COMMA.search(_between(spec, spans, before, k)):
+            yield k

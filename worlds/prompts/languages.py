@@ -89,10 +89,23 @@ def language_of(text: str) -> str | None:
         language = _language(sentence, words)
         if language:
             clear[language] += len(words)
-    if not clear:
-        return _language(text, [folded(unit.text.translate(APOSTROPHES)) for unit in units_of(text) if _LETTER.search(unit.text)])
-    language, words_of_it = clear.most_common(1)[0]
-    return language if words_of_it >= SAME * clear.total() else None
+    words = [folded(unit.text.translate(APOSTROPHES)) for unit in units_of(text) if _LETTER.search(unit.text)]
+    if clear:
+        language, words_of_it = clear.most_common(1)[0]
+        found = language if words_of_it >= SAME * clear.total() else None
+    else:
+        found = _language(text, words)
+    if found == "en" or (found is not None and any(word in _listed(found) - _listed("en") for word in words if found in LATIN)):
+        return found
+    return "en" if found in (None, *LATIN) and _all_english(words) else found
+
+
+def _all_english(words: list[str]) -> bool:
+    """True where all words that say something are English ones, as in prompts too short for function words to tell."""
+    from .wordnet import known  # its lists need this module
+
+    own = [word for word in words if word not in _listed("en") and len(word) > 2]
+    return len(own) > 1 and any(word in _listed("en") for word in words) and all(map(known, own))
 
 
 def _language(sentence: str, words: list[str]) -> str | None:

@@ -172,7 +172,9 @@ def test_twice_counts_events(name: str) -> None:
     assert hint in found if hint else not any(other in found for *_, other in TIMES.values() if other)
 
 
-@pytest.mark.parametrize("marked", [f"A {BALL} {{}} as heavy as a {BLOCK} {ROLLS}.", f"A {BALL} {{}} the size of a {BLOCK} {ROLLS}."])
+@pytest.mark.parametrize(
+    "marked", [f"A {BALL} {{}} as heavy as a {BLOCK} {ROLLS}.", f"A {BALL} {{}} the size of a {BLOCK} {ROLLS}."]
+)
 def test_twice_as_heavy_counts_nothing(marked: str) -> None:
     assert "how often" not in said(marked.replace("{}", "[twice](count ball b3)"))
 

@@ -25,7 +25,7 @@ from .contradictions import contradiction_problems
 from .counts import count_problems
 from .leaves import leaf_at, value_at
 from .matter_words import matter_problems
-from .negations import negation_problems
+from .negations import denial_problems, negation_problems
 from .nouns import noun_problems
 from .orders import order_problems
 from .properties import substance_problems
@@ -63,7 +63,13 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
     found = [Problem(f"/claims/{name}/quote", text) for name, text in reading.problems]
     for name, claim in spec.claims.items():
         found += _claim(spec, document, name, claim)
-    found += [*acted_on_problems(spec, reading), *_shared(spec), *noun_problems(spec, reading), *order_problems(spec, reading)]
+    found += [
+        *acted_on_problems(spec, reading),
+        *_shared(spec),
+        *noun_problems(spec, reading),
+        *order_problems(spec, reading),
+        *denial_problems(spec, reading),
+    ]
     told = misplaced_roles(spec, reading.spans, reading.language)
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
     return [*found, *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]

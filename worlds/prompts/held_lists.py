@@ -9,7 +9,18 @@ from __future__ import annotations
 
 from typing import Literal
 
-__all__ = ["ALONE", "ASIDES", "HAN_HELD", "NADA_OF", "NEGATIONS", "ONLY_WITH", "ORDERS", "UNLESS_BEFORE", "UNLESS_BEHIND"]
+__all__ = [
+    "ALONE",
+    "ASIDES",
+    "HAN_HELD",
+    "INFINITIVES",
+    "NADA_OF",
+    "NEGATIONS",
+    "ONLY_WITH",
+    "ORDERS",
+    "UNLESS_BEFORE",
+    "UNLESS_BEHIND",
+]
 
 
 def _listed(words: str) -> tuple[str, ...]:
@@ -19,18 +30,29 @@ def _listed(words: str) -> tuple[str, ...]:
 
 NEGATIONS: dict[str, tuple[str, ...]] = {
     "en": _listed("""n't, not, no, never, none, nobody, nothing, nowhere, cannot, without, neither, nor, no one
-        dont, doesnt, didnt, isnt, arent, wasnt, werent, shouldnt, mustnt, couldnt, wouldnt, hasnt, havent"""),
+        dont, doesnt, didnt, isnt, arent, wasnt, werent, shouldnt, mustnt, couldnt, wouldnt, hasnt, havent
+        refuse to, refuses to, refused to, refusing to, fail to, fails to, failed to, failing to, decline to, declines to, declined to
+        avoid, avoids, avoided, avoiding, unable to, instead of, rather than"""),
     "de": _listed("""nicht, kein, keine, keinen, keinem, keiner, keines, keins, nie, niemals, niemand, niemanden, niemandem, nichts
-        nirgends, nirgendwo, nirgendwohin, ohne, weder, keinesfalls, keineswegs, ohne dass, nein"""),
+        nirgends, nirgendwo, nirgendwohin, ohne, weder, keinesfalls, keineswegs, ohne dass, nein
+        weigert, weigern, weigerte, weigerten, vermeidet, vermeiden, vermied, vermieden, vermeidend, anstatt zu, statt zu, statt dass, anstatt dass
+        auf keinen fall"""),
     "fr": _listed(
-        """ne, n', pas, jamais, aucun, aucune, rien, sans, ni, nul, nulle, nullement, guère, non, personne, nulle part"""
+        """ne, n', pas, jamais, aucun, aucune, rien, sans, ni, nul, nulle, nullement, guère, non, personne, nulle part
+        refuse de, refuse d', refusent de, refusent d', refusa de, refusant de, évite, évitent, éviter, évita, évitant, échoue à, échouent à
+        au lieu de, au lieu d'"""
     ),
-    "es": _listed("""no, nunca, jamás, nada, nadie, ningún, ninguno, ninguna, ni, sin, tampoco"""),
-    "it": _listed("""non, nessun, nessuno, nessuna, nessun', niente, nulla, mai, né, senza, neanche, nemmeno, neppure, no"""),
-    "pt": _listed("""não, nunca, jamais, nada, ninguém, nenhum, nenhuma, nem, sem, tampouco"""),
-    "nl": _listed("""niet, geen, nooit, niemand, niets, niks, nergens, zonder, noch, nimmer, geenszins, nee"""),
+    "es": _listed("""no, nunca, jamás, nada, nadie, ningún, ninguno, ninguna, ni, sin, tampoco, se niega a, se niegan a, se negó a
+        evita, evitan, evitó, evitar, evitando, en vez de, en lugar de"""),
+    "it": _listed("""non, nessun, nessuno, nessuna, nessun', niente, nulla, mai, né, senza, neanche, nemmeno, neppure, no, rifiuta di, rifiutano di, rifiutò di
+        evita, evitano, evitò, evitare, evitando, invece di, anziché"""),
+    "pt": _listed("""não, nunca, jamais, nada, ninguém, nenhum, nenhuma, nem, sem, tampouco, recusa-se a, recusam-se a, se recusa a, se recusam a
+        evita, evitam, evitou, evitar, evitando, em vez de, em lugar de"""),
+    "nl": _listed("""niet, geen, nooit, niemand, niets, niks, nergens, zonder, noch, nimmer, geenszins, nee, weigert, weigeren, weigerde, weigerden
+        vermijdt, vermijden, vermeed, vermeden, ontwijkt, ontwijken, ontweek, in plaats van"""),
     "ru": _listed("""не, ни, нет, нельзя, никогда, никто, никого, никому, никем, ничто, ничего, ничему, ничем, нигде, никуда, никак
-        никакой, никакая, никакое, никакие, никаких, никакого, ничуть, без, безо, отнюдь"""),
+        никакой, никакая, никакое, никакие, никаких, никакого, ничуть, без, безо, отнюдь, отказывается, отказываются, отказался, отказалась, отказалось, отказались
+        избегает, избегают, избежал, избежала, избежало, вместо того чтобы"""),
 }
 """Words that deny."""
 
@@ -122,6 +144,15 @@ ONLY_WITH: dict[str, dict[str, tuple[Literal["before", "earlier", "anywhere"], t
     "pt": {"nada": ("earlier", ("não", "sem"))},
 }
 """A word is held only where one of these comes right after it, or stands in its sentence, or earlier in it."""
+INFINITIVES: dict[str, dict[str, str]] = {
+    "en": {"instead of": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$", "rather than": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$"},
+    "fr": {"au lieu de": r".+(?:er|ir|re|oir)$", "au lieu d'": r".+(?:er|ir|re|oir)$"},
+    "es": {"en vez de": r".+(?:ar|er|ir|arse|erse|irse)$", "en lugar de": r".+(?:ar|er|ir|arse|erse|irse)$"},
+    "it": {"invece di": r".+(?:are|ere|ire|arsi|ersi|irsi)$", "anziché": r".+(?:are|ere|ire)$"},
+    "pt": {"em vez de": r".+(?:ar|er|ir|or)$", "em lugar de": r".+(?:ar|er|ir|or)$"},
+    "nl": {"in plaats van": r"te$"},
+}
+"""A phrase is held only where the word behind it has such a form: a verb is denied by it, not a thing."""
 ALONE = {"en": frozenset(("last",))}
 """Held only at the end of a clause: `the honey one comes last`, not `last grains`."""
 ASIDES: dict[str, str] = {
@@ -142,7 +173,7 @@ NADA_OF = frozenset(("de", "que"))
 HAN_HELD: dict[str, dict[str, tuple[str, str]]] = {
     "zh": {
         "negation": (
-            "没有|没|不|别|未|无|勿|并非|毫无",
+            "没有|没|不|别|未|无|勿|并非|毫无|拒绝|避免|避开",
             "不断|不同|不锈|不久|不停|不过|不仅|不但|不管|不少|不一|不均|不倒翁|差不多|忍不住|不禁|不得不|了不起|不错|不论|不规则|不知|不时|不只|"
             "数不清|不由|不远|不透明|不对称|来不及|特别|别的|别处|别墅|区别|级别|告别|分别|个别|性别|辨别|未来|未免|无数|无人机|无论|无比|无限|无线|无花果|"
             "淹没|沉没|没入|没过|出没|没收|吞没|埋没|覆没|没顶|是不是|能不能|会不会|要不要|好不好|行不行|对不对|有没有|要不|不妨|不如",
@@ -155,7 +186,7 @@ HAN_HELD: dict[str, dict[str, tuple[str, str]]] = {
     },
     "ja": {
         "negation": (
-            "なかった|なければ|なくて|ないで|ない|ません|ずに|無しで|なしで|なしに|無い|(?<=[らかさたなまばわがせべめけてれ])ず(?=[、。,])|決して|"
+            "避け(?:る|て|た)|拒(?:む|んで|んだ)|なかった|なければ|なくて|ないで|ない|ません|ずに|無しで|なしで|なしに|無い|(?<=[らかさたなまばわがせべめけてれ])ず(?=[、。,])|決して|"
             "(?<=[らかさたまばわがせべめけてれ])なく(?=[、。])",
             "少な(?:い|く|かった|くて)|すくな(?:い|く)|危な(?:い|く|かった)|あぶな(?:い|く)|なければなら|なくてはなら|なければいけ|かもしれない|つまらない|"
             "もったいない|切ない|はかない|ぎこちない|くだらない|とんでもない|さりげない|何気ない|まちがいない|間違いない|必ず|まず|おさない|きたない|"

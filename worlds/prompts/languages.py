@@ -17,7 +17,7 @@ from typing import Literal
 import regex
 
 from .function_words import FUNCTION_WORDS
-from .held_lists import ALONE, ASIDES, HAN_HELD, NADA_OF, NEGATIONS, ONLY_WITH, ORDERS, UNLESS_BEFORE, UNLESS_BEHIND
+from .held_lists import ALONE, ASIDES, HAN_HELD, INFINITIVES, NADA_OF, NEGATIONS, ONLY_WITH, ORDERS, UNLESS_BEFORE, UNLESS_BEHIND
 from .held_numbers import han_numbers, number_spans
 from .numbers import hedge_spans
 from .units import APOSTROPHES, Unit, boundaries, folded, units_of
@@ -232,6 +232,9 @@ def _meant(text: str, units: tuple[Unit, ...], words: list[str], span: tuple[int
     if behind in UNLESS_BEHIND.get(language, {}).get(word, ()) or after in UNLESS_BEFORE.get(language, {}).get(word, ()):
         return False
     if word in ALONE.get(language, ()) and after is not None:
+        return False
+    form = INFINITIVES.get(language, {}).get(word)
+    if form is not None and not regex.match(form, after or ""):
         return False
     if language == "de" and word == "ehe" and units[first].text != "ehe":  # the noun
         return False

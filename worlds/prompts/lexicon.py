@@ -16,7 +16,18 @@ from .wordnet import known_kinds, lemmas, type_shares, verb_kinds, votes
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
 
-__all__ = ["Labelled", "Reading", "Warned", "known_kinds", "labelled", "lemmas", "type_shares", "verb_kinds", "warnings_for"]
+__all__ = [
+    "Labelled",
+    "Reading",
+    "Warned",
+    "kinds_meant",
+    "known_kinds",
+    "labelled",
+    "lemmas",
+    "type_shares",
+    "verb_kinds",
+    "warnings_for",
+]
 
 CLOSED, NUMBER, EVENT, NOUN, GUESS, UNKNOWN = 0.99, 0.95, 0.9, 0.8, 0.6, 0.5
 """Confidence by the rule that decided. Own choice; the order is that of the errors measured per rule."""
@@ -172,10 +183,16 @@ def _left_out(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
                 word.end,
                 quote,
                 "thing" if over else "filler",
-                "a verb of change or motion: an event that no claim speaks of",
+                "a verb of change or motion, and no claim of an event takes it up: claim it with a beat, or look whether it says nothing of the world",
             )
         elif word.type == "thing" and word.confidence >= NOUN and not over:
-            yield Warned(word.start, word.end, quote, "filler", "a noun for a thing that no claim speaks of")
+            yield Warned(
+                word.start,
+                word.end,
+                quote,
+                "filler",
+                "a noun for a thing, and no claim takes it up: claim it with an entity, or look whether it says nothing of the world",
+            )
 
 
 def _misfits(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
@@ -186,20 +203,22 @@ def _misfits(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
         quote = text[reading.start : reading.end]
         verb = _verb_of(reading, text)
         kinds = verb_kinds(verb) if verb else None
-        judged = "event judged as " + ", ".join(sorted(reading.kinds))
+        judged = "an event judged as " + ", ".join(sorted(reading.kinds))
         if kinds is None:
             yield Warned(
                 reading.start,
                 reading.end,
                 verb or quote,
                 judged,
-                "no kind of event is known for this verb: look whether that is what it means",
+                "the lexicon has no kind of event for this verb: look whether that is what it says",
             )
-        elif not kinds & _meant(reading.kinds):
-            yield Warned(reading.start, reading.end, verb, judged, "a verb of other kinds: " + ", ".join(sorted(kinds)))
+        elif not kinds & kinds_meant(reading.kinds):
+            others = ", ".join(sorted(kinds))
+            says = f"the verb tells of {others}: name a beat of such a kind, or look whether it says what is judged"
+            yield Warned(reading.start, reading.end, verb, judged, says)
 
 
-def _meant(kinds: Collection[str]) -> frozenset[str]:
+def kinds_meant(kinds: Collection[str]) -> frozenset[str]:
     """Kinds of the lexicon that predicates judge; all of them where one is not known to it, such as a plugin's."""
     known = known_kinds()
     if any(kind not in known and kind not in STANDS_FOR for kind in kinds):
@@ -213,4 +232,6 @@ def _verb_of(reading: Reading, text: str) -> str:
         if word.type == "event" and word.start < reading.end and reading.start < word.end:
             return text[word.start : word.end]
     words = [word for word in words_of(text) if reading.start <= word.start < reading.end]
-    return next((word.text for word in words if word.of("v") and word.part != "c"), "")
+    # `stops rolling` has an auxiliary, `the ball stops` a verb of its own.
+    own = next((word.text for word in words if word.of("v") and word.part != "c"), "")
+    return own or next((word.text for word in words if verb_kinds(word.text)), "")

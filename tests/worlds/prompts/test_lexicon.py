@@ -140,7 +140,10 @@ def test_an_event_left_as_filler_a_thing_left_out_and_a_kind_that_does_not_fit_a
         reading(FALLS, "knocks over", "thing"),
     ]
     found = {warned.word: (warned.marked, warned.says) for warned in warnings_for(readings, FALLS, "en")}
-    assert found["rolls off"] == ("event judged as floats", "a verb of other kinds: falls, flutters, rolls")
+    assert found["rolls off"] == (
+        "an event judged as floats",
+        "the verb tells of falls, flutters, rolls: name a beat of such a kind, or look whether it says what is judged",
+    )
     assert found["knocks over"][0] == "thing"
     assert found["table"][0] == "filler"
     assert "ball" not in found
@@ -149,7 +152,7 @@ def test_an_event_left_as_filler_a_thing_left_out_and_a_kind_that_does_not_fit_a
 def test_a_verb_without_a_kind_is_warned_of_and_refuses_nothing() -> None:
     text = "The wires hum."
     (found,) = warnings_for([reading(text, "wires", "thing"), reading(text, "hum", "event", "swings")], text, "en")
-    assert (found.word, found.says.partition(":")[0]) == ("hum", "no kind of event is known for this verb")
+    assert (found.word, found.says.partition(":")[0]) == ("hum", "the lexicon has no kind of event for this verb")
 
 
 def test_a_fitting_kind_is_not_warned_of() -> None:

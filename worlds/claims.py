@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .claim_targets import Span, named_in, targets_of
+from .denials import denied_verb, misdenied
 from .described import DESCRIBING, judged_words
 from .errors import InputError
 from .nouns import noun_of
@@ -122,6 +123,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
         yield f"{alike} of {len(told)} claims of things and events are said to be the same as another"
     yield from _idle(spec)
     yield from (m.text for m in misplaced_roles(spec, spans, language) if not m.sure)
+    yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
     readings = [
         words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))
@@ -208,6 +210,8 @@ def _only_read(spec: WorldSpec, spans: Sequence[Span], name: str, language: str 
         return number_in(claim.quote, language) is None or (at is not None and _nounless(spec, spans, at, language))
     if claim.type == "order":
         return at is not None and not orders_said(spec, spans, at, language)
+    if claim.type == "negation":
+        return at is not None and denied_verb(spec.prompt, spans, at, language) is None
     return claim.type in DESCRIBING and not judged_words(spec, name)
 
 

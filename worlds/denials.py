@@ -1,22 +1,26 @@
 """The verb that a negation denies, and the kinds of event that it tells of: `does not fall` denies falls (R131, R155).
 
-Sure in English, where the lexicon knows kinds for the verb; elsewhere what is denied is the agent's reading, which the verdict prints.
+In English a verb that is the name of a kind has to deny that kind; where the lexicon only thinks of kinds the verdict warns. Elsewhere what is
+denied is the agent's reading, which the verdict prints.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import regex
 
+from .claim_targets import named_in
+from .predicates.denying import denying
 from .prompts.languages import held_words
-from .prompts.lexicon import known_kinds, labelled, lemmas, verb_kinds
+from .prompts.lexicon import kinds_meant, known_kinds, labelled, lemmas, verb_kinds
 
 if TYPE_CHECKING:
     from .claim_targets import Span
+    from .spec import WorldSpec
 
-__all__ = ["Denied", "denied_verb"]
+__all__ = ["Denied", "denied_verb", "misdenied"]
 
 _END = regex.compile(r"[.;:!?…,()\n]|[—–]")
 
@@ -26,7 +30,9 @@ class Denied(NamedTuple):
 
     verb: str
     kinds: frozenset[str]
-    """Kinds one of which has to be denied: that of the verb's own name where there is one."""
+    """Kinds one of which has to be denied."""
+    sure: bool
+    """True where they are those of the verb's own name, as `falls`; else the lexicon only thinks so."""
 
 
 def denied_verb(prompt: str, spans: Sequence[Span], index: int, language: str | None) -> Denied | None:
@@ -42,7 +48,8 @@ def denied_verb(prompt: str, spans: Sequence[Span], index: int, language: str | 
         return None
     span = spans[index]
     refusals = [h for h in held_words(prompt, language) if h.kind == "negation"]
-    end = next((m.start() for m in [_END.search(prompt, span.end)] if m is not None), len(prompt))
+    behind = _END.search(prompt, span.end)
+    end = span.end if _END.search(span.text) else len(prompt) if behind is None else behind.start()
     for word in labelled(prompt):
         if word.type != "event" or word.end <= span.start or word.start >= end:
             continue
@@ -53,5 +60,26 @@ def denied_verb(prompt: str, spans: Sequence[Span], index: int, language: str | 
         if kinds is None or not kinds & known_kinds():
             return None
         own = {k for k in kinds for lemma in lemmas(verb.split()[0], "v") if k.split("_")[0] in (f"{lemma}s", f"{lemma}es")}
-        return Denied(verb, frozenset(own) or kinds)
+        return Denied(verb, frozenset(own) or kinds, bool(own))
     return None
+
+
+def misdenied(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[tuple[str, str, bool]]:
+    """Negations whose requirements deny other kinds of event than their verb tells of: (claim, what is wrong, whether it is sure)."""
+    for index, span in enumerate(spans):
+        if span.type != "negation" or span.claim is None or spec.claims[span.claim].waived is not None:
+            continue
+        verb = denied_verb(spec.prompt, spans, index, language)
+        asked = {
+            n: spec.story.requirements[n]
+            for n in named_in(spec, span.claim, "story/requirements")
+            if n in spec.story.requirements
+        }
+        if verb is None or not asked:
+            continue
+        kinds = {str(getattr(a, "kind", "")) for r in asked.values() for a in denying(r.predicate)}
+        if not verb.kinds & kinds_meant(kinds):
+            told = ", ".join(sorted(kinds)) or ", ".join(f"{n} ({getattr(r.predicate, 'kind', '')})" for n, r in asked.items())
+            text = f"{spec.claims[span.claim].quote!r} denies {verb.verb!r}, and what must never happen by it is {told}: "
+            text += f"give {next(iter(asked))!r} a predicate of kind {' or '.join(sorted(verb.kinds))}, alone or in an `or`"
+            yield span.claim, text, verb.sure

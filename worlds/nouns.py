@@ -51,6 +51,9 @@ LINKS = frozenset(
     ]
 )
 """Words between a number and its noun that lead on to it: `two litres of milk`, `three of the blocks`. Reviewed by hand."""
+OF = frozenset(["of", "de", "d'", "di", "von", "van", "из"])
+HOLDERS = "罐盆杯瓶箱桶盘碗袋壶"
+"""Chinese measure words that hold what stands behind them: `一罐蜂蜜` is one jar."""
 DESCRIBING = 3
 """Own choice: words that describe between a number and its noun in English; elsewhere one, since nothing tells verbs from adjectives."""
 _END = regex.compile(r"[.;:!?…()\n。；：！？—–]")
@@ -73,15 +76,15 @@ def noun_of(spec: WorldSpec, spans: Sequence[Span], index: int, language: str | 
         index: of the span of the number among them.
         language: code of the language of the prompt.
     """
-    if language not in BEFORE_NOUNS:
+    if language not in BEFORE_NOUNS or (language == "zh" and spans[index].text[-1:] in HOLDERS):
         return None
     near, described = True, 0
     for span in spans[index + 1 :]:
         if span.claim is None:
             if _END.search(span.text):
                 return None
-            words = _content(span, language)
-            if words is None or (language == "en" and _told(spec.prompt, span)):
+            words = _content(span, language, counts=spans[index].type == "count")
+            if words is None or (not words and "," in span.text) or (language == "en" and _told(spec.prompt, span)):
                 return None
             near, described = near and not words, described + words
             if described > (DESCRIBING if language == "en" else 2 if language == "zh" else 1):
@@ -93,11 +96,12 @@ def noun_of(spec: WorldSpec, spans: Sequence[Span], index: int, language: str | 
     return None
 
 
-def _content(span: Span, language: str) -> int | None:
-    """Number of words that describe; None where one leads elsewhere."""
+def _content(span: Span, language: str, *, counts: bool) -> int | None:
+    """Number of words that describe; None where one leads elsewhere, as from `one` of `one of honey` to what the one holds."""
     words = [folded(u.text) for u in units_of(span.text)]
     bind = function_words(language) - LINKS - set(COUNTERS.get(language, ""))
-    return None if bind & set(words) else sum(w not in LINKS for w in words)
+    holds = counts and bool(OF & set(words)) and not (LINKS - OF) & set(words)
+    return None if holds or bind & set(words) else sum(w not in LINKS for w in words)
 
 
 def _told(prompt: str, span: Span) -> bool:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import regex
 
+from .prompts.held_lists import ORDERS
 from .prompts.units import APOSTROPHES, folded, units_of
 
 if TYPE_CHECKING:
@@ -127,6 +128,9 @@ def orders_said(spec: WorldSpec, spans: Sequence[Span], index: int, language: st
 def _kind(text: str, language: str | None) -> Kind | None:
     """The way in which the words of a claim put events in order."""
     plain = " ".join(folded(u.text.translate(APOSTROPHES)) for u in units_of(text)) if language != "zh" else text
+    listed = {word for words in WORDS.get(language or "", {}).values() for word in words}
+    if any(" " in phrase and phrase not in listed and f" {phrase} " in f" {plain} " for phrase in ORDERS.get(language or "", ())):
+        return None  # `one after another` has an `after` of its own.
     found: list[tuple[int, Kind]] = []
     for kind, words in WORDS.get(language or "", {}).items():
         for word in words:
@@ -144,9 +148,11 @@ def _is_number(spans: Sequence[Span], at: int) -> bool:
 
 
 def _denies(spec: WorldSpec, spans: Sequence[Span], at: int) -> bool:
-    """True of what is no event that happens: nothing comes before or after it."""
-    claim = spec.claims[str(spans[at].claim)]
-    return spans[at].type != "event" or claim.waived is not None
+    """True of what is no event that happens, as `must [not](negation) snap`: nothing comes before or after it."""
+    if spans[at].type != "event" or spec.claims[str(spans[at].claim)].waived is not None:
+        return True
+    denials = [k for k in range(at) if spans[k].type == "negation" and not _CLAUSE.search(_between(spec, spans, k, at))]
+    return any(not any(s.type == "event" for s in spans[k + 1 : at]) for k in denials)
 
 
 def _between(spec: WorldSpec, spans: Sequence[Span], a: int, b: int) -> str:
@@ -186,12 +192,13 @@ def _then(
     spec: WorldSpec, spans: Sequence[Span], index: int, left: list[int], right: list[int], language: str | None
 ) -> Iterator[tuple[int, int]]:
     """The event of the word's own clause, after the nearest one before that."""
-    own_right = [k for k in right[:1] if not _CLAUSE.search(_between(spec, spans, index, k))]
+    near = [k for k in right[:1] if not any(s.type == "order" for s in spans[index + 1 : k])]
+    own_right = [k for k in near if not _CLAUSE.search(_between(spec, spans, index, k))]
     own_left = [k for k in left[-1:] if not _CLAUSE.search(_between(spec, spans, k, index))]
     if own_left and left[:-1] and not own_right and language != "zh":
         yield left[-2], left[-1]
-    elif right and left:
-        yield left[-1], right[0]
+    elif near and left and not _SENTENCE.search(_between(spec, spans, index, near[0])):
+        yield left[-1], near[0]
         if own_left and own_right and left[:-1] and language in ("de", "nl"):
             # `er fällt dann auf einen Boden, der bebt`: behind its verb.
             yield left[-2], left[-1]

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..claims import Reading, named_in, reading_of
+from ..denials import misdenied
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
@@ -25,11 +26,12 @@ from .contradictions import contradiction_problems
 from .counts import count_problems
 from .leaves import leaf_at, value_at
 from .matter_words import matter_problems
-from .negations import denial_problems, negation_problems
+from .negations import negation_problems
 from .nouns import noun_problems
 from .orders import order_problems
 from .properties import substance_problems
 from .quantities import quantity_problems
+from .sharing import sharing_problems
 from .unclaimed import unclaimed_problems
 
 __all__ = ["claim_problems"]
@@ -65,13 +67,14 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         found += _claim(spec, document, name, claim)
     found += [
         *acted_on_problems(spec, reading),
-        *_shared(spec),
+        *sharing_problems(spec, reading),
         *noun_problems(spec, reading),
         *order_problems(spec, reading),
-        *denial_problems(spec, reading),
     ]
     told = misplaced_roles(spec, reading.spans, reading.language)
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
+    denied = misdenied(spec, reading.spans, reading.language)
+    found += [Problem(f"/claims/{claim}/by", text) for claim, text, sure in denied if sure]
     return [*found, *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]
 
 
@@ -124,20 +127,6 @@ def _thing(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
             text = f"a thing is an entity or a part of one, as /entities/<id> or /entities/<id>/parts/<part>, not {pointer!r}"
             yield Problem(f"/claims/{name}/by/{index}", text)
     yield from matter_problems(spec, name)
-
-
-def _shared(spec: WorldSpec) -> Iterator[Problem]:
-    """Things that two spans speak of, unless one says that it is the same."""
-    of: dict[str, str] = {}
-    for name, claim in spec.claims.items():
-        if claim.type != "thing" or claim.same_as is not None or claim.waived is not None:
-            continue
-        for pointer in claim.by:
-            first = of.setdefault(pointer, name)
-            if first != name:
-                quote = spec.claims[first].quote
-                text = f"{claim.quote!r} and {quote!r} are both {pointer}; give each its own, or same_as {first!r} if they are one thing"
-                yield Problem(f"/claims/{name}/by", text)
 
 
 def _count(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:

@@ -14,13 +14,13 @@ from collections.abc import Iterator
 from itertools import combinations, pairwise
 
 from ..claims import named_in, targets_of
+from ..predicates.denying import certain, denying, implies
 from ..problems import Problem
 from ..prompts.languages import language_of
 from ..quantities import quantity_said
 from ..references import cycle_in
 from ..spec import Claim, WorldSpec
 from .counts import counted_of
-from .denying import certain, denying, implies
 from .properties import allowed_substances
 from .steps import steps_of
 

@@ -7,16 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..claims import Reading, named_in
-from ..denials import denied_verb
+from ..claims import named_in
 from ..predicates import Count, atoms_of
 from ..predicates.registry import is_invariant
 from ..problems import Problem, removed, replaced
-from ..prompts.lexicon import kinds_meant
 from ..spec import Claim, SpecModel, WorldSpec
-from .denying import denying
 
-__all__ = ["denial_problems", "negation_problems"]
+__all__ = ["negation_problems"]
 
 _MOVES: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("crosses", "reaches", "tilts", "topples", "speed", "displacement"), ("entity",)),
@@ -63,27 +60,6 @@ def negation_problems(spec: WorldSpec, name: str, claim: Claim) -> Iterator[Prob
             if why is not None:
                 text = f"{claim.quote!r} denies what cannot happen: {why}"
                 yield Problem(f"{place}/predicate", text)
-
-
-def denial_problems(spec: WorldSpec, reading: Reading) -> Iterator[Problem]:
-    """Negations whose requirements deny other kinds of event than their verb tells of."""
-    for index, span in enumerate(reading.spans):
-        if span.type != "negation" or span.claim is None or spec.claims[span.claim].waived is not None:
-            continue
-        verb = denied_verb(spec.prompt, reading.spans, index, reading.language)
-        asked = {
-            n: spec.story.requirements[n]
-            for n in named_in(spec, span.claim, "story/requirements")
-            if n in spec.story.requirements
-        }
-        if verb is None or not asked:
-            continue
-        kinds = {str(getattr(a, "kind", "")) for r in asked.values() for a in denying(r.predicate)}
-        if not verb.kinds & kinds_meant(kinds):
-            told = ", ".join(sorted(kinds)) or ", ".join(f"{n} ({r.predicate.kind})" for n, r in asked.items())
-            text = f"{spec.claims[span.claim].quote!r} denies {verb.verb!r}, and what must never happen by it is {told}: "
-            text += f"give {next(iter(asked))!r} a predicate of kind {' or '.join(sorted(verb.kinds))}, alone or in an `or`"
-            yield Problem(f"/claims/{span.claim}/by", text)
 
 
 def never_could(spec: WorldSpec, predicate: SpecModel) -> str | None:

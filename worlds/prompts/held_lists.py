@@ -145,7 +145,10 @@ ONLY_WITH: dict[str, dict[str, tuple[Literal["before", "earlier", "anywhere"], t
 }
 """A word is held only where one of these comes right after it, or stands in its sentence, or earlier in it."""
 INFINITIVES: dict[str, dict[str, str]] = {
-    "en": {"instead of": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$", "rather than": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$"},
+    "en": {
+        "instead of": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "rather than": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+    },
     "fr": {"au lieu de": r".+(?:er|ir|re|oir)$", "au lieu d'": r".+(?:er|ir|re|oir)$"},
     "es": {"en vez de": r".+(?:ar|er|ir|arse|erse|irse)$", "en lugar de": r".+(?:ar|er|ir|arse|erse|irse)$"},
     "it": {"invece di": r".+(?:are|ere|ire|arsi|ersi|irsi)$", "anziché": r".+(?:are|ere|ire)$"},

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..predicates import After, Always, And, Before, Count, Eventually, Until, Within
-from ..predicates.registry import is_event
-from ..spec import SpecModel
+from ..vocabulary import SpecModel
+from .models import After, Always, And, Before, Count, Eventually, Until, Within
+from .registry import is_event
 
 __all__ = ["certain", "denying", "implies"]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..worlds.folder import WorldFolder
 from ..worlds.quoting import markdown_inline
-from ..worlds.verdicts import verdict_words
+from ..worlds.verdicts import unusual_told, verdict_words
 
 if TYPE_CHECKING:
     from ..worlds.ledger import Ledger
@@ -60,6 +60,7 @@ def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
         lines.append(
             f"Latest verdict: {markdown_inline(verdict_words(accepted['record']))}; revision {accepted['revision']}, candidate {markdown_inline(accepted['freeze'][:16])}."
         )
+        lines += [f"- unusual: {markdown_inline(line)}" for line in unusual_told(accepted["record"]).get("unusual", [])]
         if accepted["revision"] != ledger.revision():
             lines.append("It is about an older revision and says nothing about the current one.")
     return "\n".join(lines)

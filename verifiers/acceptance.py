@@ -34,6 +34,7 @@ from .delivery.binding import ALL_INTERVALS, cache_row, replay_row, standing
 from .delivery.bundle import event_list
 from .delivery.questions import FREEZE, NEEDED, UNJUDGED
 from .register.assemble import approximations
+from .register.unusual import unusual
 from .rows.answers import row_of
 from .rows.corrections import correction
 from .rows.findings import Finding
@@ -159,6 +160,7 @@ def _record(spec: WorldSpec, candidate: Candidate, freeze: str, rows: list[Row])
         },
         **({} if told is None else {"prompt": {**told, "read_by": "nobody"}}),
         "approximations": approximations(candidate),
+        "unusual": unusual(candidate),
         "versions": engine_versions(),
         "environment": environment(),
         "verifier_source": source_digest(Path(__file__).parent),

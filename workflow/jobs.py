@@ -12,7 +12,7 @@ from ..execution import JobContext, Part
 from ..worlds.canonical import spec_digest
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.folder import WorldFolder
-from ..worlds.verdicts import prompt_told, verdict_words
+from ..worlds.verdicts import prompt_told, unusual_told, verdict_words
 from .estimates import Pace
 from .gates import require_acceptance, require_probe, require_true_geometry, stored_rows
 from .landscapes import terrain
@@ -314,6 +314,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     return {
         "verdict": record["verdict"],
         "says": verdict_words(record),
+        **unusual_told(record),
         "freeze": freeze[:16],
         **summary(rows),
         "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
-from ..worlds.verdicts import prompt_told, verdict_words
+from ..worlds.verdicts import prompt_told, unusual_told, verdict_words
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
 from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, line, ranked
@@ -353,7 +353,14 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     keys = ("verdict", "clauses", "weakenings", "easier_beside", "versions", "spec_digest", "cache_digest", "seed")
     listed, place = paged(record.get("approximations") or [], offset, limit, room=3000)
     says, judged = verdict_words(record), prompt_told(record) if "prompt" in record else {}
-    told = {"says": says, **{k: record.get(k) for k in keys}, **judged, "revision": latest["revision"], "approximations": listed}
+    told = {
+        "says": says,
+        **unusual_told(record),
+        **{k: record.get(k) for k in keys},
+        **judged,
+        "revision": latest["revision"],
+        "approximations": listed,
+    }
     data: dict[str, Any] = {"acceptance": told, **{f"approximations_{k}": v for k, v in place.items()}}
     kinds = {"report": "html", **({"bundle": "zip"} if latest["verdict"] == "accepted" else {})}
     files = {name: session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for name, kind in kinds.items()}

@@ -28,7 +28,7 @@ from ..worlds.limits import check_limits
 from ..worlds.patch import parse_spec
 from ..worlds.plates import Plates, plates_folder
 from ..worlds.spec import WorldSpec
-from ..worlds.verdicts import prompt_told, verdict_words
+from ..worlds.verdicts import prompt_told, unusual_told, verdict_words
 from .bundles import HEAD, candidate_members
 from .plates import depart, plates_anywhere
 
@@ -125,6 +125,7 @@ def _report(found: Verification, seed: int) -> dict[str, Any]:
         "failing": [r["id"] for r in rows if r["mandatory"] and r["status"] in ("fail", "unverified")],
         "bundled_failing": [r.get("id") for r in _open_rows(found.record)],
         "says": verdict_words({**own, "verdict": found.verdict}),
+        **unusual_told(own),
         **prompt_told(own),
         "weakenings": found.record.get("weakenings", []),
         "easier_beside": found.record.get("easier_beside", []),

@@ -11,7 +11,7 @@ from ..worlds.folder import WorldFolder
 from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
 from ..worlds.requirements import Row
-from ..worlds.verdicts import prompt_told, verdict_words
+from ..worlds.verdicts import prompt_told, unusual_told, verdict_words
 from .rows import counts
 from .session import Session
 from .verify_bundle import untrue_geometry
@@ -40,6 +40,7 @@ def _report(record: dict[str, Any]) -> dict[str, Any]:
             if r.mandatory and r.status in ("fail", "unverified")
         ],
         "says": verdict_words(record),
+        **unusual_told(record),
         **prompt_told(record),
         "approximations": record["approximations"],
         "versions": record["versions"],

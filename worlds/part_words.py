@@ -85,6 +85,11 @@ def says_part(spec: WorldSpec, spans: Sequence[Span], name: str, language: str |
     while k >= 0 and (spans[k].type in ("property", "count") or (spans[k].claim is None and not units_of(spans[k].text))):
         k -= 1
     before = [folded(u.text.translate(APOSTROPHES)) for u in units_of(spans[k].text)] if k >= 0 and spans[k].claim is None else []
-    after = [folded(u.text.translate(APOSTROPHES)) for u in units_of(spec.prompt[spans[index].end :])][:1]
+    follows = next((s.type for s in spans[index + 1 :] if s.claim is not None), "")
+    after = (
+        [folded(u.text.translate(APOSTROPHES)) for u in units_of(spec.prompt[spans[index].end :])][:1]
+        if follows == "thing"
+        else []
+    )
     owned = bool(before) and before[-1] in _OWN.get(language, frozenset())
     return owned or bool(set(after) & _OF.get(language, frozenset()))

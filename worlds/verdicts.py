@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
-__all__ = ["READ_BY", "ReadBy", "prompt_told", "reader_words", "verdict_words"]
+__all__ = ["READ_BY", "ReadBy", "prompt_told", "reader_words", "unusual_told", "verdict_words"]
 
 ReadBy = Literal["nobody", "client", "model", "person"]
 """Who, beside the checks, compared the prompt with what is to be seen: an independent model or a person makes `accepted` unqualified."""
@@ -40,6 +40,12 @@ def reader_words(prompt: Mapping[str, Any]) -> str:
         prompt: member of an acceptance record.
     """
     return _READERS.get(str(prompt.get("read_by", "nobody")), "nobody")
+
+
+def unusual_told(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Sentences that a verdict prints beside its result, for a reply; nothing where there are none, or where a record knows none."""
+    told = [str(line) for line in record.get("unusual") or ()]
+    return {"unusual": told} if told else {}
 
 
 def prompt_told(record: Mapping[str, Any]) -> dict[str, Any]:

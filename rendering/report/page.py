@@ -12,7 +12,7 @@ from typing import Any
 
 from ...worlds.judged_spans import judged_spans
 from ...worlds.spec import WorldSpec
-from ...worlds.verdicts import verdict_words
+from ...worlds.verdicts import unusual_told, verdict_words
 from .encoded import ReportPictures
 from .markup import cell, escaped, figure, table, tag
 from .prompt import prompt_section, span_styles
@@ -214,6 +214,7 @@ def matrix_page(
     rows = record["rows"]
     verdict, says = str(record["verdict"]), verdict_words(record)
     spans = judged_spans(record.get("prompt") or {}, rows)
+    odd = unusual_told(record).get("unusual", [])
     counts = ", ".join(f"{sum(r['status'] == s for r in rows)} {s.replace('_', ' ')}" for s in ORDER)
     open_count = sum(r["mandatory"] and _is_open(r) for r in rows)
     head = (
@@ -229,6 +230,7 @@ def matrix_page(
         + tag("p", escaped(f"{len(rows)} requirements: {counts}; {open_count} mandatory ones open."))
         + (tag("p", escaped(record["reason"]), class_="unverified") if record.get("reason") else "")
         + (tag("ul", "".join(tag("li", escaped(p), class_="fail") for p in problems)) if problems else "")
+        + (_section("Unusual", tag("ul", "".join(tag("li", escaped(line)) for line in odd))) if odd else "")
     )
     groups = [(g, [r for r in rows if r["group"] == g]) for g in GROUPS]
     register = "".join(tag("li", f"{escaped(a['what'])}: {escaped(a['effect'])}") for a in record["approximations"])

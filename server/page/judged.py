@@ -10,7 +10,7 @@ from ...workflow.standing import Standing
 from ...worlds.folder import WorldFolder
 from ...worlds.ledger import Ledger
 from ...worlds.requirements import Row
-from ...worlds.verdicts import reader_words, verdict_words
+from ...worlds.verdicts import reader_words, unusual_told, verdict_words
 
 __all__ = ["OPEN_ROWS", "latest_acceptance", "latest_verdict", "row_counts", "row_line", "row_status", "row_text"]
 
@@ -57,6 +57,7 @@ def latest_verdict(ledger: Ledger, where: Standing) -> dict[str, Any] | None:
         return None
     step = where.step("accepted")
     told = {"verdict": latest["verdict"], "says": verdict_words(latest["record"]), "revision": latest["revision"]}
+    told |= unusual_told(latest["record"])
     return {**told, "stale": step.state == "stale", "note": step.note}
 
 

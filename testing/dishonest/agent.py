@@ -169,6 +169,7 @@ def prompt_lines(prompt: Mapping[str, Any]) -> list[str]:
 
 
 def lines_of(verdict: Mapping[str, Any]) -> list[str]:
-    """Lines of an acceptance about all else: its words, weakenings and approximations."""
+    """Lines of an acceptance about all else: its words, what is unusual, weakenings and approximations."""
     found = [str(verdict["says"]), *(f"weakening: {w}" for w in verdict.get("weakenings", ()))]
+    found += [f"unusual: {line}" for line in verdict.get("unusual", ())]
     return found + [f"{a['what']}: {a['effect']}" for a in verdict.get("approximations", ())]

@@ -3,15 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
-from .cases import Case
-from .twins import BLOCKS, BLOCKS_DE, BOUNCE, DOMINOES, PUSH, PUSH_ES, SHELF, SHELF_DE, TURN, TURN_ZH
+from .cases import GONE, Case
+from .twins import BLOCKS, BLOCKS_DE, BOUNCE, DOMINOES, PASSING, PUSH, PUSH_ES, SHELF, SHELF_DE, TURN, TURN_ZH
 from .twins_seen import COLOURS_DE
 
 __all__ = ["MECHANISMS"]
 
 AUDIT = "audit:claims"
 _BALLS = "on a [shelf](thing shelf). The last [block](thing b3 same_as=blocks) [falls off](event fall)."
+_BADGE = {
+    "/entities/crate/parts/badge": {
+        "shape": {"kind": "box", "size": [0.05, 0.001, 0.05]},
+        "pose": {"position": [0, -0.1005, 0]},
+        "collides": False,
+    }
+}
+"""A second part of the crate."""
+_STAYS = (
+    "A [ball](thing ball) [rolls](event roll) into [three](count b1 b2 b3) [blocks](thing b1 b2 b3) on a [shelf](thing shelf), and the last "
+    "[block](thing b3 same_as=blocks) [does not fall](negation stays)."
+)
+
+
+def _never(predicate: dict[str, Any]) -> dict[str, Any]:
+    """Changes by which something must never happen to the last block, and no beat tells that it falls."""
+    stays = {"text": "the last block falls", "predicate": predicate, "never": True}
+    return {"/story/requirements/stays": stays, "/story/beats/fall": GONE, "/shots/only/covers": ["roll", "strike"]}
+
 
 MECHANISMS: Mapping[str, tuple[Case, ...]] = {
     "order of other events": (
@@ -60,6 +80,49 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("dreimal, mit einem", COLOURS_DE, AUDIT, "name 3 beats", marked=COLOURS_DE.marked[:-1] + ", und zwar [dreimal](count bounce)."),
         Case("twice, by one bounce told twice", BOUNCE, AUDIT, "both may be the same event", marked=BOUNCE.marked[:-1] + " [twice](count bounce again).",
              changes={"/story/beats/again": {"text": "it bounces again", "owner": "rigid", "subject": "ball", "frames": [6, 28], "causes": ["fall"], "predicate": {"kind": "bounces", "entity": "ball", "other": "floor"}}}),
+    ),
+    "part for the whole": (
+        Case("a plate and a crate of one body", PUSH, AUDIT, "both of the one body",
+             marked="A [steel](property plate) [plate](thing plate) [pushes](event push) a [crate](thing crate) with a [cat](thing /entities/crate/parts/badge) across the [floor](thing floor).",
+             changes=_BADGE),
+        Case("a ball that is a badge", PUSH, AUDIT, "do not say that it is a part",
+             marked="A [steel](property plate) [plate](thing plate) [pushes](event push) a [ball](thing /entities/crate/parts/badge) across the [floor](thing floor).",
+             changes=_BADGE),
+        Case("una bola y una caja", PUSH_ES, AUDIT, "both of the one body",
+             marked="Una [placa](thing plate) de [acero](property plate) [empuja](event push) una [caja](thing /entities/crate/parts/body) y una [bola](thing /entities/crate/parts/badge) "
+                    "por el [suelo](thing floor).",
+             changes=_BADGE),
+    ),
+    "negation by a verb": (
+        Case("refuses to", SHELF, AUDIT, "'refuses to'",
+             marked="A [ball](thing ball) [rolls](event roll) into [blocks](thing b1 b2 b3) on a [shelf](thing shelf). The last [block](thing b3 same_as=blocks) refuses to [fall](event fall)."),
+        Case("avoids", PASSING, AUDIT, "'avoids'",
+             marked="A [ball](thing ball) [rolls](event roll) past a [cube](thing cube) and avoids [hitting](event strike) a [board](thing wall)."),
+        Case("fails to, in the event", BLOCKS, AUDIT, "negation word",
+             marked="A [block](thing steel_block) [slides](event slide) across a [floor](thing floor) and [fails to hit](event hit) a [block](thing wooden_block)."),
+        Case("instead of", DOMINOES, AUDIT, "'instead of'",
+             marked="A [slab](thing first) [tips over](event tip) instead of [knocking](event knock) a [second one](thing second)."),
+        Case("weigert sich", SHELF_DE, AUDIT, "'weigert'",
+             marked="Eine [Stahlkugel](thing ball) [rollt](event roll) gegen [Klötze](thing b1 b2 b3) auf einem [Regal](thing shelf). Der letzte [Klotz](thing b3 same_as=Klötze) weigert sich zu "
+                    "[fallen](event fall)."),
+        Case("evita", PUSH_ES, AUDIT, "'evita'",
+             marked="Una [placa](thing plate) de [acero](property plate) evita [empujar](event push) una [caja](thing crate) por el [suelo](thing floor)."),
+        Case("拒绝", TURN_ZH, AUDIT, "'拒绝'", marked="[钢球](thing early)[落在](event first)[木块](thing left)上,旁边的[钢球](thing late)拒绝[落下](event second)。"),
+    ),
+    "negation of another kind": (
+        Case("does not fall, by spins", SHELF, AUDIT, "of kind falls", marked=_STAYS, changes=_never({"kind": "spins", "entity": "b3"})),
+        Case("does not fall, by a level shift", SHELF, AUDIT, "of kind falls", marked=_STAYS, changes=_never({"kind": "displacement", "entity": "b3", "axis": [0, 1, 0], "min": 0.5})),
+        Case("does not fall, by falling and tipping at once", SHELF, AUDIT, "of kind falls",
+             marked=_STAYS, changes=_never({"kind": "and", "of": [{"kind": "falls", "entity": "b3"}, {"kind": "spins", "entity": "b3"}]})),
+        Case("without tipping over, by falls", BLOCKS, AUDIT, "of kind tips", changes={"/story/requirements/upright/predicate": {"kind": "falls", "entity": "wooden_block"}}),
+    ),
+    "unusual beside the result": (
+        Case("half of the Earth's gravity", BLOCKS, says="unusual: gravity of 5", changes={"/simulation/gravity": [0, 0, -5]}),
+        Case("a floor that is a slope", SHELF, says="degrees off straight down", changes={"/simulation/gravity": [0.4, 0, -9.8]}),
+        Case("a ball that never tires", BOUNCE, says="unusual: material 'rubber' has a restitution",
+             changes={"/materials/rubber/restitution": 0.97, "/materials/floor/restitution": 0.97}),
+        Case("a touch of any strength", BLOCKS, says="unusual: beat 'hit' is met by any touch",
+             changes={"/story/beats/hit/predicate": {"kind": "contact", "a": "steel_block", "b": "wooden_block"}}),
     ),
 }  # fmt: skip
 """By name."""

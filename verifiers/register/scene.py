@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import WorldSpec
 
-__all__ = ["scene_lines"]
+__all__ = ["gravity_lines", "pusher_lines", "scene_lines"]
 
 EARTH = np.array([0.0, 0.0, -9.81])
 """[m/s^2]"""
@@ -49,12 +49,12 @@ def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
     return [
         {"what": what, "effect": effect}
         for found in (
-            _gravity(spec),
+            gravity_lines(spec),
             _limits(spec),
             _bounds(candidate),
             _hollow(candidate),
             _carriers(spec),
-            _pushers(candidate),
+            pusher_lines(candidate),
             _dressing(candidate),
             _springs(candidate),
             _pairs(spec),
@@ -67,7 +67,8 @@ def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
     ]
 
 
-def _gravity(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+def gravity_lines(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    """Gravity that is not the Earth's."""
     pull = np.array(spec.simulation.gravity)
     strength = float(np.linalg.norm(pull))
     if np.linalg.norm(pull - EARTH) <= GRAVITY_SLACK:
@@ -228,7 +229,7 @@ def _carriers(spec: WorldSpec) -> Iterator[tuple[str, str]]:
 # ---------------------------------------------------------------- bodies that move without a reason, or do not move
 
 
-def _pushers(candidate: Candidate) -> Iterator[tuple[str, str]]:
+def pusher_lines(candidate: Candidate) -> Iterator[tuple[str, str]]:
     """Bodies on paths that touch free ones while they move."""
     spec = candidate.spec
     for solver, cache in candidate.rigid_caches.items() if candidate.stage != "static" else ():

@@ -124,6 +124,7 @@ function film(state, world) {
     found.state === "done" ? null : h("p", null, status("stale"), `: ${found.note || words(found.state)}`),
     h("video", { controls: true, preload: "metadata", playsinline: true, "data-src": state.source.filmPath(world.id, found.at), "aria-label": `Film of ${world.title}` }),
     found.state === "done" && world.verdict ? h("p", null, status(world.verdict.verdict, world.verdict.says)) : null,
+    found.state === "done" && world.verdict?.unusual ? h("ul", { class: "quiet" }, ...world.verdict.unusual.map((line) => h("li", null, line))) : null,
     h("p", { class: "quiet facts" }, `${bytes(found.bytes)}, rendered `, clock(found.at)),
   );
 }

@@ -15,6 +15,7 @@ from .claim_targets import named_in
 from .predicates.denying import denying
 from .prompts.languages import held_words
 from .prompts.lexicon import kinds_meant, known_kinds, labelled, lemmas, verb_kinds
+from .prompts.units import units_of
 
 if TYPE_CHECKING:
     from .claim_targets import Span
@@ -50,18 +51,26 @@ def denied_verb(prompt: str, spans: Sequence[Span], index: int, language: str | 
     refusals = [h for h in held_words(prompt, language) if h.kind == "negation"]
     behind = _END.search(prompt, span.end)
     end = span.end if _END.search(span.text) else len(prompt) if behind is None else behind.start()
-    for word in labelled(prompt):
-        if word.type != "event" or word.end <= span.start or word.start >= end:
+    words = [(w.start, w.end) for w in labelled(prompt) if w.type == "event" and w.end > span.start and w.start < end]
+    if not any(start < span.end for start, _ in words):
+        # A participle that is labelled as a description: `never falling`.
+        inside = [u for u in units_of(prompt) if span.start <= u.start < span.end and _own(u.text)]
+        words = [*((u.start, u.end) for u in inside), *words]
+    for start, last in words:
+        if any(h.start < last and start < h.end for h in refusals):
             continue
-        if any(h.start < word.end and word.start < h.end for h in refusals):
-            continue
-        verb = prompt[word.start : word.end]
+        verb = prompt[start:last]
         kinds = verb_kinds(verb)
         if kinds is None or not kinds & known_kinds():
             return None
-        own = {k for k in kinds for lemma in lemmas(verb.split()[0], "v") if k.split("_")[0] in (f"{lemma}s", f"{lemma}es")}
-        return Denied(verb, frozenset(own) or kinds, bool(own))
+        return Denied(verb, _own(verb) or kinds, bool(_own(verb)))
     return None
+
+
+def _own(verb: str) -> frozenset[str]:
+    """Kinds that bear a verb's own name."""
+    bases = lemmas(verb.split()[0], "v")
+    return frozenset(k for k in verb_kinds(verb) or () for base in bases if k.split("_")[0] in (f"{base}s", f"{base}es"))
 
 
 def misdenied(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[tuple[str, str, bool]]:

@@ -25,7 +25,7 @@ _WORDS: dict[str, dict[str, float]] = {
 }
 """Words that say how often, by language."""
 _TIMES = {
-    "en": r"times", "de": r"mal|male", "fr": r"fois", "es": r"veces", "it": r"volte", "pt": r"vezes", "nl": r"keer|maal", "ru": r"раза?",
+    "en": r"times?", "de": r"mal|male", "fr": r"fois", "es": r"veces", "it": r"volte", "pt": r"vezes", "nl": r"keer|maal", "ru": r"раза?",
     "zh": r"次|遍|回", "ja": r"回|度",
 }  # fmt: skip
 """Words behind a number that make it one of events. Reviewed by hand."""

@@ -1,0 +1,75 @@
+"""Unusual things stand beside the verdict: nothing is said of an ordinary world, and each of them of one that has it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from worldagent.testing.worlds.small_worlds import Touch, box, ground, make_candidate, world
+from worldagent.verifiers.register.unusual import unusual
+from worldagent.worlds.predicates import Contact
+from worldagent.worlds.spec import Beat, ContactPair, Requirement, Story
+from worldagent.worlds.verdicts import unusual_told
+
+CRATE = {"crate": box(0.1, 0.1, 0.1, at=(0, 0, 0.05), motion="dynamic"), "floor": ground()}
+
+
+def lines(
+    folder: Path, entities: dict[str, Any] | None = None, *, moved: Any = None, touches: Any = (), **more: Any
+) -> list[str]:
+    contacts = more.pop("contacts", {})
+    spec = world(entities or CRATE, **more)
+    spec = spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"contacts": contacts})})
+    return unusual(make_candidate(folder, spec, tracks=moved, touches=touches, records={"driver_work": 0.0}))
+
+
+def beat(impulse: float) -> Beat:
+    touch = Contact(kind="contact", a="crate", b="floor", min_impulse=impulse)
+    return Beat(text="it touches", owner="rigid", subject="crate", frames=(0, 3), predicate=touch)
+
+
+def test_an_ordinary_world_has_nothing_unusual(tmp_path: Path) -> None:
+    assert lines(tmp_path, beats={"hit": beat(0.1)}) == []
+    assert unusual_told({"unusual": []}) == unusual_told({}) == {}
+
+
+@pytest.mark.parametrize(
+    ("gravity", "said"),
+    [
+        ((0.0, 0.0, -1.62), "gravity of 1.62 m/s^2"),
+        ((1.0, 0.0, -9.76), "degrees off straight down"),
+        ((0.0, 0.0, 0.0), "gravity of 0 m/s^2"),
+    ],
+)
+def test_gravity_that_is_not_the_earth_s_is_unusual(gravity: tuple[float, float, float], said: str, tmp_path: Path) -> None:
+    (line,) = lines(tmp_path, gravity=gravity)
+    assert said in line
+
+
+def test_what_hardly_loses_energy_in_a_bounce_is_unusual(tmp_path: Path) -> None:
+    lively = ContactPair(a="crate", b="floor", restitution=0.96, reason="a magnet under the floor")
+    (line,) = lines(tmp_path / "lively", contacts={"pair": lively})
+    assert "with a restitution of 0.96" in line
+    assert lines(tmp_path / "dull", contacts={"pair": lively.model_copy(update={"restitution": 0.9})}) == []
+
+
+def test_a_touch_of_any_strength_is_unusual_unless_it_is_denied(tmp_path: Path) -> None:
+    (line,) = lines(tmp_path / "beat", beats={"hit": beat(0.0)})
+    assert line == "beat 'hit' is met by any touch of 'crate' and 'floor', however faint: its min_impulse is 0"
+    apart = Requirement(text="they touch", predicate=beat(0.0).predicate, never=True)
+    assert lines(tmp_path / "never", story=Story(requirements={"apart": apart})) == []
+
+
+def test_a_body_on_a_path_that_pushes_another_is_unusual(tmp_path: Path) -> None:
+    bodies = {**CRATE, "hand": box(0.1, 0.1, 0.1, at=(-0.3, 0, 0.05), motion="kinematic")}
+    way = np.linspace((-0.3, 0, 0.05), (0.0, 0, 0.05), 10)
+    found = lines(
+        tmp_path,
+        bodies,
+        frames=10,
+        moved={"hand": (way, np.tile((1.0, 0, 0, 0), (10, 1)))},
+        touches=[Touch(4, "hand", "crate", 0.2)],
+    )
+    assert any("'hand' on its authored path pushes 'crate'" in line for line in found)

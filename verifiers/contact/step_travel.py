@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ...geometry import Solid, wall_thickness
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.errors import EvidenceError
-from ..rows.corrections import LEAST_STEP, correction, set_value
+from ..rows.corrections import LEAST_STEP, correction, set_value, thicken
 from ..rows.findings import Finding
 from .bounds import EXPLAINED, THICKNESS_SHARE
 
@@ -250,7 +250,7 @@ def step_travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             pointers=(pointer,),
             patch=set_value(pointer, fitting),
         ),
-        correction("the collider is thin", "shape", f"thicken {wall}", pointers=(f"/entities/{wall}/parts",)),
+        thicken(wall, "the collider is thin"),
     )
     status: Status = "pass" if first is None else "fail"
     evidence = {"thickness": float(parts.thick[thin]), "fast": mover, "thin": wall}

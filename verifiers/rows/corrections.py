@@ -15,28 +15,40 @@ if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
 
 __all__ = [
+    "EACH_OTHER",
     "EDIT_CLASS",
     "LEAST_STEP",
     "WEAKER",
     "bake_again",
     "correction",
+    "couple_both_ways",
+    "double_iterations",
+    "halve_any_step",
     "halve_step",
     "move_by",
+    "out_of_solids",
     "owning_up",
     "pointer",
     "postponed",
     "separate",
     "set_value",
+    "thicken",
 ]
 
 EDIT_CLASS: Mapping[str, RowClass] = {name: group.edit_class for name, group in GROUPS.items()}
 """Class of an edit to each causal parameter group (R111, R112)."""
+
+EACH_OTHER = "each other and of solids"
+"""Where parts are moved out of that may overlap one another as well."""
 
 WEAKER = " (a weakening edit: give weakening_reason)"
 """End of an action that makes the specification easier to satisfy."""
 
 LEAST_STEP: Mapping[str, float] = {"step": 2e-5, "max_step": 1e-5, "step_share": 0.02}
 """Smallest value that the settings of an engine allow, by the name of its step: [s], [s], and [1] of the stable step."""
+
+MOST_ITERATIONS = 1000
+"""Most iterations that the settings of an engine allow [1]."""
 
 
 def correction(
@@ -82,6 +94,28 @@ def halve_step(candidate: Candidate, solver: str, cause: str) -> Correction:
     return correction(cause, "step", f"halve {named}", pointers=(place,), patch=set_value(place, shorter))
 
 
+def halve_any_step(cause: str, also: str = "") -> Correction:
+    """Halve the step, of whichever instance it is; `also` continues the sentence."""
+    return correction(cause, "step", f"halve the step{also}", pointers=("/simulation/solvers",))
+
+
+def double_iterations(candidate: Candidate, solver: str, cause: str, also: str = "") -> Correction:
+    """Double the most iterations of an instance, up to what its settings allow; `also` continues the sentence."""
+    place = pointer("simulation", "solvers", solver, "settings", "iterations")
+    now = int(candidate.spec.simulation.solvers[solver].settings.iterations)  # type: ignore[union-attr]
+    patch = set_value(place, min(MOST_ITERATIONS, 2 * now))
+    return correction(cause, "step", f"double the iterations from {now}{also}", pointers=(place,), patch=patch)
+
+
+def couple_both_ways(one: str, other: str, cause: str, also: str = "") -> Correction:
+    """Couple two solver instances, so that each feels the other; without a patch where an entity belongs to none ("")."""
+    value = {"source": one, "target": other, "direction": "two_way", "variables": ["motion", "wrench"]}
+    patch = set_value(pointer("simulation", "couplings", f"{one}_{other}"), value) if one and other else ()
+    return correction(
+        cause, "drivers", f"couple {one!r} and {other!r} both ways", pointers=("/simulation/couplings",), patch=patch
+    )
+
+
 def bake_again(cause: str = "the cache was edited or is of another run") -> Correction:
     """Bake again: what is recorded does not belong to what was run."""
     return correction(cause, "interval", "bake again; never edit cache files", pointers=("/simulation/frames",))
@@ -95,6 +129,18 @@ def separate(entity: str | None) -> Correction:
         f"separate {entity or 'the bodies'} from its neighbours at frame 0",
         pointers=(f"/entities/{entity}/pose",) if entity else (),
     )
+
+
+def out_of_solids(entities: Iterable[str], cause: str, solid: str = "solids") -> Correction:
+    """Move entities that fill a volume, or their parts, out of a solid."""
+    places = tuple(pointer("entities", e, name) for e in entities for name in ("pose", "parts"))
+    return correction(cause, "placement", f"move its parts out of {solid}", pointers=places)
+
+
+def thicken(entity: str, cause: str, least: str = "") -> Correction:
+    """Make an entity thicker; `least` says how thick, and where."""
+    action = f"make {entity} thicker" + (f": at least {least}" if least else "")
+    return correction(cause, "shape", action, pointers=(pointer("entities", entity, "parts"),))
 
 
 def move_by(candidate: Candidate, entity: str, offset: Iterable[float] | None, cause: str, action: str = "") -> Correction:

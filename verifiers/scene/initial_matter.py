@@ -15,7 +15,7 @@ from ..categories.liquid.ledger import declared_filling
 from ..categories.liquid.samples import spread
 from ..categories.liquid.solids import pieces_of
 from ..categories.particles.frames import swarm_of
-from ..rows.corrections import bake_again, correction
+from ..rows.corrections import EACH_OTHER, bake_again, out_of_solids
 from ..rows.findings import Finding
 from .bounds import FEW, FILLED, LIQUID_MIDDLE, PARTICLE_SPEED
 
@@ -56,11 +56,8 @@ def liquid_placed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         return Finding("pass", text + ", after the preroll in which it settled", evidence={"moved_m": told})
     hints = (
         bake_again(),
-        correction(
-            "its parts overlap solids, the domain's sides or each other", "placement", "move the liquid's parts apart and out of solids",
-            pointers=(f"/entities/{culprit}/pose", f"/entities/{culprit}/parts"),
-        ),
-    )  # fmt: skip
+        out_of_solids((culprit,), "its parts overlap solids, the domain's sides or each other", EACH_OTHER),
+    )
     return Finding("pass" if worst <= bound else "fail", text, worst, bound, "m", culprit, 0, hints, {"moved_m": told})
 
 
@@ -118,11 +115,8 @@ def amounts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     off = worst + bound
     hints = (
         bake_again(),
-        correction(
-            "solids or other grains take much of its volume", "placement", "move its parts apart and out of solids",
-            pointers=(f"/entities/{culprit}/pose", f"/entities/{culprit}/parts"),
-        ),
-    )  # fmt: skip
+        out_of_solids((culprit,), "solids or other grains take much of its volume", EACH_OTHER),
+    )
     return Finding("pass" if worst <= 0.0 else "fail", text, float(off), float(bound), "particles", culprit, 0, hints, told)
 
 

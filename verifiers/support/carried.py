@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.errors import EvidenceError
-from ..rows.corrections import correction, pointer
+from ..rows.corrections import correction, couple_both_ways, pointer
 from ..rows.findings import Finding
 from .afloat import afloat, carriers, lift
 from .bounds import BEARS, HELPS
@@ -37,12 +37,8 @@ def carried(graph: SupportGraph, relation: Supports, frames: tuple[int, int]) ->
     }
     solver = carriers(candidate, b).get(a)
     if solver is None:
-        couple = correction(
-            f"{a!r} and {b!r} do not act on each other",
-            "drivers",
-            f"Couple the instances of {a!r} and {b!r} both ways.",
-            pointers=("/simulation/couplings",),
-        )
+        one, other = (next((n for n, s in candidate.spec.simulation.solvers.items() if e in s.members), "") for e in (a, b))
+        couple = couple_both_ways(one, other, f"{a!r} and {b!r} do not act on each other")
         text = f"no two-way coupling lets {a!r} push {b!r}"
         return Finding("fail", text, frame=frames[0], hints=(couple,), **common)
     lower = correction(

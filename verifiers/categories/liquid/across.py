@@ -19,8 +19,8 @@ from ....worlds.extents import least_extent
 from ....worlds.predicates import atoms_of
 from ...rows.findings import Finding
 from .bounds import LEAST_ACROSS, ROUNDED
+from .corrections import refine
 from .questions import ACROSS
-from .rows import coarse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -72,7 +72,7 @@ class Across:
             return {"across": Finding("pass", text, value, 0.0, "spacings", comparison=">=", evidence={"thin": name})}
         wanted = value * s / LEAST_ACROSS
         text += f": too thin to answer {', '.join(asked[name][:4])}; refine to {wanted:.3g} m, or make it thicker"
-        hints = (coarse(self.liquid, "the liquid is too thin for its spacing", wanted),)
+        hints = (refine(self.liquid, "the liquid is too thin for its spacing", wanted),)
         evidence = {"asked": asked[name], "thickness_m": value * s, "spacing_m": s}
         return {"across": Finding("unverified", text, value, LEAST_ACROSS, "spacings", name, 0, hints, evidence, ">=")}
 

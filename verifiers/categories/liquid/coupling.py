@@ -15,13 +15,12 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ...ledgers.exchanged import partners
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again, couple_both_ways, halve_step
 from ...rows.findings import Finding
 from .bodies import Bodies, exchanged
 from .bounds import FELT, REACTION
 from .buoyancy import Buoyancy
 from .questions import COUPLING
-from .rows import longer_step
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -117,7 +116,10 @@ class Coupling:
         row = int(np.argmax(error[frame]))
         entity = self.bodies.entities[row]
         text = f"{what} {entity} at frame {frame} differs from what was given by {error[frame, row]:.3g} of its largest impulse"
-        hints: tuple[Correction, ...] = (bake_again(), longer_step(self.liquid, "the two sides do not step together"))
+        hints: tuple[Correction, ...] = (
+            bake_again(),
+            halve_step(self.liquid.candidate, self.liquid.solver, "the two sides do not step together"),
+        )
         evidence = {"given": other[frame, row].tolist(), name: one[frame, row].tolist()}
         return Finding("fail", text, value if np.isfinite(value) else None, REACTION, "1", entity, frame, hints, evidence)
 
@@ -134,11 +136,7 @@ class Coupling:
             if not kind:
                 entity, frame = self.bodies.entities[row], int(np.argmax(push[:, row] >= FELT * weight[row]))
                 rigid = next((n for n, s in self.liquid.candidate.spec.simulation.rigid.items() if entity in s.members), "")
-                value = {"source": self.liquid.solver, "target": rigid, "direction": "two_way", "variables": ["motion", "wrench"]}
-                hint = correction(
-                    "no coupling carries the liquid's push to the body", "drivers", f"couple {self.liquid.solver} and {rigid} both ways",
-                    pointers=("/simulation/couplings",), patch=({"op": "add", "path": f"/simulation/couplings/{self.liquid.solver}_{rigid}", "value": value},),
-                )  # fmt: skip
+                hint = couple_both_ways(self.liquid.solver, rigid, "no coupling carries the liquid's push to the body")
                 text = f"{self.liquid.solver} pushes {entity} with {share:.3g} of its weight and does not move it: no coupling is declared"
                 return Finding("fail", text, share, FELT, "1", entity, frame, (hint,))
         if omitted:

@@ -14,11 +14,12 @@ import numpy as np
 
 from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again, double_iterations, halve_step
 from ...rows.findings import Finding
 from .bounds import BOILING, BULK, CROWDED, DISAGREE, RECORDED
+from .corrections import refine
 from .questions import DENSITY
-from .rows import coarse, first_over, longer_step
+from .rows import first_over
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -105,14 +106,12 @@ class Density:
 
     def findings(self) -> dict[str, Finding]:
         """Crowding, its records, and boiling."""
-        settings = f"/simulation/solvers/{self.liquid.solver}/settings"
-        more = correction(
-            "the pressure solve stops too early",
-            "step",
-            "raise the iterations, or lower the error at which it ends",
-            pointers=(f"{settings}/iterations",),
+        candidate, solver = self.liquid.candidate, self.liquid.solver
+        more = double_iterations(candidate, solver, "the pressure solve stops too early", ", or lower the error at which it ends")
+        hints: tuple[Correction, ...] = (
+            more,
+            halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long for the flow"),
         )
-        hints: tuple[Correction, ...] = (more, longer_step(self.liquid, "the step is too long for the flow"))
         recorded, most = np.array(self.recorded), RECORDED[self.liquid.plan.engine]
         if np.isnan(np.array(self.crowded)).all():
             thin = Finding("not_applicable", "the liquid is nowhere thick enough to have an inside")
@@ -125,7 +124,7 @@ class Density:
                     bound,
                     "1",
                     "mean crowding",
-                    (*hints, coarse(self.liquid, "too few particles across the liquid")),
+                    (*hints, refine(self.liquid, "too few particles across the liquid")),
                 ),
                 "recorded_density": first_over(
                     np.array(self.apart),

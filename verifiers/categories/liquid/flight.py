@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again
 from ...rows.findings import Finding
 from ..soft_solids import soft_boxes
 from .bounds import FLIGHT, LEAST_SLIP
+from .corrections import ease
 from .questions import FLIGHT_FREE
 from .rows import first_over, place
 from .solids import Piece, pieces_of
@@ -140,9 +141,13 @@ class Flight:
             return {"flight": Finding("not_applicable", "no cluster of liquid flies free of all else")}
         hints = (
             bake_again("the cache was edited"),
-            correction("forces act on liquid that is in touch with nothing", "liquid", "lower surface_tension, or let the step follow the flow",
-                       pointers=tuple(f"/entities/{m}/physics/surface_tension" for m in self.liquid.members)),
-        )  # fmt: skip
+            ease(
+                self.liquid,
+                "forces act on liquid that is in touch with nothing",
+                "lower surface_tension, or let the step follow the flow",
+                "surface_tension",
+            ),
+        )
         found = first_over(
             np.array(self.slip),
             1.0,

@@ -18,15 +18,16 @@ from scipy.spatial import cKDTree
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.facts import LEAST_SPACINGS
-from ...rows.corrections import correction
+from ...rows.corrections import halve_step
 from ...rows.findings import Finding
 from ..cloth.sides import PassedSheets
 from ..soft_solids import soft_walls
 from .across import production_spacing
 from .barriers import Barrier, barriers_of, still_barrier
 from .bounds import LEAKED
+from .corrections import let_pass, refine
 from .questions import LEAKS
-from .rows import coarse, longer_step, place
+from .rows import place
 from .slots import slots, touching
 from .throats import Visited
 
@@ -174,10 +175,9 @@ class Leaks:
             f"first at frame {index}, most about {where}"
         )
         hints = (
-            correction(f"{name} has a gap or a hole there", "shape", f"close {piece.entity} about {where}, or widen the way to at least "
-                       f"{3 * self.liquid.spacing:.3g} m", pointers=(f"/entities/{piece.entity}/parts",)),
-            longer_step(self.liquid, "particles run through the wall in a step"),
-            coarse(self.liquid, "the wall is thinner than the liquid resolves"),
+            let_pass((piece.entity,), f"{name} has a gap or a hole there", where, LEAST_SPACINGS * self.liquid.spacing),
+            halve_step(self.liquid.candidate, self.liquid.solver, "particles run through the wall in a step"),
+            refine(self.liquid, "the wall is thinner than the liquid resolves"),
         )  # fmt: skip
         evidence: dict[str, Any] = {"place": where, "collider": piece.entity, "part": piece.part, "gap_extent": sizes,
                                     "per_frame": [[i, n] for i, n, *_ in self.leaks[:20]], "share": count / max(self.particles, 1)}  # fmt: skip
@@ -202,10 +202,9 @@ class Leaks:
             f"of {s:g} m: nothing can pass it here whatever liquid would do; refine to {wanted:.3g} m, or close the gap"
         )
         hints = (
-            correction("a slot narrower than the spacing is closed for its particles", "shape", f"close the gap about {where}, or say by "
-                       f"its size that liquid runs out: at least {LEAST_SPACINGS * s:.3g} m", pointers=(f"/entities/{entity}/parts",)),
-            coarse(self.liquid, "the spacing does not resolve the slot", wanted),
-        )  # fmt: skip
+            let_pass((entity,), "a slot narrower than the spacing is closed for its particles", where, LEAST_SPACINGS * s),
+            refine(self.liquid, "the spacing does not resolve the slot", wanted),
+        )
         evidence = {
             "place": where,
             "gap_m": slot.width,
@@ -223,7 +222,9 @@ class Leaks:
             f"{count:.0f} of {self.particles} particles passed through the sheet {entity}/{part}, first at frame "
             f"{self.crossed[0][0]}, most about {where}"
         )
-        hints = (longer_step(self.liquid, "particles and the sheet run through each other in a step"),)
+        hints = (
+            halve_step(self.liquid.candidate, self.liquid.solver, "particles and the sheet run through each other in a step"),
+        )
         evidence = {"place": where, "collider": entity, "part": part, "share": count / max(self.particles, 1)}
         return Finding("fail", text, count, bound, "1", entity, self.crossed[0][0], hints, evidence)
 

@@ -17,12 +17,13 @@ import numpy as np
 from ....geometry import Solid, contains
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import EACH_OTHER, bake_again, halve_step, out_of_solids
 from ...rows.findings import Finding
 from ..soft_solids import soft_depths
 from .bounds import APPEARS, DRIFT, LEDGER, RECORD, SLOW
+from .corrections import hold_all
 from .questions import BOOKS, IDENTITY
-from .rows import first_over, longer_step, place
+from .rows import first_over, place
 from .samples import spread
 from .solids import deepest, pieces_of
 
@@ -94,11 +95,8 @@ class Books:
         error = np.abs(balance - balance[0]) / max(float((mass + went + left).max()), 1e-12)
         hints = (
             bake_again(),
-            correction(
-                "liquid leaves where nothing counts it", "domain", "let the domain hold all of it, or give an outflow",
-                pointers=(f"/simulation/solvers/{self.liquid.solver}/settings/domain",),
-            ),
-        )  # fmt: skip
+            hold_all(self.liquid),
+        )
         found = first_over(error, LEDGER, "1", "relative error of the mass balance", hints)
         evidence = {"mass_start_kg": float(mass[0]), "mass_end_kg": float(mass[-1]), "inflow_kg": float(came[-1]),
                     "outflow_kg": float(went[-1] + left[-1])}  # fmt: skip
@@ -112,12 +110,7 @@ class Books:
             return Finding("not_applicable", "a preroll lets liquid in or out before frame 0, which nothing counts")
         error = abs(have - declared) / max(declared, 1e-12)
         text = f"particles hold {have:.6g} m^3 at frame 0, the parts {declared:.6g} m^3 ({error:.3%} off)"
-        hints = (
-            correction(
-                "parts overlap each other, a solid or the domain's sides", "placement", "move the liquid's parts apart and out of solids",
-                pointers=tuple(f"/entities/{m}/parts" for m in self.liquid.members),
-            ),
-        )  # fmt: skip
+        hints = (out_of_solids(self.liquid.members, "its parts overlap solids, the domain's sides or each other", EACH_OTHER),)
         return Finding("pass" if error <= DRIFT else "fail", text, error, DRIFT, "1", self.liquid.members[0], 0, hints)
 
     def _records(self, own: F64) -> Finding:
@@ -248,7 +241,7 @@ class Identity:
         text = f"{count} particles {what} at frame {index}, about {where} m ({total:.0f} such cases in all)"
         hints = (
             bake_again(),
-            longer_step(self.liquid, "the engine lost particles"),
+            halve_step(self.liquid.candidate, self.liquid.solver, "the engine lost particles"),
         )
         evidence = {
             "place": where,

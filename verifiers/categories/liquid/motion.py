@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again, halve_step, out_of_solids
 from ...rows.findings import Finding
 from .bodies import Bodies
 from .bounds import FEW_TRAPPED, JET, JITTER_SECONDS, JITTER_WAY, JUMP, LIMIT, SPIKES, TRAPPED
+from .corrections import give_room
 from .questions import MOTION, TRAPPED_PARTICLES
-from .rows import first_over, longer_step, place
+from .rows import first_over, place
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -124,7 +125,7 @@ class Motion:
         """Jumps and spikes."""
         if not self.over:
             raise EvidenceError("the cache holds no frame")
-        hints = (longer_step(self.liquid, "the step is too long"), bake_again())
+        hints = (halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long"), bake_again())
         found = first_over(np.array(self.jump), self.allowed, "spacings", "displacement beyond what velocities explain", hints)
         evidence: dict[str, object] = {}
         if self.worst_jump is not None:
@@ -144,10 +145,9 @@ class Motion:
             f"{count} particles are too fast at frame {frame}: {speed:.3g} m/s at {where}, where energy allows {allowed:.3g} m/s"
         )
         hints = (
-            longer_step(self.liquid, "the step is too long for the flow"),
-            correction("a body or wall overlaps the liquid and throws it", "placement", "separate them at frame 0",
-                       pointers=tuple(f"/entities/{m}/parts" for m in self.liquid.members)),
-        )  # fmt: skip
+            halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long for the flow"),
+            out_of_solids(self.liquid.members, "a solid overlaps the liquid at the start and throws it"),
+        )
         return Finding(
             "fail",
             text,
@@ -206,8 +206,7 @@ class Trapped:
         index, count, where = self.first
         text = f"{count} particles jitter within a spacing at frame {index}, about {where}: moving fluid is caught there"
         hints = (
-            correction("liquid is caught between surfaces that leave it no room", "placement", f"give it room about {where}, or keep liquid out",
-                       pointers=tuple(f"/entities/{m}/parts" for m in self.liquid.members)),
-            longer_step(self.liquid, "the pressure solve does not converge there"),
-        )  # fmt: skip
+            give_room(self.liquid, where),
+            halve_step(self.liquid.candidate, self.liquid.solver, "the pressure solve does not converge there"),
+        )
         return {"trapped": Finding("fail", text, most, TRAPPED, "1", None, index, hints, {"place": where, "particles": count})}

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again, double_iterations, halve_step
 from ...rows.findings import Finding
 from .bounds import CAPPED, COVER, LOST
+from .corrections import refine
 from .questions import NUMBERS
-from .rows import coarse, first_over, longer_step
+from .rows import first_over
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -78,11 +79,10 @@ class Numbers:
         """All counters."""
         if not self.rows:
             raise EvidenceError("the cache holds no frame")
-        settings = f"/simulation/solvers/{self.liquid.solver}/settings"
         limit = self.liquid.candidate.spec.simulation.limits.max_speed
         column = dict(zip(RECORDS, np.array(self.rows).T, strict=True))
         speed = np.maximum(np.array(self.fastest), np.nan_to_num(column["max_speed"], nan=np.inf))
-        step = longer_step(self.liquid, "the step is too long for the flow")
+        step = halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long for the flow")
         found = {
             "finite": Finding("pass", f"{self.total} numbers are finite", 0.0, 0.0, "numbers"),
             "counts": Finding("pass", f"{len(self.rows)} frames have the rows that they need", 0.0, 0.0, "rows"),
@@ -92,9 +92,9 @@ class Numbers:
                 LOST,
                 "1",
                 "number of lost particles",
-                (step, coarse(self.liquid, "walls are thinner than the liquid resolves")),
+                (step, refine(self.liquid, "walls are thinner than the liquid resolves")),
             ),
-            "iterations": self._iterations(column, settings),
+            "iterations": self._iterations(column),
             "counters": self._counters(column),
         }
         if self.infinite is not None:
@@ -117,7 +117,7 @@ class Numbers:
             )
         return found
 
-    def _iterations(self, column: Mapping[str, Any], settings: str) -> Finding:
+    def _iterations(self, column: Mapping[str, Any]) -> Finding:
         steps, capped = column["steps"], column["iterations_capped"]
         total = float(steps.sum())
         if not np.isfinite(total) or not np.isfinite(capped).all():
@@ -126,14 +126,11 @@ class Numbers:
             raise EvidenceError(f"instance {self.liquid.solver!r} records no solver steps")
         share = float(capped.sum()) / total
         over = np.cumsum(capped) > CAPPED * total
-        now = self.liquid.plan.settings.iterations
+        candidate, now = self.liquid.candidate, self.liquid.plan.settings.iterations
         hints = (
-            longer_step(self.liquid, "the step is too long for the pressure solve"),
-            correction(
-                "the pressure solve does not converge", "step", f"double the iterations from {now}", pointers=(f"{settings}/iterations",),
-                patch=({"op": "add", "path": f"{settings}/iterations", "value": min(1000, 2 * now)},),
-            ),
-        )  # fmt: skip
+            halve_step(candidate, self.liquid.solver, "the step is too long for the pressure solve"),
+            double_iterations(candidate, self.liquid.solver, "the pressure solve does not converge"),
+        )
         frame = int(np.argmax(over)) if over.any() else None
         text = f"{share:.2%} of {total:.0f} steps ended at the iteration cap of {now}"
         return Finding("pass" if share <= CAPPED else "fail", text, share, CAPPED, "1", None, frame, hints)

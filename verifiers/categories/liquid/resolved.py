@@ -15,12 +15,13 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.facts import LEAST_MOUTH
-from ...rows.corrections import correction
+from ...rows.corrections import thicken
 from ...rows.findings import Finding
 from .barriers import still_barrier
 from .bounds import EDGES, FACETS, LEAST_OPENING, LEAST_WALL, WIDE_BODY
+from .corrections import let_pass, refine, widen_opening
 from .questions import RESOLVED
-from .rows import coarse, place
+from .rows import place
 from .samples import scattered
 from .solids import Piece, deepest, pieces_of
 from .throats import Visited, narrow_ways
@@ -73,10 +74,9 @@ class Resolved:
         if value >= bound * (1.0 - 1e-9):
             return Finding("pass", text, value, bound, "spacings", comparison=">=")
         driver = liquid.inflows.get(name) or liquid.outflows[name]
-        pointer = f"/simulation/drivers/{name}/size"
         hints = (
-            coarse(liquid, "the spacing does not resolve the opening", 0.28 * widths[name]),
-            correction("the opening is too narrow", "drivers", f"widen {name} to {bound * s:.3g} m", pointers=(pointer,)),
+            refine(liquid, "the spacing does not resolve the opening", 0.28 * widths[name]),
+            widen_opening(name, bound * s),
         )
         evidence = {"place": place(np.array(driver.pose.position)), "driver": name, "width_m": widths[name]}
         return Finding("fail", text, value, bound, "spacings", driver.entity, 0, hints, evidence, ">=")
@@ -97,10 +97,9 @@ class Resolved:
         if value >= bound * (1.0 - FACETS):
             return Finding("pass", text, value, bound, "spacings", comparison=">=", evidence=evidence)
         hints = (
-            correction("the solid is thinner than the liquid resolves", "shape", f"make {piece.entity} at least {bound * s:.3g} m thick about {where}",
-                       pointers=(f"/entities/{piece.entity}/parts",)),
-            coarse(self.liquid, "the spacing does not resolve the solid", value * s / bound),
-        )  # fmt: skip
+            thicken(piece.entity, "the solid is thinner than the liquid resolves", f"{bound * s:.3g} m about {where}"),
+            refine(self.liquid, "the spacing does not resolve the solid", value * s / bound),
+        )
         return Finding("fail", text, value, bound, "spacings", piece.entity, frame, hints, evidence, ">=")
 
     def _thin(self, piece: Piece) -> tuple[float, list[float], int, int] | None:
@@ -168,10 +167,9 @@ class Resolved:
         text = f"the way at {where} between {names} is {way.width:.3g} m wide, {value:.3g} spacings of {s:g} m; {len(ways)} such ways that liquid gets to{shut}"
         entity = way.between[0].entity
         hints = (
-            coarse(liquid, "the spacing does not resolve the way", 0.28 * way.width),
-            correction("the way is too narrow", "shape", f"widen it to {LEAST_OPENING * s:.3g} m about {where}, or close it",
-                       pointers=tuple(dict.fromkeys(f"/entities/{p.entity}/parts" for p in way.between))),
-        )  # fmt: skip
+            refine(liquid, "the spacing does not resolve the way", 0.28 * way.width),
+            let_pass((p.entity for p in way.between), "the way is too narrow", where, LEAST_OPENING * s),
+        )
         evidence = {
             "place": where,
             "width_m": way.width,

@@ -1,4 +1,4 @@
-"""Watches of liquids: each sees every frame once and answers its questions."""
+"""Findings of series of frames, and points for evidence."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ....worlds.requirements import Correction
-from ...rows.corrections import correction
 from ...rows.findings import Finding
 
 if TYPE_CHECKING:
-    from .frames import Liquid
+    from ....worlds.requirements import Correction
 
-__all__ = ["coarse", "first_over", "longer_step", "place", "worst"]
+__all__ = ["first_over", "place", "worst"]
 
 
 def worst(values: F64, bound: float) -> tuple[float, int | None, int]:
@@ -44,24 +42,3 @@ def first_over(values: F64, bound: float, unit: str, what: str, hints: tuple[Cor
 def place(point: F64) -> list[float]:
     """A point for evidence [m]."""
     return [round(float(c), 6) for c in point]
-
-
-def longer_step(liquid: Liquid, cause: str) -> Correction:
-    """Halve the longest step."""
-    pointer = f"/simulation/solvers/{liquid.solver}/settings/max_step"
-    step = liquid.plan.settings.max_step
-    patch = ({"op": "add", "path": pointer, "value": float(f"{max(1e-5, step / 2):.6g}")},)
-    return correction(cause, "step", f"halve max_step from {step:g} s", pointers=(pointer,), patch=patch)
-
-
-def coarse(liquid: Liquid, cause: str, wanted: float | None = None) -> Correction:
-    """Resolve the liquid more finely."""
-    member = liquid.members[0]
-    pointer = f"/entities/{member}/physics/resolution"
-    value = 0.5 * liquid.spacing if wanted is None else wanted
-    patch = tuple(
-        {"op": "add", "path": f"/entities/{m}/physics/resolution", "value": float(f"{value:.3g}")} for m in liquid.members
-    )
-    return correction(
-        cause, "resolution", f"lower resolution from {liquid.spacing:g} m to {value:.3g} m", pointers=(pointer,), patch=patch
-    )

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again
 from ...rows.findings import Finding
 from ..soft_solids import soft_gaps
 from .bounds import BEARING, BELOW, FEW_STUCK, FILM, STAYS_SECONDS, STAYS_SHARE, STAYS_WAY, STEEP, STUCK
+from .corrections import ease, refine
 from .questions import STICKING
-from .rows import coarse, place
+from .rows import place
 from .solids import deepest, pieces_of
 
 if TYPE_CHECKING:
@@ -178,9 +179,9 @@ class Sticking:
             f"at most {self.most} do"
         )
         hints: tuple[Correction, ...] = (
-            correction("the wall holds the liquid", "liquid", "lower wall_friction (dfsph) or roughness (flip), and viscosity if it is too high",
-                       pointers=(f"/simulation/solvers/{liquid.solver}/settings/wall_friction", *(f"/entities/{m}/physics/viscosity" for m in liquid.members))),
-            coarse(liquid, "liquid is caught in a corner or gap that its spacing does not resolve"),
+            ease(liquid, "the wall holds the liquid", "lower wall_friction (dfsph) or roughness (flip), and viscosity if it is too high",
+                 "viscosity", settings=("wall_friction",)),
+            refine(liquid, "liquid is caught in a corner or gap that its spacing does not resolve"),
             bake_again(),
         )  # fmt: skip
         evidence = {"place": where, "part": part, "particles": count, "cases": len(self.stuck)}

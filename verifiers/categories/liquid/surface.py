@@ -17,7 +17,7 @@ from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.surface import LiquidSurface, mesh_of
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again
 from ...rows.findings import Finding
 from .bounds import CALM_SPEED, DRIFT, FAR, POP, STRANGE, SUDDEN, VOLUME
 from .questions import SHOWN
@@ -118,12 +118,7 @@ class Shown:
             return dict.fromkeys(self.questions, none)
         if self.count < self.liquid.frames:
             raise EvidenceError(f"the liquid has {self.count} of {self.liquid.frames} surfaces; bake again to resume")
-        remade = correction(
-            "the surface is not that of the particles",
-            "interval",
-            "bake again, which makes the surface anew",
-            pointers=("/simulation/frames",),
-        )
+        remade = bake_again("the surface is not that of the particles")
         return {"surface": self._volume(remade), "closed": self._closed(remade), "pop": self._pop(remade)}
 
     def _volume(self, hint: Any) -> Finding:

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again, halve_step, move_by, out_of_solids
 from ...rows.findings import Finding
 from ..soft_solids import soft_depths
 from .bounds import BEYOND, DEPTH_SHARE
+from .corrections import move_opening, refine
 from .questions import WALLS
-from .rows import coarse, longer_step, place
+from .rows import place
 from .solids import deepest, pieces_of
 
 if TYPE_CHECKING:
@@ -113,13 +114,12 @@ class Walls:
             f"{count} particles are inside {entity}/{part} at frame {index}, {depth:.3g} m deep at {where}; "
             f"{self.total} such cases in all frames, deepest {self.depth:.3g} m"
         )
-        hints: tuple[Correction, ...] = (longer_step(self.liquid, "particles run through the wall in a step"),)
+        hints: tuple[Correction, ...] = (
+            halve_step(self.liquid.candidate, self.liquid.solver, "particles run through the wall in a step"),
+        )
         if index == 0:
-            hints = (
-                correction("the initial volume overlaps a solid", "placement", f"move the liquid's parts out of {entity}",
-                           pointers=tuple(f"/entities/{m}/parts" for m in self.liquid.members)),
-            )  # fmt: skip
-        hints += (coarse(self.liquid, f"{entity} is thinner than the liquid resolves"),)
+            hints = (out_of_solids(self.liquid.members, "the initial volume overlaps a solid", entity),)
+        hints += (refine(self.liquid, f"{entity} is thinner than the liquid resolves"),)
         evidence = {"place": where, "part": part, "particles": count, "cases": self.total, "worst_frame": self.worst_frame}
         return Finding("fail", text, self.depth, bound, "m", entity, index, hints, evidence)
 
@@ -138,7 +138,7 @@ class Walls:
             "m",
             None,
             index,
-            (bake_again(), longer_step(self.liquid, "particles run through a closed side")),
+            (bake_again(), halve_step(self.liquid.candidate, self.liquid.solver, "particles run through a closed side")),
             {"place": where},
         )
 
@@ -150,20 +150,11 @@ class Walls:
         index, name, entity, depth, where = self.blocked
         what = f"inside {entity}" if entity else "outside the domain"
         text = f"the opening of {name} is {depth:.3g} m {what} at frame {index}, at {where}"
-        pointer = f"/simulation/drivers/{name}/pose"
-        hints = (
-            correction(
-                "the source is inside a solid",
-                "drivers",
-                f"move the opening of {name} by at least {depth:.3g} m out of {entity or 'the side'}",
-                pointers=(pointer,),
-            ),
-            correction(
-                "the solid stands in the source's way", "placement", f"move {entity}", pointers=(f"/entities/{entity}/pose",)
-            ),
-        )[: 2 if entity else 1]
+        hints = [move_opening(name, depth, entity)]
+        if entity:
+            hints.append(move_by(self.liquid.candidate, entity, None, "the solid stands in the source's way"))
         evidence = {"place": where, "driver": name}
-        return Finding("fail", text, depth, 0.0, "m", entity or self.liquid.inflows[name].entity, index, hints, evidence)
+        return Finding("fail", text, depth, 0.0, "m", entity or self.liquid.inflows[name].entity, index, tuple(hints), evidence)
 
 
 def opening_points(liquid: Liquid, name: str) -> F64:

@@ -20,11 +20,12 @@ from ....physics.waves import Sea, wavelength
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.waves import developed, heading, inward, sea_of, waves_of
-from ...rows.corrections import bake_again, correction
+from ...rows.corrections import bake_again
 from ...rows.findings import Finding
 from .bounds import ENTERS, FLAT, HEIGHT, LEAST_WATER, PERIOD, PERIODS
+from .corrections import lower_waves, refine
 from .questions import WAVES
-from .rows import coarse, place
+from .rows import place
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -109,7 +110,7 @@ class Waves:
             f"waves {name!r} are {gain * driver.height:.3g} m high where they leave their zone, declared are {driver.height:g} m: "
             f"{error:.0%} off, allowed {HEIGHT:.0%}"
         )
-        hints = (*_flat(gain), coarse(self.liquid, "waves die away where they are coarsely resolved"), *_steep(name, driver))
+        hints = (*_flat(gain), refine(self.liquid, "waves die away where they are coarsely resolved"), lower_waves(name, driver))
         status: Status = "pass" if error <= HEIGHT else "fail"
         frame = None if status == "pass" else self._first(driver)
         return Finding(status, text, error, HEIGHT, "1", None, frame, hints if status == "fail" else (), evidence)
@@ -131,13 +132,6 @@ class Waves:
 
 def _flat(gain: float) -> tuple[Correction, ...]:
     return (bake_again("the surface stays flat: the cache is of a run without these waves"),) if gain < FLAT else ()
-
-
-def _steep(name: str, driver: WavesDriver) -> tuple[Correction, ...]:
-    pointer = f"/simulation/drivers/{name}/height"
-    lower = float(f"{0.7 * driver.height:.3g}")
-    patch = ({"op": "replace", "path": pointer, "value": lower},)
-    return (correction("the waves break", "drivers", f"lower height to {lower:g} m", pointers=(pointer,), patch=patch),)
 
 
 def _windows(liquid: Liquid, driver: WavesDriver) -> tuple[F64, F64]:

@@ -18,8 +18,9 @@ from ....worlds.errors import EvidenceError
 from ...rows.corrections import bake_again
 from ...rows.findings import Finding
 from .bounds import AREA, BEHIND, DEEP, OFF, OVER, SHALLOW, TOUCH, UNCOVERED
+from .corrections import refine
 from .questions import WETTED
-from .rows import coarse, place
+from .rows import place
 from .samples import scattered
 from .solids import Piece, pieces_of
 from .tracks import Carried
@@ -198,7 +199,7 @@ class Wetted:
             (self.track, 0.0, "film of a track that no wet surface near it can have left"),
         )
         hints = (
-            coarse(self.liquid, "the edge of what is wet lies within what a spacing tells"),
+            refine(self.liquid, "the edge of what is wet lies within what a spacing tells"),
             bake_again("the wet map is not that of the particles"),
         )
         for worst, bound, what in checks:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ...ledgers.exchanged import partners
-from ...rows.corrections import bake_again, correction, halve_step
+from ...rows.corrections import bake_again, couple_both_ways, halve_step, out_of_solids, thicken
 from ...rows.findings import Finding
 from ..cloth.sides import PassedSheets
 from ..liquid.solids import deepest, pieces_of
@@ -95,16 +95,10 @@ class Walls:
         hints: tuple[Correction, ...] = (
             halve_step(self.swarm.candidate, self.swarm.solver, "particles run through the wall in a step"),
             stiffer(self.swarm, "grains are pressed through the wall", 4.0),
-            correction(
-                "the wall is thinner than a grain", "shape", f"make {entity} thicker", pointers=(f"/entities/{entity}/parts",)
-            ),
+            thicken(entity, "the wall is thinner than a grain"),
         )
         if frame == 0:
-            move = correction(
-                "the initial volume overlaps a solid", "placement", f"move the volume out of {entity}",
-                pointers=tuple(f"/entities/{m}/pose" for m in self.swarm.members),
-            )  # fmt: skip
-            hints = (move, *hints)
+            hints = (out_of_solids(self.swarm.members, "the initial volume overlaps a solid", entity), *hints)
         return Finding("fail", text, self.depth, bound, "m", frame=frame, hints=hints, evidence={"solid": entity, "at": where})
 
     def _compare(self, own: F64, other: F64, what: str) -> Finding:
@@ -165,10 +159,8 @@ class Walls:
             if float(push.max(initial=0.0)) > FELT * weight:
                 frame = int(np.argmax(push > FELT * weight))
                 owner = next(iter(sorted(owners)), "")
-                hint = correction(
-                    "grains push it, and it does not feel them", "drivers",
-                    f"couple {owner!r} and {self.swarm.solver!r} two_way, or declare the coupling one_way", pointers=("/simulation/couplings",),
-                )  # fmt: skip
+                felt, also = "grains push it, and it does not feel them", ", or declare the coupling one_way"
+                hint = couple_both_ways(self.swarm.solver, owner, felt, also)
                 return Finding(
                     "fail",
                     f"grains push {entity} from frame {frame} on, and no coupling is declared",

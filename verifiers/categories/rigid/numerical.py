@@ -14,7 +14,7 @@ from ...ledgers import motion
 from ...ledgers.balance import books_of
 from ...ledgers.exchanged import both_ways
 from ...ledgers.fields import feels_fields
-from ...rows.corrections import bake_again, correction, halve_step, separate, set_value
+from ...rows.corrections import bake_again, correction, double_iterations, halve_step, separate
 from ...rows.findings import Finding
 from ...scene import initial_state
 from ..container import rows_about
@@ -218,16 +218,8 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         raise EvidenceError(f"instance {solver!r} records no solver steps")
     share = float(capped.sum()) / total
     over = np.cumsum(capped) > CAPPED * total
-    place = f"/simulation/solvers/{solver}/settings/iterations"
-    now = candidate.spec.simulation.rigid[solver].settings.iterations
     hints = (
-        correction(
-            "the contact solver does not converge",
-            "step",
-            f"double the iterations from {now}",
-            pointers=(place,),
-            patch=set_value(place, min(1000, 2 * now)),
-        ),
+        double_iterations(candidate, solver, "the contact solver does not converge"),
         correction("very unequal masses in contact", "mass", "bring the masses of touching bodies closer together"),
     )
     return Finding(

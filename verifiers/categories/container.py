@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from ...worlds.errors import EvidenceError
-from ..rows.corrections import bake_again, correction
+from ..rows.corrections import bake_again, resume
 from ..rows.findings import Finding, cache_of, judged
 from ..rows.instance_rows import instance_answer
 from .questions import DIGEST, FRAMES
@@ -63,9 +63,7 @@ def frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         0.0,
         "frames",
         frame=absent[0] if absent else None,
-        hints=(
-            correction("the bake is incomplete", "interval", "bake again to the last frame", pointers=("/simulation/frames",)),
-        ),
+        hints=(resume(),),
         evidence={"held": index.frames, "planned": plan.frames, "missing": absent[:100]},
     )
 

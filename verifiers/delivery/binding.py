@@ -12,7 +12,7 @@ from ...worlds.candidate import Candidate, cache_digest
 from ...worlds.errors import EvidenceError
 from ...worlds.requirements import Correction, Row, Status
 from ..rows.answers import row_of
-from ..rows.corrections import correction
+from ..rows.corrections import bake_again, correction
 from ..rows.findings import Finding
 from .questions import CACHE, REPLAY
 
@@ -20,7 +20,6 @@ __all__ = ["ALL_INTERVALS", "cache_row", "replay_row", "standing"]
 
 ALL_INTERVALS = 10**9
 """More intervals than any cache has: all of them are simulated again."""
-BAKE_AGAIN = "call bake_sim, which simulates every frame anew; never edit cache files"
 SHOWN = 16
 """Digits of a digest that a row quotes."""
 
@@ -102,10 +101,12 @@ def _told(record: BakeRecord, whole: str | None, solver: str, frame: int | None,
 def _corrections(status: Status) -> tuple[Correction, ...]:
     if status == "pass":
         return ()
-    cause, action = "the cache is not the one that was baked", BAKE_AGAIN
-    if status == "unverified":
-        cause = "nothing that can be trusted says which frames were baked"
-        action = "call bake_sim; or, without a server, worldagent recompute FOLDER, or worldagent verify FOLDER --replay --intervals all"
+    if status == "fail":
+        return (bake_again("the cache is not the one that was baked"),)
+    cause = "nothing that can be trusted says which frames were baked"
+    action = (
+        "call bake_sim; or, without a server, worldagent recompute FOLDER, or worldagent verify FOLDER --replay --intervals all"
+    )
     return (correction(cause, "interval", action),)
 
 
@@ -138,7 +139,7 @@ def replay_row(
         float(len(counted)),
         0.0,
         frame=min((int(str(r["first_different_frame"])) for r in counted), default=None),
-        hints=(correction(cause, "interval", BAKE_AGAIN),) if counted else (),
+        hints=(bake_again(cause),) if counted else (),
         evidence={"intervals": results, "seed": seed, **({"earlier": [dict(r) for r in earlier]} if earlier else {})},
     )
     return row_of(candidate, REPLAY, (), found), bool(results) and not counted and intervals >= ALL_INTERVALS

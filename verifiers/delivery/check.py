@@ -9,7 +9,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.requirements import Row
 from ..rows.answers import row_of
-from ..rows.corrections import bake_again, correction
+from ..rows.corrections import bake_again, correction, resume
 from ..rows.findings import Finding
 from .questions import COMPLETE, DIGESTS, INDEPENDENT
 
@@ -38,7 +38,7 @@ def _complete(candidate: Candidate, cache: Cache) -> Finding:
         float(have),
         float(wanted),
         frame=have,
-        hints=(correction("the bake stopped early", "interval", "call bake_sim to resume it"),),
+        hints=(resume(),),
         frames=(0, wanted - 1),
     )
 

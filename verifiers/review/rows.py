@@ -56,14 +56,14 @@ def _of_claim(candidate: Candidate, reviews: Sequence[Review], span: Asked, arti
     return [row.model_copy(update={"mandatory": status != "unverified"})]
 
 
+def _do_it(cause: str, text: str) -> Correction:
+    action = f"read inspect_world(part='account') beside {text}, and make the world do what it says"
+    return correction(cause, "story", action, pointers=("/story",))
+
+
 def _hints(span: Asked) -> tuple[Correction, ...]:
     return (
-        correction(
-            "the world does not do what the prompt says",
-            "story",
-            f"read inspect_world(part='account') beside {span.quote!r}, and make the world do it",
-            pointers=("/story",),
-        ),
+        _do_it("the world does not do what the prompt says", repr(span.quote)),
         correction("the cameras do not show it", "shots", "show it in a shot, near and unhidden", pointers=("/shots",)),
     )
 
@@ -78,17 +78,11 @@ def _of_choice(candidate: Candidate, reviews: Sequence[Review], artifact: str) -
     review = same[-1] if best.reader == "person" else wrong or same[-1]
     right, none = review.choice == review.right, review.choice == NONE
     text = f"{review.reader} {review.name!r} takes {'the prompt' if right else 'no prompt' if none else 'another prompt'} for the world's"
-    finding = Finding("pass" if right else "unverified" if none else "fail", text, hints=_choice_hints(), evidence=_said(review))
+    finding = Finding(
+        "pass" if right else "unverified" if none else "fail",
+        text,
+        hints=(_do_it("the world shows another prompt better than its own", "the prompt"),),
+        evidence=_said(review),
+    )
     row = row_of(candidate, CHOICE, (), finding, extra=review.digest, artifact=artifact)
     return [row.model_copy(update={"mandatory": not none})]
-
-
-def _choice_hints() -> tuple[Correction, ...]:
-    return (
-        correction(
-            "the world shows another prompt better than its own",
-            "story",
-            "read inspect_world(part='account'), and make the world do what the prompt says",
-            pointers=("/story",),
-        ),
-    )

@@ -30,6 +30,8 @@ __all__ = [
     "owning_up",
     "pointer",
     "postponed",
+    "resume",
+    "say_afloat",
     "separate",
     "set_value",
     "thicken",
@@ -121,12 +123,19 @@ def bake_again(cause: str = "the cache was edited or is of another run") -> Corr
     return correction(cause, "interval", "bake again; never edit cache files", pointers=("/simulation/frames",))
 
 
-def separate(entity: str | None) -> Correction:
-    """Take bodies apart that overlap at the start."""
+def resume() -> Correction:
+    """Bake the frames that are missing."""
     return correction(
-        "colliders overlap at the start and push each other apart",
+        "the bake stopped early", "interval", "call bake_sim, which resumes to the last frame", pointers=("/simulation/frames",)
+    )
+
+
+def separate(entity: str | None, frame: int = 0) -> Correction:
+    """Take bodies apart that overlap at a frame, by default at the start."""
+    return correction(
+        f"colliders overlap at {f'frame {frame}' if frame else 'the start'} and push each other apart",
         "placement",
-        f"separate {entity or 'the bodies'} from its neighbours at frame 0",
+        f"separate {entity or 'the bodies'} from its neighbours at frame {frame}",
         pointers=(f"/entities/{entity}/pose",) if entity else (),
     )
 
@@ -141,6 +150,14 @@ def thicken(entity: str, cause: str, least: str = "") -> Correction:
     """Make an entity thicker; `least` says how thick, and where."""
     action = f"make {entity} thicker" + (f": at least {least}" if least else "")
     return correction(cause, "shape", action, pointers=(pointer("entities", entity, "parts"),))
+
+
+def say_afloat(entity: str, cause: str) -> Correction:
+    """Declare that an entity hangs in the air."""
+    action = (
+        f"Say so: `afloat` of {entity!r} with the reason, which is printed (a weakening after a failure: give weakening_reason)."
+    )
+    return correction(cause, "placement", action, pointers=(pointer("entities", entity, "afloat"),))
 
 
 def move_by(candidate: Candidate, entity: str, offset: Iterable[float] | None, cause: str, action: str = "") -> Correction:

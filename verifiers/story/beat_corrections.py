@@ -13,9 +13,9 @@ from ...worlds.predicates.registry import is_invariant
 from ..categories.fracture.corrections import breaking
 from ..categories.registry import judged
 from ..predicates import Outcome, evaluate
-from ..rows.corrections import correction, set_value
+from ..rows.corrections import correction, halve_any_step, set_value
 from .bounds import MORE, SETTLING_FRAMES, STARTED
-from .offers import offered
+from .offers import faster, let_meet, offered
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction
@@ -46,14 +46,7 @@ def corrections_of(
     if isinstance(details.get("nearest"), dict):
         details |= details["nearest"]
     if details.get("non_finite"):
-        return [
-            correction(
-                "the solver diverged",
-                "step",
-                "halve the step and look at the contacts before the first frame that is not finite",
-                pointers=("/simulation/solvers",),
-            )
-        ]
+        return [halve_any_step("the solver diverged", " and look at the contacts before the first frame that is not finite")]
     found = _timing(candidate, predicate, outcome, pointer, frames)
     if outcome.unit == "cycles":
         found += _longer(candidate, outcome, pointer)
@@ -215,7 +208,7 @@ def _harder(entity: str, impulse: float, asked: float) -> list[Correction]:
     return [
         correction(weak, "initial_state", faster, pointers=(f"{place}/physics/linear_velocity",)),
         correction(weak, "mass", heavier, pointers=(f"{place}/physics/mass",)),
-        correction("they may not meet at all", "placement", "bring their paths together", pointers=(f"{place}/pose/position",)),
+        let_meet(f"{place}/pose/position", "they may not meet at all"),
     ]
 
 
@@ -225,7 +218,7 @@ def _farther_over(entity: str, angle: float, asked: float) -> list[Correction]:
     weak = f"{entity} turns {angle:.2g} of {asked:.2g} rad: the push is too weak or too low"
     closer = f"bring what hits {entity} closer and higher up"
     return [
-        correction(weak, "initial_state", "raise the speed of what hits it", pointers=(f"{place}/physics/linear_velocity",)),
+        faster(entity, weak),
         correction("nothing reaches it, or too low", "placement", closer, pointers=(f"{place}/pose/position",)),
         correction(
             "it is too heavy or too wide to fall",

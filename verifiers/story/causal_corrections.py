@@ -14,9 +14,9 @@ from ...worlds.errors import EvidenceError
 from ...worlds.predicates import entities_of
 from ..ledgers import motion
 from ..predicates import evaluate
-from ..rows.corrections import correction, set_value
+from ..rows.corrections import WEAKER, correction, set_value
 from .bounds import MOVED
-from .offers import acting, driver_offers, earlier, offered
+from .offers import acting, driver_offers, earlier, faster, offered
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -42,8 +42,7 @@ def wrong_cause(edge: Edge, more: str = "", pointers: tuple[str, ...] = ()) -> C
     return correction(
         "the story names the wrong cause",
         "story",
-        f"correct the causes of {edge.effect_id}: name in place of {edge.cause_id} what does set {edge.subject} going "
-        f"(a weakening edit: give weakening_reason){more}",
+        f"correct the causes of {edge.effect_id}: name in place of {edge.cause_id} what does set {edge.subject} going{WEAKER}{more}",
         pointers=(f"/story/beats/{edge.effect_id}/causes", *pointers),
     )
 
@@ -57,14 +56,9 @@ def link_hints(edge: Edge, stuck: str, tip: str | None = None, away: float | Non
         tip: last entity that it reaches.
         away: distance between the centres of the two [m].
     """
-    near = f"bring {stuck} within reach of {tip}: their centres are {away:.3g} m apart" if tip and away is not None else ""
+    near = f"within reach of {tip}: their centres are {away:.3g} m apart" if tip and away is not None else ""
     return (
-        correction(
-            "the chain of contacts is broken",
-            "placement",
-            near or f"bring {stuck} into the path of what {edge.cause_id} sets in motion",
-            pointers=(f"/entities/{stuck}/pose/position",),
-        ),
+        _bring(edge, stuck, near),
         _faster(edge, tip, stuck),
         wrong_cause(edge),
     )
@@ -80,16 +74,17 @@ def other_body_hints(edge: Edge, body: str) -> tuple[Correction, ...]:
         correction(
             why,
             "story",
-            f"tell of {body} in a beat of its own, with its own causes (a weakening edit: give weakening_reason)",
+            f"tell of {body} in a beat of its own, with its own causes{WEAKER}",
             pointers=(f"{place}/predicate",),
         ),
-        correction(
-            "the chain of contacts is broken",
-            "placement",
-            f"bring {body} into the path of what {edge.cause_id} sets in motion",
-            pointers=(f"/entities/{body}/pose/position",),
-        ),
+        _bring(edge, body),
     )
+
+
+def _bring(edge: Edge, body: str, where: str = "") -> Correction:
+    """Bring a body to where the chain gets; by default into the path of what the cause moves."""
+    action = f"bring {body} {where or f'into the path of what {edge.cause_id} sets in motion'}"
+    return correction("the chain of contacts is broken", "placement", action, pointers=(f"/entities/{body}/pose/position",))
 
 
 def _faster(edge: Edge, tip: str | None, stuck: str) -> Correction:
@@ -101,8 +96,7 @@ def _faster(edge: Edge, tip: str | None, stuck: str) -> Correction:
             place, value = f"/entities/{name}/physics/linear_velocity", [2.0 * float(c) for c in speed]
             action = f"raise the start speed of {name}: try twice, {value} m/s"
             return offered(spec, cause, "initial_state", action, pointers=(place,), patch=set_value(place, value))
-    action = f"raise the speed of {tip or f'what hits {stuck}'}"
-    return correction(cause, "initial_state", action, pointers=(f"/entities/{tip or stuck}/physics",))
+    return faster(tip or stuck, cause, tip or f"what hits {stuck}")
 
 
 def order_hints(edge: Edge, frame: int, gap: float) -> tuple[Correction, ...]:
@@ -149,7 +143,7 @@ def _started_before(edge: Edge, frame: int) -> list[Correction]:
     chosen = f"a bound of {least:g}, which is" if patch else "a bound that is"
     action = (
         f"at frame {frame} it measured {then.value:.4g} {then.unit}, its bound is {then.bound:.4g}: choose {chosen} "
-        f"reached by then if the process itself is the cause (a weakening edit: give weakening_reason)"
+        f"reached by then if the process itself is the cause{WEAKER}"
     )
     cause = f"{edge.cause_id} is under way before its threshold is passed"
     return [offered(edge.candidate.spec, cause, "story", action, pointers=(place,), patch=patch)]

@@ -34,7 +34,7 @@ from ..rows.findings import Finding
 from .agency import Help, helped
 from .bodies import acting_atoms, involved, moved_bodies
 from .chains import PAUSE
-from .offers import offered
+from .offers import owning, take_away
 from .questions import DRIVEN
 
 if TYPE_CHECKING:
@@ -243,10 +243,8 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
         pointers = (f"/simulation/drivers/{found.driver}", f"{place}/causes")
         cause = "a driver moves the outcome itself, and the story does not say so"
         silent = all(b.owner != found.driver for b in spec.story.beats.values())
-        patch = ({"op": "remove", "path": pointers[0]},) if silent else ()
         told = correction(cause, "drivers", to_declare(spec, found.driver, beat_id, found.first), pointers=pointers)
-        away = f"take {found.driver} away (remove {pointers[0]}); {beat_id} must then come by what the story tells"
-        return [told, offered(spec, cause, "drivers", away, pointers=pointers[:1], patch=patch)]
+        return [told, take_away(spec, cause, pointers[0], beat_id, silent=silent)]
     if found.help is not None:
         return list(_without_help(spec, found.help, beat_id))
     if found.kind == "late":
@@ -283,14 +281,12 @@ def _without_help(spec: WorldSpec, found: Help, beat_id: str) -> Iterator[Correc
         rub = f"give {name} the dry friction of the surfaces that it guides along each other, {found.friction:.3g} N"
         place = f"{found.pointer}/friction"
         yield correction(cause, "joints", rub, pointers=(place,), patch=set_value(place, float(f"{found.friction:.4g}")))
-    away = f"take {name} away (remove {found.pointer}); what the beat asks for must then come by what the story tells"
     silent = kind != "drivers" or all(b.owner != name for b in spec.story.beats.values())
-    patch = ({"op": "remove", "path": found.pointer},) if silent else ()
-    yield offered(spec, cause, kind, away, pointers=(found.pointer,), patch=patch)
+    yield take_away(spec, cause, found.pointer, beat_id, silent=silent)
     if found.friction is not None:
         return
     told = (
-        f"let {name} own a beat that leads to {beat_id}: a first beat about {found.through[0]}, named in the causes of what follows"
+        owning(name, beat_id, found.through[0])
         if kind == "drivers"
         else f"tell of it: a first beat about {found.through[0]}, owned by the driver that lets {name} act (a release, or the detach of what "
         f"holds it), named in the causes of {beat_id}"

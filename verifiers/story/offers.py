@@ -14,7 +14,17 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from ...worlds.spec import WorldSpec
 
-__all__ = ["acting", "driver_offers", "earlier", "offered", "untold_offers"]
+__all__ = [
+    "acting",
+    "driver_offers",
+    "earlier",
+    "faster",
+    "let_meet",
+    "offered",
+    "owning",
+    "take_away",
+    "untold_offers",
+]
 
 
 def offered(
@@ -67,8 +77,7 @@ def driver_offers(spec: WorldSpec, driver: str, cause: str, effect: str) -> tupl
     owned = [n for n, b in spec.story.beats.items() if b.owner == driver]
     told = f"driver {driver} acts on {spec.story.beats[effect].subject}, or releases it, by its own clock"
     if not owned:
-        away = f"take driver {driver} away (remove {place}) and let {cause} do it"
-        return (offered(spec, told, "drivers", away, pointers=(place,), patch=({"op": "remove", "path": place},)),)
+        return (take_away(spec, told, place, effect),)
     index = spec.story.beats[effect].causes.index(cause)
     fresh = [n for n in owned if effect not in behind(spec, n) and n not in spec.story.beats[effect].causes]
     if not fresh:
@@ -92,9 +101,31 @@ def untold_offers(spec: WorldSpec, driver: str, beat_id: str) -> tuple[Correctio
         patch = ({"op": "add", "path": f"{causes}/-", "value": owned[0]},)
         return (offered(spec, why, "story", name, pointers=(causes, place), patch=patch),)
     body = next(iter(acts_from(spec, driver)[1]), "what it acts on")
-    tell = f"let {driver} own a beat that leads to {beat_id}: a first beat about {body}, named in the causes of what follows"
-    away = f"take {driver} away (remove {place}); {beat_id} must then come by what the story tells"
     return (
-        correction(why, "story", tell, pointers=("/story/beats", causes)),
-        offered(spec, why, "drivers", away, pointers=(place,), patch=({"op": "remove", "path": place},)),
+        correction(why, "story", owning(driver, beat_id, body), pointers=("/story/beats", causes)),
+        take_away(spec, why, place, beat_id),
     )
+
+
+def take_away(spec: WorldSpec, cause: str, place: str, beat_id: str, *, silent: bool = True) -> Correction:
+    """Take away what helps a beat along, by its pointer; without a patch where the story speaks of it (`silent` false)."""
+    group, name = place.split("/")[-2:]
+    action = f"take {name} away (remove {place}); {beat_id} must then come by what the story tells"
+    patch = ({"op": "remove", "path": place},) if silent else ()
+    return offered(spec, cause, group, action, pointers=(place,), patch=patch)
+
+
+def owning(driver: str, beat_id: str, body: str) -> str:
+    """Action that lets a driver own a beat about a body before the one that it leads to."""
+    return f"let {driver} own a beat that leads to {beat_id}: a first beat about {body}, named in the causes of what follows"
+
+
+def faster(entity: str, cause: str, what: str = "what hits it") -> Correction:
+    """Raise the speed of an entity, or of what hits it."""
+    place = pointer("entities", entity, "physics", "linear_velocity")
+    return correction(cause, "initial_state", f"raise the speed of {what}", pointers=(place,))
+
+
+def let_meet(place: str, cause: str) -> Correction:
+    """Bring the paths of bodies together."""
+    return correction(cause, "placement", "bring their paths together", pointers=(place,))

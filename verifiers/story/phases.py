@@ -33,8 +33,9 @@ from ...worlds.requirements import Correction, Row
 from ..categories.registry import judge_of
 from ..ledgers import motion
 from ..rows.answers import guarded, row_of
-from ..rows.corrections import correction, set_value
+from ..rows.corrections import correction, halve_any_step, set_value
 from ..rows.findings import Finding
+from .offers import let_meet
 from .phase_contacts import asks_for_contact, first_contact, promises
 from .phase_ends import SPAN, ending
 from .questions import PHASES_SHOWN
@@ -343,14 +344,7 @@ def _more_frames(candidate: Candidate, phases: Phases) -> int:
 
 
 def _blown_up() -> list[Correction]:
-    return [
-        correction(
-            "energy grows at the end and no driver feeds it: the solver may diverge",
-            "step",
-            "halve the step; more frames do not help",
-            pointers=("/simulation/solvers",),
-        )
-    ]
+    return [halve_any_step("energy grows at the end and no driver feeds it: the solver may diverge", "; more frames do not help")]
 
 
 def _hints(candidate: Candidate, phase: str, more: int) -> list[Correction]:
@@ -380,9 +374,7 @@ def _hints(candidate: Candidate, phase: str, more: int) -> list[Correction]:
         "let a driver act earlier, or give a body a start velocity",
         pointers=("/simulation/drivers",),
     )
-    meet = correction(
-        "the bodies that should meet pass each other", "placement", "bring their paths together", pointers=("/entities",)
-    )
+    meet = let_meet("/entities", "the bodies that should meet pass each other")
     if phase == "first_contact":
         due = any(b.frames[1] > candidate.last_frame for b in candidate.spec.story.beats.values())
         return [wait, meet] if due else [meet, wait]

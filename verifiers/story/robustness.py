@@ -25,10 +25,11 @@ from ...worlds.errors import EvidenceError
 from ...worlds.spec import Perturbed, Refined, RigidInstance
 from ..predicates import beat_times, last_needed
 from ..rows.answers import row_of
-from ..rows.corrections import LEAST_STEP, correction, postponed
+from ..rows.corrections import LEAST_STEP, correction, halve_any_step, postponed
 from ..rows.findings import Finding, lacking
 from .bounds import CONFIDENCE
 from .branches import Branch, branches_of, comes_true
+from .offers import faster
 from .perturbations import fixed_places, perturbed
 from .questions import ROBUST
 
@@ -244,13 +245,13 @@ def _hints(item: Perturbed | Refined, subject: str) -> tuple[Correction, ...]:
     if isinstance(item, Refined):
         cause, room = "the step decides the outcome: it is too long", f"give {subject} more room, or a firmer push"
         return (
-            correction(cause, "step", "halve the step", pointers=("/simulation/solvers",)),
+            halve_any_step(cause),
             correction("the motion hangs on a knife's edge", "placement", room, pointers=(f"{place}/pose",)),
         )
     aim = f"aim {subject} at the middle of where it must arrive, or widen what catches or passes it on"
     return (
         correction("the outcome hangs on exact placement", "placement", aim, pointers=(f"{place}/pose",)),
-        correction("the push is barely enough", "initial_state", "raise the speed of what hits", pointers=(f"{place}/physics",)),
+        faster(subject, "the push is barely enough"),
         correction("friction or restitution decides", "material", "choose values that leave more room", pointers=("/materials",)),
     )
 

@@ -18,7 +18,7 @@ from ...worlds.errors import EvidenceError
 from ...worlds.spec import HingeJoint, Rope, SpringJoint
 from ..land.grounds import lands
 from ..rows.answers import row_of
-from ..rows.corrections import correction, pointer, set_value
+from ..rows.corrections import correction, pointer, say_afloat, set_value
 from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
 from .joined import End, missed, on_axis, reach_of, touch
@@ -201,9 +201,4 @@ def _corrections(anchor: Anchor, found: Footing | None) -> Iterator[Correction]:
             pointers=(path,),
             patch=set_value(path, near) if anchor.kind == "spring" else (),
         )
-    yield correction(
-        "it is meant to hang on nothing",
-        "placement",
-        f"Say so: `afloat` of {anchor.entity!r} with the reason (a weakening after a failure: give weakening_reason). It is printed.",
-        pointers=(pointer("entities", anchor.entity, "afloat"),),
-    )
+    yield say_afloat(anchor.entity, "it is meant to hang on nothing")

@@ -20,7 +20,7 @@ from ...geometry import signed_clearance
 from ...worlds.arrays import F64, RigidPose
 from ...worlds.spec import HeightField, WorldSpec
 from ..rows.answers import row_of, rows_of
-from ..rows.corrections import correction, pointer
+from ..rows.corrections import correction, pointer, say_afloat
 from ..rows.findings import Finding, lacking
 from ..scene.bounds import ROUNDING
 from .bounds import LEFT
@@ -288,12 +288,7 @@ def _others(name: str, what: str) -> Iterator[Correction]:
         f"Add what holds {what}: a post, bracket, cable or wall, as a static entity or as a part of {name!r}, that touches it.",
         pointers=("/entities", pointer("entities", name, "parts")),
     )
-    yield correction(
-        "it is meant to float in the air",
-        "placement",
-        f"Say so: `afloat` of {name!r} with the reason (a weakening after a failure: give weakening_reason). It is printed.",
-        pointers=(pointer("entities", name, "afloat"),),
-    )
+    yield say_afloat(name, "it is meant to float in the air")
 
 
 def _beneath(held: Held, loose: Sequence[int]) -> Way | None:

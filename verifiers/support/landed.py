@@ -14,7 +14,7 @@ from ...worlds.arrays import F64
 from ..land.grounds import Land, Patch, lands, patches
 from ..routes.columns import heights_of
 from ..rows.answers import row_of, rows_of
-from ..rows.corrections import correction, pointer
+from ..rows.corrections import say_afloat
 from ..rows.findings import Finding
 from .bounds import BASE, BROAD, HANGING, LEFT, LEVEL_BASE, OVER_EDGE, SUNK
 from .free_bodies import along_up, placement
@@ -272,12 +272,7 @@ def _floats(surfaces: Surfaces, one: _Standing, gap: float, bound: float) -> Fin
     place = one.points[int(np.nanargmin(one.gap))]
     text = f"{one.entity!r} floats {gap:.4g} m over {one.owner!r} at ({place[0]:.2f}, {place[1]:.2f}), and touches nothing that stands"
     move = placement(surfaces, one.entity, along_up(surfaces, LEFT - gap), f"{one.entity!r} is placed above the ground")
-    hover = correction(
-        "it is meant to hover",
-        "placement",
-        f"Say so: `afloat` of {one.entity!r} with the reason, which is printed; or let something carry it.",
-        pointers=(pointer("entities", one.entity, "afloat"),),
-    )
+    hover = say_afloat(one.entity, "it is meant to hover")
     return _answer(surfaces, one, Finding("fail", text, gap, bound, hints=(move, hover)), place)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.spec import ReleaseDriver
 from ..ledgers import motion
-from ..rows.corrections import correction, halve_step, pointer
+from ..rows.corrections import WEAKER, correction, halve_any_step, halve_step, pointer
 from ..rows.findings import Finding
 from .bounds import LEFT
 from .free_bodies import along_up, placement
@@ -142,7 +142,7 @@ def _finer(surfaces: Surfaces) -> Correction:
     cause = "the simulation became unstable"
     for solver in surfaces.candidate.spec.simulation.rigid:
         return halve_step(surfaces.candidate, solver, cause)
-    return correction(cause, "step", "halve the step", pointers=("/simulation/solvers",))
+    return halve_any_step(cause)
 
 
 def _slips(surfaces: Surfaces, a: str, b: str) -> Correction:
@@ -155,7 +155,7 @@ def _slips(surfaces: Surfaces, a: str, b: str) -> Correction:
         return correction(
             f"{b!r} is released at frame {frame}, within the interval",
             "relations",
-            f"End `frames` of the relation at {frame} (a weakening edit: give weakening_reason), or leave `frames` out.",
+            f"End `frames` of the relation at {frame}{WEAKER}, or leave `frames` out.",
             pointers=("/graph/relations",),
         )
     return correction(

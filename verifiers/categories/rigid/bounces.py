@@ -19,9 +19,9 @@ from ....worlds.arrays import F64
 from ....worlds.spec import HeightField
 from ...land.uneven import even_ground
 from ...ledgers.balance import Books
-from ...rows.corrections import correction
 from .bounds import BOUNCE, SLOW_BOUNCE, TURNED
 from .contacts import moves
+from .corrections import compare_materials
 from .rows import Law
 
 if TYPE_CHECKING:
@@ -67,12 +67,7 @@ def restitution(books: Books) -> Finding:
         "1",
         "deviation of the restitution",
         "no ball hits once, and nothing else, within a frame",
-        lambda entity: correction(
-            f"restitution of {entity} is not the declared one",
-            "material",
-            "look at the materials and pairs of the two",
-            pointers=("/materials",),
-        ),
+        lambda entity: compare_materials(f"restitution of {entity} is not the declared one"),
     )
     strongest = [
         {

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ....geometry import aabb_of
 from ....worlds.arrays import F64
 from ...ledgers.balance import Books, Flags
-from ...rows.corrections import correction
 from .bounds import FRICTION, REACH, ROLLS, SLIDING, STRAIGHT
+from .corrections import compare_materials
 from .rows import Law
 from .speeds import surface_speeds
 
@@ -103,12 +103,7 @@ def friction(books: Books) -> Finding:
         "1",
         "deviation from Coulomb's law",
         "no free body slides straight on something that rests for a whole frame",
-        lambda entity: correction(
-            f"the friction that acts on {entity} is not the declared one",
-            "material",
-            "look at the materials and pairs of its contacts",
-            pointers=("/materials",),
-        ),
+        lambda entity: compare_materials(f"the friction that acts on {entity} is not the declared one"),
     )
     return law.judge(books.entities, share / allowed * FRICTION, judged)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...ledgers import motion
 from ...ledgers.balance import books_of
-from ...rows.corrections import correction, halve_step
+from ...rows.corrections import correction, halve_step, separate
 from ...rows.findings import Finding
 from ..elastic.exchange import outside_work
 from ..elastic.ledger import elastic_energies
@@ -81,12 +81,7 @@ def energy(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     entity = _gainer(candidate, cache, names, frame)
     hints = (
         halve_step(candidate, solver, "stiff contacts or joints put energy in: the step is too long"),
-        correction(
-            "colliders overlap and push each other apart",
-            "placement",
-            f"look at {entity} at frame {frame}: separate what overlaps",
-            pointers=(f"/entities/{entity}/pose",),
-        ),
+        separate(entity, frame),
         correction(
             "contacts are too stiff for the step",
             "contact",

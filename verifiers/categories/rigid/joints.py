@@ -11,9 +11,10 @@ import numpy as np
 from ....worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ....worlds.spec import BallJoint, HingeJoint, SlideJoint, SpringJoint, WeldJoint
 from ...ledgers.balance import Books, books_of
-from ...rows.corrections import correction, halve_step
+from ...rows.corrections import halve_step
 from ...rows.findings import Finding
 from .bounds import DETACHED, JOINT_GAP, JOINT_SHARE, LIMIT_STEPS
+from .corrections import closer_masses
 from .links import owners
 from .speeds import angle_of
 
@@ -134,7 +135,7 @@ def joints(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         return found
     hints = (
         halve_step(candidate, solver, "joints give way under the load"),
-        correction("the load is too large for the jointed masses", "mass", "bring the masses of jointed bodies closer together"),
+        closer_masses("the load is too large for the jointed masses", "jointed"),
     )
     return replace(found, status="fail", text=f"{text}, first over it at frame {frame}", entity=culprit, frame=frame, hints=hints)
 

@@ -20,8 +20,8 @@ from ....worlds.spec import PathDriver
 from ...ledgers.balance import Books, Flags
 from ...ledgers.sleep_impulses import rests_of, strangest
 from ...ledgers.tumbling import tumble
-from ...rows.corrections import correction
 from .bounds import BUDGET_NOISE, FASTER, HELD, IMPULSE, JOINTED, PLACE, SPIN, TURN, UNSTEADY
+from .corrections import declare_source
 from .rows import Law
 from .speeds import angle_of, most_of_bodies, surface_speeds
 
@@ -109,12 +109,7 @@ def momentum(books: Books) -> Finding:
         "m/s",
         "change of velocity without a source",
         "every moving body is held, on a path or fixed by joints in this interval",
-        lambda entity: correction(
-            f"something pushed {entity} that the specification does not know",
-            "drivers",
-            "declare a force driver, or let a contact do it",
-            pointers=("/simulation/drivers",),
-        ),
+        lambda entity: declare_source(f"something pushed {entity} that the specification does not know"),
     )
     return law.judge(books.entities, found.value, found.judged, proof=lambda entity, frame: strangest(books, entity, frame))
 
@@ -227,12 +222,7 @@ def spin(books: Books) -> Finding:
         "rad/s",
         "change of angular velocity without a torque",
         "no free body of one piece without joints and springs",
-        lambda entity: correction(
-            f"something turned {entity} that the specification does not know",
-            "drivers",
-            "declare a force driver with a torque, or let a contact do it",
-            pointers=("/simulation/drivers",),
-        ),
+        lambda entity: declare_source(f"something turned {entity} that the specification does not know", "torque"),
     )
     return law.judge(books.entities, value, flown.judged | other)
 

@@ -22,6 +22,7 @@ from ..questions import COUNTERS, COUNTS, FINITE, ITERATIONS, SPEED, TRAVEL
 from .books import energy_scale
 from .bounds import CAPPED, GROWTH, QUATERNION_NOISE, SLACK, SLOW, SPIKE
 from .check import of_movers
+from .corrections import closer_masses
 from .links import owners
 from .numerical_state import counters, events, frozen, resting, spike
 from .questions import NUMERICAL
@@ -220,7 +221,7 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     over = np.cumsum(capped) > CAPPED * total
     hints = (
         double_iterations(candidate, solver, "the contact solver does not converge"),
-        correction("very unequal masses in contact", "mass", "bring the masses of touching bodies closer together"),
+        closer_masses("very unequal masses in contact", "touching"),
     )
     return Finding(
         "pass" if share <= CAPPED else "fail",

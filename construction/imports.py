@@ -19,7 +19,7 @@ from ..worlds.spec import HeightField, Mesh
 from .file_worker import LARGEST
 from .outside import arrays_of, decomposed, file_digest
 
-__all__ = ["load_heights", "load_mesh", "load_surface", "mesh_digest"]
+__all__ = ["load_heights", "load_mesh", "load_surface", "load_table", "mesh_digest"]
 
 MAX_HEIGHT_BYTES = 8 * HEIGHT_ROWS**2 + 4096
 FLAT = 1e-15
@@ -39,24 +39,40 @@ def load_heights(shape: HeightField, assets: Path) -> F64:
     """
     if shape.file is None:
         return np.array(shape.heights, dtype=np.float64)
-    path = safe_join(assets, shape.file)
-    if not path.is_file() or path.stat().st_size > MAX_HEIGHT_BYTES:
-        raise InputError(f"height file {shape.file!r} is missing or above {MAX_HEIGHT_BYTES:,} bytes; call build_terrain again")
-    data = path.read_bytes()
-    found = hashlib.sha256(data).hexdigest()
-    if found != shape.digest:
-        raise InputError(
-            f"height file {shape.file!r} has digest {found[:12]}..., the specification names {str(shape.digest)[:12]}...; call build_terrain again"
-        )
-    try:
-        heights = np.load(io.BytesIO(data), allow_pickle=False).astype(np.float64)
-    except (ValueError, EOFError) as error:
-        raise InputError(f"height file {shape.file!r} is no array: {error}; call build_terrain again") from error
+    heights = load_table(assets, shape.file, str(shape.digest), MAX_HEIGHT_BYTES).astype(np.float64)
     if heights.ndim != 2 or not all(2 <= n <= HEIGHT_ROWS for n in heights.shape) or not np.isfinite(heights).all():
         raise InputError(
             f"height file {shape.file!r} has shape {heights.shape}; it must be 2 to {HEIGHT_ROWS} rows and columns of finite numbers"
         )
     return np.asarray(heights, dtype=np.float64)
+
+
+def load_table(assets: Path, name: str, digest: str, most: int) -> npt.NDArray[Any]:
+    """Array of numbers in a file that build_terrain wrote.
+
+    Args:
+        assets: folder of the world's assets.
+        name: of the file.
+        digest: SHA-256 that the specification names, hex.
+        most: bytes that it may have.
+
+    Raises:
+        InputError: the file is missing or too large, is another one than the specification names, or holds no such array.
+    """
+    path = safe_join(assets, name)
+    if not path.is_file() or path.stat().st_size > most:
+        raise InputError(f"file {name!r} is missing or above {most:,} bytes; call build_terrain again")
+    data = path.read_bytes()
+    found = hashlib.sha256(data).hexdigest()
+    if found != digest:
+        raise InputError(
+            f"file {name!r} has digest {found[:12]}..., the specification names {digest[:12]}...; call build_terrain again"
+        )
+    try:
+        table: npt.NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+    except (ValueError, EOFError) as error:
+        raise InputError(f"file {name!r} is no array of numbers: {error}; call build_terrain again") from error
+    return table
 
 
 def load_mesh(shape: Mesh, assets: Path) -> tuple[TriangleMesh, tuple[Convex, ...]]:

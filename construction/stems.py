@@ -13,11 +13,12 @@ from scipy.spatial import ConvexHull
 from ..worlds.arrays import F64
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
-from ..worlds.folder import WorldFolder, safe_join, write_atomically
+from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.landscape import SavedLandscape
 from ..worlds.limits import CAPS, check_cap
 from ..worlds.spec import StemField
 from ..worlds.stems import pieces_of, stem_table, stems_from, stems_of
+from .imports import load_table
 
 __all__ = ["StemCut", "cut_stems", "load_stems"]
 
@@ -75,19 +76,10 @@ def load_stems(shape: StemField, assets: Path) -> tuple[TriangleMesh, tuple[Conv
     Raises:
         InputError: the file is missing, is another one than the specification names, or holds no such table.
     """
-    path, most = safe_join(assets, shape.file), 8 * 7 * CAPS["stems"].value + 4096
-    if not path.is_file() or path.stat().st_size > most:
-        raise InputError(f"file of stems {shape.file!r} is missing or above {most:,} bytes; call build_terrain again")
-    data = path.read_bytes()
-    found = hashlib.sha256(data).hexdigest()
-    if found != shape.digest:
-        raise InputError(
-            f"file of stems {shape.file!r} has digest {found[:12]}..., the specification names {shape.digest[:12]}...; call build_terrain again"
-        )
+    table = load_table(assets, shape.file, shape.digest, 8 * 7 * CAPS["stems"].value + 4096)
     try:
-        table = np.load(io.BytesIO(data), allow_pickle=False)
         stems = stems_from(table)
-    except (ValueError, EOFError) as error:
+    except ValueError as error:
         raise InputError(f"file of stems {shape.file!r} is no table of them: {error}; call build_terrain again") from error
     if len(stems.radius) != shape.count:
         raise InputError(

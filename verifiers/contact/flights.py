@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -30,17 +31,20 @@ class ContactLog:
     def _gaps(self) -> dict[tuple[str, str, int], float]:
         """Smallest distance of collision shapes of a pair over the steps of a frame [m]."""
         found: dict[tuple[str, str, int], float] = {}
+        for names, frame, log in self._logs("contact/pair", "contact/min_gap"):
+            for (i, j), gap in zip(log["contact/pair"], log["contact/min_gap"], strict=True):
+                for key in ((names[i], names[j], frame), (names[j], names[i], frame)):
+                    found[key] = min(float(gap), found.get(key, np.inf))
+        return found
+
+    def _logs(self, *channels: str) -> Iterator[tuple[Sequence[str], int, Mapping[str, Any]]]:
+        """Names of colliders, frame and ragged channels of every frame of the rigid instances that record them."""
         for cache in self.candidate.rigid_caches.values():
             try:
-                frames = cache.ragged("contact/pair", "contact/min_gap")
+                frames = cache.ragged(*channels)
             except EvidenceError:
                 continue
-            names = cache.index.colliders
-            for frame, channels in enumerate(frames):
-                for (i, j), gap in zip(channels["contact/pair"], channels["contact/min_gap"], strict=True):
-                    for key in ((names[i], names[j], frame), (names[j], names[i], frame)):
-                        found[key] = min(float(gap), found.get(key, np.inf))
-        return found
+            yield from ((cache.index.colliders, frame, log) for frame, log in enumerate(frames))
 
     def pushed(self) -> dict[tuple[str, str], list[int]]:
         """Frames up to which a pair of two entities gave each other an impulse, the pair in the order of the alphabet."""
@@ -58,16 +62,10 @@ class ContactLog:
     def _events(self) -> dict[tuple[str, int], list[float]]:
         """Times [s] at which a contact of an entity begins in a frame."""
         found: dict[tuple[str, int], list[float]] = {}
-        for cache in self.candidate.rigid_caches.values():
-            try:
-                frames = cache.ragged("event/time", "event/pair")
-            except EvidenceError:
-                continue
-            names = cache.index.colliders
-            for frame, channels in enumerate(frames):
-                for time, pair in zip(channels["event/time"], channels["event/pair"], strict=True):
-                    for k in {int(p) for p in pair}:
-                        found.setdefault((names[k], frame), []).append(float(time))
+        for names, frame, log in self._logs("event/time", "event/pair"):
+            for time, pair in zip(log["event/time"], log["event/pair"], strict=True):
+                for k in {int(p) for p in pair}:
+                    found.setdefault((names[k], frame), []).append(float(time))
         return found
 
     def gap(self, a: str, b: str, frame: int) -> float | None:

@@ -22,7 +22,18 @@ if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
     from .balance import Books
 
-__all__ = ["CHANNEL", "Exchanged", "account", "both_ways", "exchange_steps", "exchanged", "nothing", "partners", "pushed"]
+__all__ = [
+    "CHANNEL",
+    "Exchanged",
+    "account",
+    "both_ways",
+    "exchange_steps",
+    "exchanged",
+    "impulses",
+    "nothing",
+    "partners",
+    "pushed",
+]
 
 CHANNEL = "exchange/impulse"
 """Linear and angular impulse about each body's centre of mass over the frame [N s], [N m s], shape (n, 6)."""
@@ -101,11 +112,22 @@ def pushed(books: Books) -> F64:
     Raises:
         EvidenceError: the cache has no record of it.
     """
-    given: F64 = np.asarray(books.cache.series(CHANNEL), dtype=np.float64)
-    if given.shape != (books.frames, len(books.owner), 6):
-        raise EvidenceError(f"channel {CHANNEL!r} has shape {given.shape}, not {(books.frames, len(books.owner), 6)}; bake again")
+    return impulses(books, CHANNEL, 6)
+
+
+def impulses(books: Books, channel: str, width: int) -> F64:
+    """What a channel says that each body was given over the intervals [N s, N m s], shape (F - 1, n, width).
+
+    Raises:
+        EvidenceError: the cache has no such record, or one of another shape or that is not finite.
+    """
+    given: F64 = np.asarray(books.cache.series(channel), dtype=np.float64)
+    if given.shape != (books.frames, len(books.owner), width):
+        raise EvidenceError(
+            f"channel {channel!r} has shape {given.shape}, not {(books.frames, len(books.owner), width)}; bake again"
+        )
     if not np.isfinite(given).all():
-        raise EvidenceError(f"channel {CHANNEL!r} is not finite; see numerical:finite")
+        raise EvidenceError(f"channel {channel!r} is not finite; see numerical:finite")
     return given[1:]
 
 

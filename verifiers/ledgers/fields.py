@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.errors import EvidenceError
 from ...worlds.fields import acting_on, field_drivers, fields_of
-from .exchanged import Exchanged, account, nothing
+from .exchanged import Exchanged, account, impulses, nothing
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -34,12 +33,7 @@ def recorded(books: Books) -> F64:
     Raises:
         EvidenceError: a field acts, and the cache has no record of what it gave.
     """
-    given: F64 = np.asarray(books.cache.series(CHANNEL), dtype=np.float64)
-    if given.shape != (books.frames, len(books.owner), 3):
-        raise EvidenceError(f"channel {CHANNEL!r} has shape {given.shape}, not {(books.frames, len(books.owner), 3)}; bake again")
-    if not np.isfinite(given).all():
-        raise EvidenceError(f"channel {CHANNEL!r} is not finite; see numerical:finite")
-    return given[1:]
+    return impulses(books, CHANNEL, 3)
 
 
 def blown(books: Books) -> Exchanged:

@@ -42,6 +42,45 @@ class _Missed(NamedTuple):
         """By how much it is met; negative where it is missed."""
         return self.value - self.bound if self.comparison == ">=" else self.bound - self.value
 
+    def outcome(
+        self,
+        scope: Scope,
+        pair: tuple[str, str],
+        text: str,
+        truth: NDArray[np.bool_],
+        first: int | None,
+        failing: int | None,
+        details: dict[str, Any],
+    ) -> Outcome:
+        """The outcome of a pair of entities that it decides.
+
+        Args:
+            scope: what is judged.
+            pair: the two; the first one fails.
+            text: the finding in words.
+            truth: whether it holds at each frame of the interval.
+            first: frame at which it first comes true.
+            failing: frame at which it fails; None where it passes.
+            details: evidence.
+        """
+        ok = failing is None
+        return Outcome(
+            "pass" if ok else "fail",
+            scope.frames,
+            self.unit,
+            text,
+            value=self.value,
+            bound=self.bound,
+            comparison=self.comparison,
+            truth=truth,
+            margin=self.margin,
+            first_true_frame=first,
+            first_failing_entity=None if ok else pair[0],
+            first_failing_frame=failing,
+            failing=() if ok else pair,
+            details=details,
+        )
+
 
 def _clearance(surfaces: Surfaces, a: str, b: str, frames: NDArray[np.intp], skip_above: float = np.inf) -> F64:
     """Signed clearance of two entities at some frames [m]; NaN at and after a broken pose.
@@ -138,22 +177,8 @@ def contact(scope: Scope, p: Contact) -> Outcome:
         # No impulse is asked for, and yet they never touch: the distance is what is missed.
         gap, distance = surfaces_of(scope.candidate).contact_gap(p.a, p.b), float(details["nearest_gap"])
         missed = _Missed(distance, gap, "<=", "m") if distance > gap else _Missed(0.0, 1.0, ">=", "frame")
-    return Outcome(
-        "pass" if ok else "fail",
-        scope.frames,
-        missed.unit,
-        text,
-        value=missed.value,
-        bound=missed.bound,
-        comparison=missed.comparison,
-        truth=touched,
-        margin=missed.margin,
-        first_true_frame=scope.frames[0] + int(reached[0]) if ok else None,
-        first_failing_entity=None if ok else p.a,
-        first_failing_frame=None if ok else scope.frames[1],
-        failing=() if ok else (p.a, p.b),
-        details=details,
-    )
+    first_true = scope.frames[0] + int(reached[0]) if ok else None
+    return missed.outcome(scope, (p.a, p.b), text, touched, first_true, None if ok else scope.frames[1], details)
 
 
 def no_contact(scope: Scope, p: NoContact) -> Outcome:
@@ -165,22 +190,8 @@ def no_contact(scope: Scope, p: NoContact) -> Outcome:
     frame = scope.frames[0] + int(np.argmax(touched)) if hit else None
     text = f"{p.a} and {p.b} touch first at frame {frame}, {total:.4g} N s in all" if hit else f"{p.a} and {p.b} never touch"
     missed = _Missed(float(touched.sum()), 0.0, "<=", "frame") if hit and total <= 0.0 else _Missed(total, 0.0, "<=", "N s")
-    return Outcome(
-        "fail" if hit else "pass",
-        scope.frames,
-        missed.unit,
-        text,
-        value=missed.value,
-        bound=missed.bound,
-        comparison=missed.comparison,
-        truth=~touched,
-        margin=missed.margin,
-        first_true_frame=None if touched.all() else scope.frames[0] + int(np.argmin(touched)),
-        first_failing_entity=p.a if hit else None,
-        first_failing_frame=frame,
-        failing=(p.a, p.b) if hit else (),
-        details={"touched_frames": int(touched.sum())},
-    )
+    first_true = None if touched.all() else scope.frames[0] + int(np.argmin(touched))
+    return missed.outcome(scope, (p.a, p.b), text, ~touched, first_true, frame, {"touched_frames": int(touched.sum())})
 
 
 def _not_finite(scope: Scope, entity: str, frame: int) -> Outcome:

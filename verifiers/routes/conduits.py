@@ -22,6 +22,7 @@ from ..predicates.kinematic import region_offset
 from .bounds import CELLS_ACROSS, OPENING_NOISE
 from .columns import Ints
 from .places import BLOCKED, NO_SPACE, TOO_NARROW, UNRESOLVED, RouteResult, failed, frame_of, region_box
+from .shortest import shortest_way
 
 if TYPE_CHECKING:
     from ...worlds.spec import Connects
@@ -282,7 +283,6 @@ def _centred(tree: Any, points: F64, cell: float) -> tuple[F64, F64]:
 def _path(keep: NDArray[np.bool_], points: F64, stops: list[Ints]) -> Ints:
     """Flat cubes of a shortest way over kept cubes through all stops."""
     from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import dijkstra
 
     flat = np.arange(keep.size).reshape(keep.shape)
     source, target = [], []
@@ -294,14 +294,6 @@ def _path(keep: NDArray[np.bool_], points: F64, stops: list[Ints]) -> Ints:
     a, b = np.concatenate(source), np.concatenate(target)
     length = np.linalg.norm(points[a] - points[b], axis=1) + 1e-9
     graph: Any = csr_array((length, (a, b)), shape=(keep.size, keep.size))
-    path: list[int] = []
-    start = stops[0][keep.ravel()[stops[0]]]
-    for goal in stops[1:]:
-        goal = goal[keep.ravel()[goal]]
-        distance, before, _ = dijkstra(graph, directed=False, indices=start, min_only=True, return_predecessors=True)
-        leg = [int(goal[np.argmin(distance[goal])])]
-        while before[leg[-1]] >= 0:
-            leg.append(int(before[leg[-1]]))
-        path += leg[::-1] if not path else leg[::-1][1:]
-        start = np.array([leg[0]])
-    return np.array(path, dtype=np.intp)
+    found = shortest_way(graph, [s[keep.ravel()[s]] for s in stops])
+    assert found is not None  # as wide as the widest way through all stops
+    return found

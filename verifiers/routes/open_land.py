@@ -24,6 +24,7 @@ from ..land.grounds import Land, patches
 from ..predicates.kinematic import region_offset
 from .columns import Ints, expand
 from .places import frame_of, region_box
+from .shortest import shortest_way
 
 if TYPE_CHECKING:
     from ...worlds.spec import Connects
@@ -252,25 +253,13 @@ class Field:
 
     def way(self, relation: Connects, asked: Asked) -> Track | None:
         """The shortest way through all stops; None where there is none."""
-        from scipy.sparse.csgraph import dijkstra
-
         free = self.free(asked)
         stops = self.stops(relation, free)
         if any(len(s) == 0 for s in stops):
             return None
-        graph = self._graph(asked, free)
-        path: list[int] = []
-        start = stops[0]
-        for goal in stops[1:]:
-            distance, before, _ = dijkstra(graph, directed=False, indices=start, min_only=True, return_predecessors=True)
-            node = int(goal[np.argmin(distance[goal])])
-            if not np.isfinite(distance[node]):
-                return None
-            leg = [node]
-            while before[leg[-1]] >= 0:
-                leg.append(int(before[leg[-1]]))
-            path += leg[::-1][1 if path else 0 :]
-            start = np.array([node])
+        path = shortest_way(self._graph(asked, free), stops)
+        if path is None:
+            return None
         route, steep = self.points[path], self.tangent.ravel()[path]
         worst = int(np.argmax(steep))
         return Track(route, float(steep[worst]), route[worst], float(self.depth.ravel()[path].max()))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64
 from .clearances import Obstacles, clearance_at, obstacles_near
 from .columns import Ints, expand
+from .shortest import shortest_way
 from .walkable import DIRECTIONS, Floor
 
 if TYPE_CHECKING:
@@ -165,7 +166,6 @@ def _between(floor: Floor, obstacles: Obstacles, points: F64, nodes: Ints, cap: 
 def _shortest(floor: Floor, points: F64, keep: NDArray[np.bool_], stops: Sequence[Ints]) -> Ints | None:
     """Shortest path over kept nodes through all stops in order; None where there is none."""
     from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import dijkstra
 
     source, target = floor.edges
     both = keep[source] & keep[target]
@@ -176,22 +176,7 @@ def _shortest(floor: Floor, points: F64, keep: NDArray[np.bool_], stops: Sequenc
     label = _components(floor, keep)
     allowed = set.intersection(*(set(label[s[keep[s]]].tolist()) for s in stops))
     keep = keep & np.isin(label, list(allowed))
-    path: list[int] = []
-    start = stops[0][keep[stops[0]]]
-    for goal in stops[1:]:
-        goal = goal[keep[goal]]
-        if len(start) == 0 or len(goal) == 0:
-            return None
-        distance, before, _ = dijkstra(graph, directed=False, indices=start, min_only=True, return_predecessors=True)
-        node = int(goal[np.argmin(distance[goal])])
-        if not np.isfinite(distance[node]):
-            return None
-        leg = [node]
-        while before[leg[-1]] >= 0:
-            leg.append(int(before[leg[-1]]))
-        path += leg[::-1] if not path else leg[::-1][1:]
-        start = np.array([node])
-    return np.array(path, dtype=np.intp)
+    return shortest_way(graph, [s[keep[s]] for s in stops])
 
 
 def _centred(floor: Floor, obstacles: Obstacles, nodes: Ints, cap: float) -> tuple[F64, F64]:

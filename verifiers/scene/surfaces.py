@@ -244,15 +244,6 @@ class Surfaces(Parts):
         return {name: tuple(others) for name, others in found.items()}
 
 
-_recent: list[Surfaces] = []
-
-
 def surfaces_of(candidate: Candidate) -> Surfaces:
-    """Surfaces of a candidate; the last two candidates are remembered."""
-    for known in _recent:
-        if known.candidate is candidate:
-            return known
-    made = Surfaces(candidate)
-    _recent.insert(0, made)
-    del _recent[2:]
-    return made
+    """Surfaces of a candidate, made once."""
+    return candidate.memo(Surfaces, lambda: Surfaces(candidate))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import wraps
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -48,16 +49,44 @@ __all__ = [
     "wet_area",
 ]
 
-P = TypeVar("P")
+Banded = (
+    LiquidVolumeIn
+    | LiquidLevelAt
+    | LiquidFluxThrough
+    | SubmergedFraction
+    | WetArea
+    | SplashHeight
+    | LiquidSpeed
+    | LiquidTemperature
+)
+"""Predicates that bound a value from below, from above or both."""
+P = TypeVar("P", bound=Banded | LiquidArrives)
 CREST = 8
 """Particles that a splash needs: fewer are drops that nothing resolves."""
 TOUCH = 1.0
 """[spacings] Liquid this near to a surface wets it."""
 
 
-def _typed(predicate: SpecModel, kind: type[P]) -> P:
-    assert isinstance(predicate, kind)
-    return predicate
+def _of_liquid(
+    kind: type[P], unit: str | Callable[[P], str], of: str = "entity"
+) -> Callable[[Callable[[Scope, P, Liquid, int], Outcome]], Callable[[Scope, SpecModel], Outcome]]:
+    """Evaluator of a predicate from what measures it on the particles of a liquid, which its field `of` names.
+
+    Of a surface that only looks like a liquid nothing is measured (`painted`).
+    """
+
+    def evaluator(measure: Callable[[Scope, P, Liquid, int], Outcome]) -> Callable[[Scope, SpecModel], Outcome]:
+        @wraps(measure)
+        def evaluate(scope: Scope, predicate: SpecModel) -> Outcome:
+            assert isinstance(predicate, kind)
+            found = liquid_or_none(scope.candidate, getattr(predicate, of))
+            if isinstance(found, str):
+                return painted(scope, unit if isinstance(unit, str) else unit(predicate), predicate.entity, found)
+            return measure(scope, predicate, *found)
+
+        return evaluate
+
+    return evaluator
 
 
 def _frames(scope: Scope, liquid: Liquid, member: int) -> Iterator[tuple[int, Frame, NDArray[np.bool_]]]:
@@ -81,10 +110,7 @@ def _inside(candidate: Candidate, region_id: str | None, frame: Frame) -> NDArra
     return np.asarray(region_offset(region, points)[0] >= 0.0)
 
 
-def _banded(
-    scope: Scope, p: LiquidVolumeIn | LiquidLevelAt | LiquidFluxThrough | SubmergedFraction | WetArea | SplashHeight | LiquidSpeed | LiquidTemperature,
-    value: F64, unit: str, what: str,
-) -> Outcome:  # fmt: skip
+def _banded(scope: Scope, p: Banded, value: F64, unit: str, what: str) -> Outcome:
     margin, side = band(value, p.min, p.max)
 
     def tell(i: int) -> str:
@@ -95,25 +121,18 @@ def _banded(
     return judge(Series(scope.frames, value, margin, unit, p.entity, side, tell), p.when)
 
 
-def liquid_volume_in(scope: Scope, predicate: SpecModel) -> Outcome:
+@_of_liquid(LiquidVolumeIn, "m^3")
+def liquid_volume_in(scope: Scope, p: LiquidVolumeIn, liquid: Liquid, member: int) -> Outcome:
     """Measured: sum of the volumes of the particles whose middles are in the region."""
-    p = _typed(predicate, LiquidVolumeIn)
-    found = liquid_or_none(scope.candidate, p.entity)
-    if isinstance(found, str):
-        return painted(scope, "m^3", p.entity, found)
     value = np.zeros(scope.length)
-    for i, frame, own in _frames(scope, *found):
+    for i, frame, own in _frames(scope, liquid, member):
         value[i] = float(frame.volume[own & _inside(scope.candidate, p.region, frame)].sum())
     return _banded(scope, p, value, "m^3", f"volume of {p.entity} in {p.region}")
 
 
-def liquid_level_at(scope: Scope, predicate: SpecModel) -> Outcome:
+@_of_liquid(LiquidLevelAt, "m")
+def liquid_level_at(scope: Scope, p: LiquidLevelAt, liquid: Liquid, member: int) -> Outcome:
     """Measured: highest particle of the column plus half a particle."""
-    p = _typed(predicate, LiquidLevelAt)
-    found = liquid_or_none(scope.candidate, p.entity)
-    if isinstance(found, str):
-        return painted(scope, "m", p.entity, found)
-    liquid, member = found
     radius = p.radius if p.radius is not None else 2.0 * liquid.spacing
     value = np.full(scope.length, float(liquid.lower[2]))
     for i, frame, own in _frames(scope, liquid, member):
@@ -134,14 +153,13 @@ def _across(p: LiquidFluxThrough) -> tuple[F64, F64]:
     return normal, np.stack([level, np.cross(normal, level)])
 
 
-def liquid_flux_through(scope: Scope, predicate: SpecModel) -> Outcome:
+def _flux_unit(p: LiquidFluxThrough) -> str:
+    return "m^3" if p.measure == "total" else "m^3/s"
+
+
+@_of_liquid(LiquidFluxThrough, _flux_unit)
+def liquid_flux_through(scope: Scope, p: LiquidFluxThrough, liquid: Liquid, member: int) -> Outcome:
     """Measured: volumes of particles whose straight way between two frames passes the disc or rectangle."""
-    p = _typed(predicate, LiquidFluxThrough)
-    unit = "m^3" if p.measure == "total" else "m^3/s"
-    found = liquid_or_none(scope.candidate, p.entity)
-    if isinstance(found, str):
-        return painted(scope, unit, p.entity, found)
-    liquid, member = found
     normal, across = _across(p)
     half = 0.5 * np.array(p.size) if p.size is not None else None
     passed = np.zeros(scope.length)
@@ -160,16 +178,12 @@ def liquid_flux_through(scope: Scope, predicate: SpecModel) -> Outcome:
             passed[i] = float((frame.volume[here][rows] * np.sign(new[rows] - old[rows]))[hit].sum())
         before = frame
     value = np.cumsum(passed) if p.measure == "total" else passed / liquid.duration
-    return _banded(scope, p, value, unit, f"what passed of {p.entity}")
+    return _banded(scope, p, value, _flux_unit(p), f"what passed of {p.entity}")
 
 
-def liquid_arrives(scope: Scope, predicate: SpecModel) -> Outcome:
+@_of_liquid(LiquidArrives, "m^3")
+def liquid_arrives(scope: Scope, p: LiquidArrives, liquid: Liquid, member: int) -> Outcome:
     """Measured: most volume that was there at any frame so far. First true: when it reaches `min_volume`."""
-    p = _typed(predicate, LiquidArrives)
-    found = liquid_or_none(scope.candidate, p.entity)
-    if isinstance(found, str):
-        return painted(scope, "m^3", p.entity, found)
-    liquid, member = found
     target = [q for q in pieces_of(scope.candidate) if q.entity == p.target] if p.target is not None else []
     if p.target is not None and not target:
         raise EvidenceError(f"target {p.target!r} has no surface that a liquid can reach")
@@ -209,30 +223,23 @@ def _near(pieces: list[Piece], frame: Frame, reach: float) -> NDArray[np.bool_]:
     return result
 
 
-def submerged_fraction(scope: Scope, predicate: SpecModel) -> Outcome:
+@_of_liquid(SubmergedFraction, "1", of="liquid")
+def submerged_fraction(scope: Scope, p: SubmergedFraction, liquid: Liquid, member: int) -> Outcome:
     """Measured: share of points inside the entity that are lower than the liquid that stands about it, with no solid between.
 
     `categories/liquid/about.py` says what stands about it.
     """
-    p = _typed(predicate, SubmergedFraction)
-    found = liquid_or_none(scope.candidate, p.liquid)
-    if isinstance(found, str):
-        return painted(scope, "1", p.entity, found)
-    under = Submerged(scope.candidate, p.entity, *found)
+    under = Submerged(scope.candidate, p.entity, liquid, member)
     value = np.array([under.share(f) for f in range(scope.frames[0], scope.frames[1] + 1)])
     return _banded(scope, p, value, "1", f"submerged share of {p.entity}")
 
 
-def wet_area(scope: Scope, predicate: SpecModel) -> Outcome:
+@_of_liquid(WetArea, "m^2", of="liquid")
+def wet_area(scope: Scope, p: WetArea, liquid: Liquid, member: int) -> Outcome:
     """Measured: points spread over the surface with a particle within one spacing on their outer side, each for its share of the area.
 
     That is what wet maps call wet (`categories/liquid/wet.py` judges those).
     """
-    p = _typed(predicate, WetArea)
-    found = liquid_or_none(scope.candidate, p.liquid)
-    if isinstance(found, str):
-        return painted(scope, "m^2", p.entity, found)
-    liquid, member = found
     pieces = [q for q in pieces_of(scope.candidate) if q.entity == p.entity]
     if not pieces:
         raise EvidenceError(f"{p.entity!r} has no surface that a liquid can wet")
@@ -262,13 +269,9 @@ def _spread(piece: Piece, spacing: float) -> tuple[F64, F64, F64]:
     return points, area[face] / np.bincount(face, minlength=len(area))[face], piece.solid.face_normals[face]
 
 
-def splash_height(scope: Scope, predicate: SpecModel) -> Outcome:
+@_of_liquid(SplashHeight, "m")
+def splash_height(scope: Scope, p: SplashHeight, liquid: Liquid, member: int) -> Outcome:
     """Measured: height of the eighth highest particle."""
-    p = _typed(predicate, SplashHeight)
-    found = liquid_or_none(scope.candidate, p.entity)
-    if isinstance(found, str):
-        return painted(scope, "m", p.entity, found)
-    liquid, member = found
     base = p.over
     if base is None:
         first = liquid.read(0)
@@ -292,28 +295,22 @@ def _measured(values: F64, mass: F64, measure: str) -> float:
     return chosen[measure]()
 
 
-def liquid_speed(scope: Scope, predicate: SpecModel) -> Outcome:
+@_of_liquid(LiquidSpeed, "m/s")
+def liquid_speed(scope: Scope, p: LiquidSpeed, liquid: Liquid, member: int) -> Outcome:
     """Measured: mean or largest speed of the particles."""
-    p = _typed(predicate, LiquidSpeed)
-    found = liquid_or_none(scope.candidate, p.entity)
-    if isinstance(found, str):
-        return painted(scope, "m/s", p.entity, found)
     value = np.zeros(scope.length)
-    for i, frame, own in _frames(scope, *found):
+    for i, frame, own in _frames(scope, liquid, member):
         own = own & _inside(scope.candidate, p.region, frame)
         if own.any():
             value[i] = _measured(np.linalg.norm(frame.velocity[own], axis=1), frame.mass[own], p.measure)
     return _banded(scope, p, value, "m/s", f"{p.measure} speed of {p.entity}")
 
 
-def liquid_temperature(scope: Scope, predicate: SpecModel) -> Outcome:
+@_of_liquid(LiquidTemperature, "K")
+def liquid_temperature(scope: Scope, p: LiquidTemperature, liquid: Liquid, member: int) -> Outcome:
     """Measured: mean, lowest or highest temperature of the particles; where there are none the frame is not true."""
-    p = _typed(predicate, LiquidTemperature)
-    found = liquid_or_none(scope.candidate, p.entity)
-    if isinstance(found, str):
-        return painted(scope, "K", p.entity, found)
     value = np.full(scope.length, np.nan)
-    for i, frame, own in _frames(scope, *found):
+    for i, frame, own in _frames(scope, liquid, member):
         if "particle/temperature" not in frame.others:
             raise EvidenceError(
                 f"no temperature is recorded of {p.entity!r}; give a liquid of its instance a temperature, conductivity or activation"

@@ -203,15 +203,7 @@ class Books:
         off = np.abs(mass - expected) / scale
         frame = int(np.argmax(off > MASS)) if (off > MASS).any() else None
         text = f"mass is {mass[-1]:.6g} kg at the end, off by {off.max():.2g} of it at most"
-        return Finding(
-            "pass" if frame is None else "fail",
-            text,
-            float(off.max()),
-            MASS,
-            "1",
-            frame=frame,
-            hints=(bake_again(),) if frame is not None else (),
-        )
+        return _finding(frame, text, float(off.max()), MASS)
 
     def _records(self) -> Finding:
         s = self.swarm
@@ -235,15 +227,7 @@ class Books:
         text = f"records are those of the particles; largest deviation {off[worst].max():.2g} of what is in play ({worst})"
         if frame is not None:
             text = f"record {worst} is off by {off[worst][frame]:.3g} of what is in play at frame {frame}"
-        return Finding(
-            "pass" if frame is None else "fail",
-            text,
-            float(off[worst].max()),
-            RECORDS,
-            "1",
-            frame=frame,
-            hints=(bake_again(),) if frame is not None else (),
-        )
+        return _finding(frame, text, float(off[worst].max()), RECORDS)
 
     def _momentum(self) -> Finding:
         if not self.swarm.granular:
@@ -263,15 +247,7 @@ class Books:
         text = f"momentum is explained to {off.max():.2g} of what acts in a frame"
         if frame is not None:
             text = f"{off[frame - 1]:.3g} of the impulse of frame {frame} has no source"
-        return Finding(
-            "pass" if frame is None else "fail",
-            text,
-            float(off.max()),
-            MOMENTUM,
-            "1",
-            frame=frame,
-            hints=(bake_again(),) if frame is not None else (),
-        )
+        return _finding(frame, text, float(off.max()), MOMENTUM)
 
     def _energy(self) -> Finding:
         s = self.swarm
@@ -316,3 +292,9 @@ def _walls_of(swarm: Swarm) -> list[tuple[int, Cache, int]]:
         if place is not None:
             found.append((row, place[0], place[1]))
     return found
+
+
+def _finding(frame: int | None, text: str, measured: float, bound: float) -> Finding:
+    """Finding on a relative deviation that is over its bound from a frame on; None where it never is."""
+    hints = () if frame is None else (bake_again(),)
+    return Finding("pass" if frame is None else "fail", text, measured, bound, "1", frame=frame, hints=hints)

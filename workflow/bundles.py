@@ -13,6 +13,7 @@ from ..worlds.bundle import WrittenBundle, json_bytes, write_bundle
 from ..worlds.cache import Cache
 from ..worlds.candidate import open_candidate
 from ..worlds.canonical import canonical_json, spec_digest
+from ..worlds.categories.derived import DERIVED
 from ..worlds.claims import prompt_record
 from ..worlds.environment import environment
 from ..worlds.errors import EvidenceError, RefusedError
@@ -157,23 +158,9 @@ def candidate_members(
             chosen += [cache.folder / "index.json", cache.folder / "digests.txt"]
             chosen += [checkpoint_path(cache.folder, k) for k in checkpoint_frames(spec, frames)]
             chosen += [cache.path(k) for k in range(frames)] if with_caches else []
-            if with_caches and name in spec.simulation.liquid:
-                chosen += _beside(cache)
+            chosen += [path for made in DERIVED for path in made(cache).present()] if with_caches else []
         chosen += files_of(folder / "plates") if stage == "full" else []
     return {f"world/{p.resolve().relative_to(root.resolve()).as_posix()}": p for p in chosen}
-
-
-def _beside(cache: Cache) -> list[Path]:
-    """Files of the surfaces and wet maps that were made of a liquid's cache."""
-    from ..worlds.categories.liquid.surface import surface_folder
-    from ..worlds.categories.liquid.wet import wet_folder
-
-    names = ("index.json", "digests.txt", "surface.json", "wet.json", "texels.npz")
-    found = []
-    for folder in (surface_folder(cache), wet_folder(cache)):
-        found += [folder / n for n in names if (folder / n).is_file()]
-        found += sorted(folder.glob("frame_[0-9][0-9][0-9][0-9][0-9][0-9].npz"))
-    return found
 
 
 def make_bundle(

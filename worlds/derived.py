@@ -26,6 +26,8 @@ class Derived:
     """Kind of writer that its channels have in `worlds/channels.py`; empty where no quantity is read from it."""
     note: ClassVar[str]
     """File that says what it was made with."""
+    beside: ClassVar[tuple[str, ...]] = ()
+    """Further files of it that are no frames."""
 
     def __init__(self, cache: Cache, folder: Path) -> None:
         self.cache = cache
@@ -37,6 +39,12 @@ class Derived:
             return min(len(self.files.digests()), self.cache.index.frames)
         except EvidenceError:
             return 0
+
+    def present(self) -> list[Path]:
+        """Files of it that are there."""
+        folder = self.files.folder
+        named = [folder / n for n in ("index.json", "digests.txt", self.note, *self.beside)]
+        return [*(p for p in named if p.is_file()), *sorted(folder.glob("frame_[0-9][0-9][0-9][0-9][0-9][0-9].npz"))]
 
     def about(self) -> dict[str, Any]:
         """The note of their making: recipe, settings, versions.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import SolverInstance, WorldSpec
     from ..predicates.outcome import Outcome
 
-__all__ = ["STILL_SPEED", "STILL_SPIN", "Flags", "Judge", "Push", "Rupture", "Touch", "joined", "record_of", "stored"]
+__all__ = ["STILL_SPEED", "STILL_SPIN", "Flags", "Judge", "Push", "Rupture", "Tie", "Touch", "joined", "record_of", "stored"]
 
 Flags = NDArray[np.bool_]
 
@@ -46,6 +46,10 @@ class Push(NamedTuple):
     """[s] Between these times; a contact that is new and has ended by the next frame carries at `begin` alone."""
     impulse: float
     """[N s]"""
+
+
+Tie = tuple[str | None, str | None, float]
+"""Two entities that something holds together, None for the world, and until when [s]."""
 
 
 class Touch(NamedTuple):
@@ -187,6 +191,10 @@ class Judge:
     def pushes(self, candidate: Candidate) -> list[list[Push]]:
         """Pushes between it and others, per frame."""
         return [[] for _ in range(candidate.frame_count)]
+
+    def ties(self, spec: WorldSpec) -> list[Tie]:
+        """Pairs of entities that something holds together, whatever pushes them."""
+        return []
 
     def unfelt(self, spec: WorldSpec) -> set[tuple[str, str]]:
         """Its entities, and bodies that they do not push although these push them."""

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...worlds.categories.elastic.audit import elastic_problems
-from ...worlds.categories.fracture.audit import crumble_limit, fracture_problems
+from ...worlds.categories.fracture.audit import crumble_limit
 from ...worlds.categories.fracture.pieces import crumble_of
+from ...worlds.categories.registry import CATEGORIES
 from ..rows.corrections import LEAST_STEP, correction, pointer, set_value
 from .bounds import CRUMBLE_FACTOR, SKIN_FACTOR, SKIN_MAX, SKIN_SHARE
 
@@ -167,7 +167,8 @@ def _refused(spec: WorldSpec, solver: str, skin: float) -> bool:
     plan = spec.simulation.model_copy(update={"solvers": {**spec.simulation.solvers, solver: wider}})
     changed = spec.model_copy(update={"simulation": plan})
     place = pointer("simulation", "solvers", solver, "settings", "skin")
-    return any(p.pointer == place for p in (*fracture_problems(changed), *elastic_problems(changed)))
+    audits = [c.audit for c in CATEGORIES.values() if c.audit is not None]
+    return any(p.pointer == place for audit in audits for p in audit.problems(changed))
 
 
 def finer_contact(surfaces: Surfaces, solver: str, depth: float, *, tunnel: bool) -> list[Correction]:

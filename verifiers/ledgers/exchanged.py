@@ -116,7 +116,7 @@ def pushed(books: Books) -> F64:
 
 
 def impulses(books: Books, channel: str, width: int) -> F64:
-    """What a channel says that each body was given over the intervals [N s, N m s], shape (F - 1, n, width).
+    """Impulses that each body was given over the intervals by a channel [N s, N m s], shape (F - 1, n, width).
 
     Raises:
         EvidenceError: the cache has no such record, or one of another shape or that is not finite.

@@ -15,7 +15,6 @@ import numpy as np
 from ...worlds.audits.pairs import departures
 from ...worlds.audits.story import STARTED
 from ...worlds.bound_fields import dressing
-from ...worlds.categories.fracture.pieces import crumble_of
 from ...worlds.categories.registry import CATEGORIES, shape_of
 from ...worlds.directions import way_of
 from ...worlds.errors import EvidenceError
@@ -23,6 +22,7 @@ from ...worlds.spec import Connects, Dimensions, Limits, RigidPhysics, SpringJoi
 from ...worlds.walkers import carrier_words, easier_than_a_person
 from ..categories.registry import judged
 from ..ledgers.motion import entity_mass
+from .factors import times
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
@@ -155,10 +155,6 @@ def _looser(place: str, value: float, usual: float) -> bool:
     return value < usual if way.direction == "harder_up" else value > usual
 
 
-def _times(value: float, usual: float) -> str:
-    return f"{value / usual:.3g} times the default of {usual:g}"
-
-
 def _limits(spec: WorldSpec) -> Iterator[tuple[str, str]]:
     """Limits of checks that are looser than their default, with value, default and factor."""
     effect = "rows pass that would fail by the default"
@@ -168,9 +164,9 @@ def _limits(spec: WorldSpec) -> Iterator[tuple[str, str]]:
         if name == "scale_ratio":
             for side, (own, other) in enumerate(zip(value, default, strict=True)):
                 if own < other if side == 0 else own > other:
-                    yield f"limit {name}/{side} is {own:g}, {_times(own, other)}", effect
+                    yield f"limit {name}/{side} is {own:g}, {times(own, other)}", effect
         elif _looser(f"/simulation/limits/{name}", value, default):
-            yield f"limit {name} is {value:g}{UNITS.get(name, '')}, {_times(value, default)}{UNITS.get(name, '')}", effect
+            yield f"limit {name} is {value:g}{UNITS.get(name, '')}, {times(value, default)}{UNITS.get(name, '')}", effect
     if plan.fps < COARSE_FPS:
         yield (
             f"{plan.fps} frames per second, fewer than {COARSE_FPS}",
@@ -190,19 +186,9 @@ def _bounds(candidate: Candidate) -> Iterator[tuple[str, str]]:
             value, usual = getattr(holder, field), model.model_fields[field].default
             if _looser(f"{place}/{path}", value, usual):
                 yield (
-                    f"bound {field} of {name!r} is {value:g}, {_times(value, usual)}",
+                    f"bound {field} of {name!r} is {value:g}, {times(value, usual)}",
                     "rows pass that would fail by the default",
                 )
-        declared = None if entity.breakable is None else entity.breakable.bond.crumble
-        if entity.breakable is None or declared is None or name not in candidate.built:
-            continue
-        bond = entity.breakable.bond.model_copy(update={"crumble": None})
-        usual = crumble_of(entity.breakable.model_copy(update={"bond": bond}), candidate.built[name])
-        if declared > usual > 0.0:
-            yield (
-                f"crumble of {name!r} is {declared:g} m, {_times(declared, usual)} m",
-                "its pieces may lie as deep in one another",
-            )
 
 
 def _hollow(candidate: Candidate) -> Iterator[tuple[str, str]]:

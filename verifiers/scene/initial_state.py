@@ -15,28 +15,36 @@ before the preroll.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
-from ...worlds.categories.cloth.facts import release_time
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import PathDriver, ReleaseDriver, Supports
-from ..categories.questions import AMOUNT, PLACED, STARTED
+from ..categories.questions import PLACED, STARTED
 from ..rows.corrections import bake_again, correction, separate
 from ..rows.findings import Finding
 from .bounds import CORNERS, GAP_CAP, ROUNDING, SETTLED, SPEED, SPEED_SHARE
 from .declared import Declared
-from .initial_matter import amounts, grains_started, liquid_placed, liquid_started
 
 if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
+    from ..categories.container import Function
     from ..rows.questions import Question
 
-__all__ = ["FUNCTIONS", "Opened", "opened", "start_lines"]
+__all__ = [
+    "STARTS",
+    "Opened",
+    "moved_vertices",
+    "of_places",
+    "of_speeds",
+    "opened",
+    "speeds_of_vertices",
+    "start_lines",
+]
 
 EXACT = 300
 """Members of a group up to which the way from each to its farthest is looked for: it takes their number squared."""
@@ -180,7 +188,7 @@ def opened(candidate: Candidate, solver: str, cache: Cache) -> list[Opened]:
         if spec.entities[entity].motion == "kinematic":
             bound = ROUNDING
         settled = prerolled and spec.entities[entity].motion == "dynamic" and not held_at_start(candidate, entity)
-        own = _moved_vertices(candidate, entity) if entity in candidate.deforming else _moved_bodies(candidate, cache, entity)
+        own = moved_vertices(candidate, entity) if entity in candidate.deforming else _moved_bodies(candidate, cache, entity)
         for moved, turned, thin, size in own:
             most = bound / max(thin, ROUNDING)
             if settled:
@@ -207,7 +215,7 @@ def _moved_bodies(candidate: Candidate, cache: Cache, entity: str) -> Iterator[t
         yield way, turn, 0.5 * float(extent.min()), float(np.linalg.norm(extent))
 
 
-def _moved_vertices(candidate: Candidate, entity: str) -> Iterator[tuple[float, float, float, float]]:
+def moved_vertices(candidate: Candidate, entity: str) -> Iterator[tuple[float, float, float, float]]:
     """Largest displacement of a vertex of a deforming entity from its rest shape at the declared pose."""
     soft = candidate.deforming[entity]
     wanted = pose_of(candidate.spec.entities[entity].pose).apply(soft.rest)
@@ -216,18 +224,11 @@ def _moved_vertices(candidate: Candidate, entity: str) -> Iterator[tuple[float, 
 
 
 def _placed_bodies(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    return _of_places(candidate, opened(candidate, solver, cache))
+    return of_places(opened(candidate, solver, cache))
 
 
-def _placed_cloth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    found, free = [], candidate.spec.simulation.preroll > 0 and release_time(candidate.spec, solver) == -np.inf
-    for entity in dict.fromkeys(n.split("/", 1)[0] for n in cache.index.deformables):
-        for moved, _, _, _ in _moved_vertices(candidate, entity):
-            found.append(Opened(entity, moved, np.inf if free else ROUNDING, settled=free))
-    return _of_places(candidate, found)
-
-
-def _of_places(candidate: Candidate, found: list[Opened]) -> Finding:
+def of_places(found: list[Opened]) -> Finding:
+    """Finding on distances from declared places."""
     if not found:
         return Finding("not_applicable", "nothing in it moves but on paths, which category:rigid:driven judges")
     worst = max(found, key=lambda o: o.share)
@@ -293,8 +294,8 @@ def start_lines(candidate: Candidate) -> list[dict[str, str]]:
 
 
 def _started_bodies(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    found = [*_speeds_of_bodies(candidate, cache), *_speeds_of_vertices(candidate, cache)]
-    return _of_speeds(found)
+    found = [*_speeds_of_bodies(candidate, cache), *speeds_of_vertices(candidate, cache)]
+    return of_speeds(found)
 
 
 class _Speed(NamedTuple):
@@ -340,7 +341,7 @@ def _speeds_of_bodies(candidate: Candidate, cache: Cache) -> Iterator[_Speed]:
         yield _Speed(entity, float(off.max()), _bound(fast))
 
 
-def _speeds_of_vertices(candidate: Candidate, cache: Cache) -> Iterator[_Speed]:
+def speeds_of_vertices(candidate: Candidate, cache: Cache) -> Iterator[_Speed]:
     """Speeds of vertices against the declared one; those that pins hold may stand still, or go with their body."""
     spec = candidate.spec
     for entity in dict.fromkeys(n.split("/", 1)[0] for n in cache.index.deformables):
@@ -356,11 +357,8 @@ def _speeds_of_vertices(candidate: Candidate, cache: Cache) -> Iterator[_Speed]:
         yield _Speed(entity, float(off.max(initial=0.0)), _bound(float(np.linalg.norm(wanted))))
 
 
-def _started_cloth(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    return _of_speeds(list(_speeds_of_vertices(candidate, cache)))
-
-
-def _of_speeds(found: list[_Speed]) -> Finding:
+def of_speeds(found: list[_Speed]) -> Finding:
+    """Finding on velocities against declared ones."""
     if not found:
         return Finding("not_applicable", "all that moves has the velocity of its path, or what the preroll left it")
     worst = max(found, key=lambda s: s.off / s.bound)
@@ -379,11 +377,5 @@ def _of_speeds(found: list[_Speed]) -> Finding:
 
 # ---------------------------------------------------------------- what is judged how
 
-Function = Callable[["Candidate", str, "Cache"], Finding]
-FUNCTIONS: dict[str, dict[Question, Function]] = {
-    "rigid": {PLACED: _placed_bodies, STARTED: _started_bodies},
-    "cloth": {PLACED: _placed_cloth, STARTED: _started_cloth},
-    "liquid": {PLACED: liquid_placed, STARTED: liquid_started},
-    "particles": {AMOUNT: amounts, STARTED: grains_started},
-}
-"""By kind of instance."""
+STARTS: Mapping[Question, Function] = {PLACED: _placed_bodies, STARTED: _started_bodies}
+"""By question about frame 0 of a rigid instance; other matter answers in the folder of its category."""

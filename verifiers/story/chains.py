@@ -32,13 +32,12 @@ from ...worlds.errors import EvidenceError
 from ...worlds.spec import ForceDriver, ReleaseDriver
 from ..categories.pushes import MIN_IMPULSE
 from ..categories.registry import JUDGES, judge_of
-from ..categories.rigid.links import ties
 from ..ledgers.fields import blown_at
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import WorldSpec
-    from ..categories.judge import Push
+    from ..categories.judge import Push, Tie
 
 __all__ = ["MOMENTUM_SHARE", "PAUSE", "PRESSED", "Chains", "Hop", "Reach", "chains_of", "joined"]
 
@@ -196,7 +195,7 @@ class Chains:
 
     def _joint_links(self) -> _Links:
         index = self._index
-        ends = ties(self.candidate.spec)
+        ends = _ties(self.candidate.spec)
         return _both_ways([(index[a], index[b], -NEVER, t, NEVER) for a, b, t in ends if a in index and b in index])
 
     @cached_property
@@ -379,9 +378,13 @@ def chains_of(candidate: Candidate) -> Chains:
     return candidate.memo("chains", lambda: Chains(candidate))
 
 
+def _ties(spec: WorldSpec) -> list[Tie]:
+    return [tie for judge in JUDGES.values() for tie in judge.ties(spec)]
+
+
 def joined(spec: WorldSpec) -> list[set[str | None]]:
     """Pairs of entities that joints, springs and ropes hold together; None is the world."""
-    return [{a, b} for a, b, _ in ties(spec)]
+    return [{a, b} for a, b, _ in _ties(spec)]
 
 
 def _both_ways(found: list[tuple[int, int, float, float, float]]) -> _Links:

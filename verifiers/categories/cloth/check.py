@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from ...rows.findings import Finding, judged
 from ...rows.instance_rows import instance_answer
-from ...scene import initial_state
 from ..container import rows_about
 from .crossing import apart, free_of_itself
 from .frames import ClothRun, cloth_run
@@ -19,6 +18,7 @@ from .ledger import energy, kept_mass, kept_records, momentum, uncut
 from .numerical import finite, slow
 from .questions import CATEGORY, NUMERICAL
 from .shape import pinned, shaped, stretched
+from .start import STARTS
 from .tears import held_strength, torn_with_cause
 
 if TYPE_CHECKING:
@@ -61,4 +61,4 @@ def category_rows(candidate: Candidate, solver: str) -> list[Row]:
 
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of frame 0, of the cache and of its numbers."""
-    return rows_about(candidate, solver, initial_state.FUNCTIONS["cloth"]) + _rows(candidate, solver, NUMERICAL)
+    return rows_about(candidate, solver, STARTS) + _rows(candidate, solver, NUMERICAL)

@@ -10,10 +10,13 @@ from ....physics.drag import area_vectors
 from ....worlds.bonds import WORLD
 from ....worlds.categories.fracture.pieces import crumble_of
 from ....worlds.fields import fields_of
+from ...register.factors import times
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64
+    from ....worlds.built import BuiltEntity
     from ....worlds.candidate import Candidate
+    from ....worlds.categories.fracture.models import Breakable
 
 __all__ = ["fracture_lines"]
 
@@ -60,7 +63,18 @@ def fracture_lines(candidate: Candidate) -> list[dict[str, str]]:
                     "effect": "broken pieces may lie that deep in one another; the dust has no mass of its own",
                 }
             )
+            found += _crumbles(name, entity.breakable, candidate.built[name])
     return found
+
+
+def _crumbles(name: str, breakable: Breakable, built: BuiltEntity) -> list[dict[str, str]]:
+    """Crumble that is declared larger than it is by default."""
+    bond = breakable.bond
+    usual = crumble_of(breakable.model_copy(update={"bond": bond.model_copy(update={"crumble": None})}), built)
+    if bond.crumble is None or not bond.crumble > usual > 0.0:
+        return []
+    what = f"crumble of {name!r} is {bond.crumble:g} m, {times(bond.crumble, usual)} m"
+    return [{"what": what, "effect": "its pieces may lie as deep in one another"}]
 
 
 def _together(candidate: Candidate, name: str) -> list[dict[str, str]]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...rows.watches import Watch, Watching
-from ...scene import initial_state
 from ..container import rows_about
 from .across import Across
 from .blown import Blown
@@ -24,6 +23,7 @@ from .ledger import Books, Identity
 from .motion import Motion, Trapped
 from .numerical import Numbers
 from .resolved import Resolved
+from .start import STARTS
 from .sticking import Sticking
 from .surface import Shown
 from .walls import Walls
@@ -69,5 +69,4 @@ category_rows = _WATCHING.category_rows
 
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of frame 0, of the cache and of counters of one instance."""
-    first = initial_state.FUNCTIONS["liquid"]
-    return [*rows_about(candidate, solver, first), *_WATCHING.numerical_rows(candidate, solver)]
+    return [*rows_about(candidate, solver, STARTS), *_WATCHING.numerical_rows(candidate, solver)]

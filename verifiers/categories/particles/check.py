@@ -14,7 +14,6 @@ from ....worlds.errors import EvidenceError, NotFiniteError
 from ...rows.corrections import halve_step
 from ...rows.findings import Finding
 from ...rows.watches import Watch, Watching
-from ...scene import initial_state
 from ..container import rows_about
 from .contacts import Contacts
 from .flight import Flight
@@ -22,6 +21,7 @@ from .frames import matched, swarm_of
 from .ledger import Books, Identity
 from .questions import NUMBERS
 from .rows import emitted_slower, stiffer
+from .start import STARTS
 from .walls import Walls
 
 if TYPE_CHECKING:
@@ -114,5 +114,4 @@ category_rows = _WATCHING.category_rows
 
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of frame 0, of the cache and of counters of one instance."""
-    first = initial_state.FUNCTIONS["particles"]
-    return [*rows_about(candidate, solver, first), *_WATCHING.numerical_rows(candidate, solver)]
+    return [*rows_about(candidate, solver, STARTS), *_WATCHING.numerical_rows(candidate, solver)]

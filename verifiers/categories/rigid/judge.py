@@ -10,9 +10,9 @@ import numpy as np
 from ....worlds.arrays import F64
 from ...ledgers import motion
 from ...ledgers.exchanged import CHANNEL, partners
-from ..judge import TOLD, Judge, Push, stored
+from ..judge import TOLD, Judge, Push, Tie, stored
 from .check import category_rows
-from .links import contact_pushes, owners
+from .links import contact_pushes, owners, ties
 from .numerical import numerical_rows
 from .register import rigid_lines
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Row
+    from ....worlds.spec import WorldSpec
 
 __all__ = ["RigidJudge"]
 
@@ -44,6 +45,10 @@ class RigidJudge(Judge):
     def pushes(self, candidate: Candidate) -> list[list[Push]]:
         """Logged contacts."""
         return contact_pushes(candidate)
+
+    def ties(self, spec: WorldSpec) -> list[Tie]:
+        """By joints, springs and ropes."""
+        return ties(spec)
 
     def mechanical_energy(self, candidate: Candidate, solver: str) -> F64 | None:
         """Energy of bodies, computed from their motion where nothing stores any in springs, less the work of drivers [J]."""

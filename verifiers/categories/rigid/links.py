@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ....worlds.spec import DetachDriver
-from ..judge import Push
+from ..judge import Push, Tie
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
@@ -64,12 +64,10 @@ def _pushes(
     return found
 
 
-def ties(spec: WorldSpec) -> list[tuple[str | None, str | None, float]]:
+def ties(spec: WorldSpec) -> list[Tie]:
     """Ends of joints, springs and ropes, and until when they hold [s]; None is the world."""
     opened = {d.joint: d.time for d in spec.simulation.drivers.values() if isinstance(d, DetachDriver)}
-    found: list[tuple[str | None, str | None, float]] = [
-        (j.parent, j.child, opened.get(name, float("inf"))) for name, j in spec.simulation.joints.items()
-    ]
+    found: list[Tie] = [(j.parent, j.child, opened.get(name, float("inf"))) for name, j in spec.simulation.joints.items()]
     for name, entity in spec.entities.items():
         if entity.generator is not None:
             found += [(name, to, float("inf")) for to in (entity.generator.attach_start, entity.generator.attach_end)]

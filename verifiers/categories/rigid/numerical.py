@@ -241,7 +241,7 @@ SHARED: Mapping[Question, Function] = {
     COUNTS: _counts,
     ITERATIONS: _iterations,
     COUNTERS: counters,
-    **initial_state.FUNCTIONS["rigid"],
+    **initial_state.STARTS,
 }
 """Questions that other categories are asked too."""
 FUNCTIONS: Mapping[str, Function] = {

@@ -28,6 +28,9 @@ from ...errors import EvidenceError
 
 __all__ = ["Texels", "WetMap", "WetState", "wet_folder"]
 
+TEXELS = "texels.npz"
+"""File of the places, beside the frames."""
+
 
 def wet_folder(cache: Cache) -> Path:
     """Folder of the wet maps of an instance."""
@@ -85,6 +88,7 @@ class WetMap(Derived):
     """Reader of the wet maps that were made of a cache; its note says recipe, parts, size and touch [m], digest of the texels."""
 
     one, many, note = "wet map", "wet maps", "wet.json"
+    beside = (TEXELS,)
 
     def __init__(self, cache: Cache) -> None:
         super().__init__(cache, wet_folder(cache))
@@ -103,7 +107,7 @@ class WetMap(Derived):
         Raises:
             EvidenceError: they are missing or were altered.
         """
-        about, found = self.about(), read_container(self.files.folder / "texels.npz")
+        about, found = self.about(), read_container(self.files.folder / TEXELS)
         if digest_arrays(found) != about.get("texels"):
             raise EvidenceError(f"texels of {self.cache.folder.name!r} were altered; bake again")
         position, normal, area = (np.asarray(found[f"texel/{n}"], dtype=np.float64) for n in ("position", "normal", "area"))

@@ -1,102 +1,37 @@
-"""Liquids and grains at frame 0 against what was declared: middles, amounts, velocities (see `initial_state`)."""
+"""Grains and flying particles at frame 0 against what was declared: their number and velocities."""
 
 from __future__ import annotations
 
-import itertools
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Solid, contains, distance_to_surface
-from ...worlds.arrays import F64, pose_of
-from ..categories.liquid.frames import liquid_of
-from ..categories.liquid.ledger import declared_filling
-from ..categories.liquid.samples import spread
-from ..categories.liquid.solids import pieces_of
-from ..categories.particles.frames import swarm_of
-from ..rows.corrections import EACH_OTHER, bake_again, out_of_solids
-from ..rows.findings import Finding
-from .bounds import FEW, FILLED, LIQUID_MIDDLE, PARTICLE_SPEED
+from ....geometry import Solid, contains, distance_to_surface
+from ....worlds.arrays import F64, pose_of
+from ...rows.corrections import EACH_OTHER, bake_again, out_of_solids
+from ...rows.findings import Finding
+from ...scene.bounds import FEW, FILLED, PARTICLE_SPEED
+from ..liquid.samples import spread
+from ..liquid.solids import pieces_of
+from ..questions import AMOUNT, STARTED
+from .frames import swarm_of
 
 if TYPE_CHECKING:
-    from ...worlds.cache import Cache
-    from ...worlds.candidate import Candidate
-    from ...worlds.spec import LiquidPhysics
-    from ..categories.liquid.frames import Liquid
-    from ..categories.particles.frames import Swarm
+    from ....worlds.cache import Cache
+    from ....worlds.candidate import Candidate
+    from ...rows.questions import Question
+    from ..container import Function
+    from .frames import Swarm
 
-__all__ = ["amounts", "grains_started", "liquid_placed", "liquid_started"]
+__all__ = ["STARTS"]
 
 GRAIN_POINTS = 8000
 """Points in a part's box at which it is asked whether the middle of a grain may be there: 1 % of a half-filled box."""
 
 
-# ---------------------------------------------------------------- liquids
-
-
-def liquid_placed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether every liquid's middle is that of its declared volume."""
-    liquid, frame = liquid_of(candidate, solver), liquid_of(candidate, solver).read(0)
-    bound = LIQUID_MIDDLE * liquid.spacing
-    worst, culprit, told = -1.0, liquid.members[0], {}
-    for row, (member, (volume, middle)) in enumerate(declared_filling(liquid).items()):
-        mine = frame.fluid == row
-        if not mine.any() or volume <= 0.0:
-            continue
-        weight = frame.volume[mine] / frame.volume[mine].sum()
-        off = float(np.linalg.norm(weight @ frame.position[mine] - middle))
-        told[member] = off
-        if off > worst:
-            worst, culprit = off, member
-    if not told:
-        return Finding("not_applicable", "there is no liquid at frame 0")
-    text = f"the middle of {culprit!r} is {worst:.3g} m from that of its declared volume"
-    if candidate.spec.simulation.preroll > 0:
-        return Finding("pass", text + ", after the preroll in which it settled", evidence={"moved_m": told})
-    hints = (
-        bake_again(),
-        out_of_solids((culprit,), "its parts overlap solids, the domain's sides or each other", EACH_OTHER),
-    )
-    return Finding("pass" if worst <= bound else "fail", text, worst, bound, "m", culprit, 0, hints, {"moved_m": told})
-
-
-def liquid_started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether every particle has its declared velocity, in a current at most that of its fastest place."""
-    if candidate.spec.simulation.preroll > 0:
-        return Finding("not_applicable", "its velocity is declared for the begin of the preroll, which no frame holds")
-    liquid = liquid_of(candidate, solver)
-    frame = liquid.read(0)
-    worst, culprit = 0.0, liquid.members[0]
-    for row, member in enumerate(liquid.members):
-        mine = np.flatnonzero(frame.fluid == row)
-        physics = liquid.physics(member)
-        off = np.linalg.norm(frame.velocity[mine] - np.array(physics.linear_velocity), axis=1)
-        fastest = max((max(c.speeds) for c in physics.currents.values()), default=0.0)
-        running = _in_currents(liquid, member, physics, frame.position[mine])
-        off[running] = np.minimum(off[running], np.maximum(frame.speed[mine][running] - fastest, 0.0))
-        if len(off) and off.max() > worst:
-            worst, culprit = float(off.max()), member
-    text = f"particles of {culprit!r} have another velocity than declared, by at most {worst:.3g} m/s"
-    return Finding("pass" if worst <= PARTICLE_SPEED else "fail", text, worst, PARTICLE_SPEED, "m/s", culprit, 0, (bake_again(),))
-
-
-def _in_currents(liquid: Liquid, member: str, physics: LiquidPhysics, points: F64) -> NDArray[np.bool_]:
-    """Whether each point may lie in a declared current, as seen from above."""
-    pose, found = pose_of(liquid.candidate.spec.entities[member].pose), np.zeros(len(points), dtype=bool)
-    for current in physics.currents.values():
-        line = pose.apply(np.array(current.line, dtype=np.float64))[:, :2]
-        for a, b in itertools.pairwise(line):
-            along = b - a
-            share = np.clip((points[:, :2] - a) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
-            found |= np.linalg.norm(points[:, :2] - a - share[:, None] * along, axis=1) <= 0.5 * current.width + liquid.spacing
-    return found
-
-
-# ---------------------------------------------------------------- grains and flying particles
-
-
-def amounts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def _amounts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Whether there are as many particles as declared: in number, or by the share of the volume that grains take."""
     swarm = swarm_of(candidate, solver)
     if candidate.spec.simulation.preroll > 0 and not swarm.granular:
@@ -157,7 +92,7 @@ def _free(swarm: Swarm, points: F64, radius: float, before: list[str]) -> NDArra
     return free
 
 
-def grains_started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
+def _started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     """Whether every particle has its declared velocity."""
     if candidate.spec.simulation.preroll > 0:
         return Finding("not_applicable", "declared velocities are added to what the preroll left, which no frame holds")
@@ -180,3 +115,7 @@ def grains_started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         0,
         (bake_again(),),
     )
+
+
+STARTS: Mapping[Question, Function] = {AMOUNT: _amounts, STARTED: _started}
+"""By question about frame 0."""

@@ -1,6 +1,6 @@
-"""Whether frame 0 is what was declared: place, amount and velocity of every entity (R64, R105).
+"""Frame 0 of rigid instances against what was declared: places and velocities (R64, R105).
 
-Rows `numerical:<what>:<solver>`, one instance of any kind each:
+Rows `numerical:<what>:<solver>`, one instance of any kind each; those of other matter are answered in `categories/<name>/start.py`:
 
 - `placed`: bodies, pieces and vertices stand at their declared pose, but for what opening of collision skins may take: one summed
   skin per contact on the way to the next fixed thing. The middle of a liquid is that of its declared volume.

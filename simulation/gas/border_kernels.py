@@ -1,6 +1,6 @@
 # mypy: ignore-errors
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
-"""What a sweep carries out through the sides of a box: the same fluxes, added up per face in float64."""
+"""Fluxes that a sweep carries out through the sides of a box, added up per face in float64."""
 
 import warp as wp
 

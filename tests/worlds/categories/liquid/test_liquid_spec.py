@@ -121,7 +121,7 @@ def test_settings_of_an_instance_are_described_by_its_engine() -> None:
     document = base().model_dump(mode="json")
     assert described("/simulation/solvers/water/settings", document)["type"] == "DfsphSettings"
     assert described("/simulation/solvers/rigid/settings", document)["type"] == "RigidSettings"
-    assert set(described("SolverInstance")["options"]) == {"mujoco", "dfsph", "flip", "shell", "dem", "ballistic"}
+    assert set(described("SolverInstance")["options"]) == {"mujoco", "dfsph", "flip", "gas", "shell", "dem", "ballistic"}
 
 
 @pytest.mark.parametrize(

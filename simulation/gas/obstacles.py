@@ -17,7 +17,7 @@ from .thin_walls import crossed
 if TYPE_CHECKING:
     from ...worlds.categories.gas.facts import Grid
     from ..boundaries import BodyState, Surround
-    from .engine import Solids
+    from .solids import Solids
 
 __all__ = ["Obstacles"]
 

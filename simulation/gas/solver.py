@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...physics.substances import AIR_HEAT_CAPACITY, air_density
+from ...physics.substances import AIR_HEAT_CAPACITY
 from ...worlds.arrays import F64
 from ...worlds.categories.gas.facts import SOURCE_SHARE, emissions_of, gas_of, grid_of
 from ...worlds.categories.loose import domain_box
@@ -16,19 +16,18 @@ from ..boundaries import BodyState, Surround, surround_of
 from ..coupled_solver import CoupledSolver, motion_records
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
-from .engine import LIGHTNESS, MOTION, SOOT, Gas
+from .engine import LIGHTNESS, PACKED, SOOT, Gas
 from .obstacles import Obstacles
 from .settings import GasSettings
 from .solids import corners_of
-from .source import cover
+from .source import cover, share_of
 
 if TYPE_CHECKING:
     from ...worlds.spec import EmissionDriver
+    from .solids import Solids
 
 __all__ = ["SolverGas"]
 
-LEAST_OPEN = 0.01
-"""Own choice: share of a source that solids must leave open; less is a mistake in its place."""
 VOLUME = 4
 """Place of the volume in what a border counts, after the four amounts."""
 
@@ -54,32 +53,35 @@ class SolverGas(CoupledSolver):
             )
         member, entity, self.physics = found
         self.grid = grid_of(instance, self.physics.resolution)
-        self._middles = (corners_of(self.grid.shape, self.grid.cell, self.grid.corner) + 0.5 * self.grid.cell)[
-            :-1, :-1, :-1
-        ].reshape(-1, 3)
+        middles = corners_of(self.grid.shape, self.grid.cell, self.grid.corner)[:-1, :-1, :-1] + 0.5 * self.grid.cell
+        self._middles = middles.reshape(-1, 3)
         self._surround = surround_of(spec, self.built, domain_box(instance), 2.0 * self.grid.cell)
         self.obstacles = Obstacles(self._surround, self.grid)
         settings = instance.settings
         known = {n: getattr(settings, n) for n in GasSettings.__dataclass_fields__ if hasattr(settings, n)}
         self.engine = Gas(
             self.grid.shape, self.grid.cell, settings.domain.sides, GasSettings(**known),
-            gravity=spec.simulation.gravity, solids=self.obstacles.start, device=settings.device,
+            gravity=spec.simulation.gravity, solids=self.obstacles.start, moves=self.obstacles.moves, device=settings.device,
         )  # fmt: skip
         ambient = settings.ambient_temperature
-        self.density = air_density(ambient)
-        self.engine.load = 1.0 / self.density
         light = 1.0 - ambient / self.physics.temperature if settings.expands else self.physics.temperature / ambient - 1.0
         self.content = np.array([light, self.physics.soot_density, 0.0, 0.0])
-        self.unit = np.array([self.density * AIR_HEAT_CAPACITY * ambient, 1.0])
+        self.unit = np.array([self.engine.density * AIR_HEAT_CAPACITY * ambient, 1.0])
         """Heat of a unit of lightness and soot of a unit of soot, per volume."""
         self.emissions = {k: d for k, d in emissions_of(spec, self.name).items() if k not in self._done.without}
         self.fields = fields_of(spec, member, self._done.without)
+        self._last_room = self.obstacles.start.room
         self._outer = self.grid.corner + self.grid.cell * self.engine.outer
         self.wind = 0.0
         """Speed of the fastest air beyond the sides, along an axis [m/s]."""
         if self.fields and "open" in settings.domain.sides:
             self._start_wind()
-        self._place_source(member, cover(entity, self.built[member], self.grid))
+        self._covered = cover(entity, self.built[member], self.grid)
+        self.share = share_of(self._covered, self.engine.room, self.grid.cell)
+        if not self.share.any():
+            raise InputError(
+                f"the source {member!r} lies in solids, or in no cell of its box; move it with /entities/{member}/pose, or make its parts larger"
+            )
 
     def _blow(self, time: float) -> None:
         """Let the air beyond the sides move as it does at a time; before frame 0, as it does then."""
@@ -100,16 +102,6 @@ class SolverGas(CoupledSolver):
         self.engine.velocity = speeds
         self.engine.solve(self.engine.settings.tolerance * self.wind, self.engine.settings.iterations)
 
-    def _place_source(self, member: str, share: F64) -> None:
-        """Gas per volume and second in each cell for an emission of 1 m^3/s."""
-        share = share * (self.engine.room > 0.0)
-        opened = float((share * self.engine.room).sum())
-        if opened < LEAST_OPEN * max(float(share.sum()), 1.0):
-            raise InputError(
-                f"the source {member!r} lies in solids, or in no cell of its box; move it with /entities/{member}/pose, or make its parts larger"
-            )
-        self.share = share / (opened * self.grid.cell**3)
-
     # ------------------------------------------------------------------ steps
 
     def max_stable_dt(self) -> float:
@@ -126,9 +118,10 @@ class SolverGas(CoupledSolver):
             return StepReport.still(limit, self.surround)
         if self.fields:
             self._blow(time + 0.5 * limit)
-        volume = sum(_made(d, time, time + limit) for d in self.emissions.values())
+        solids = self._move(bodies, limit)
+        volume = sum(_made(d, time, time + limit) for d in self.emissions.values()) if self.share.any() else 0.0
         self.engine.emit(self.share * (volume / limit), self.content.tolist())
-        report = self.engine.step(limit)
+        report = self.engine.step(limit, solids)
         tally, ledger, cell = self._tally, self._ledger, self.grid.cell**3
         tally["steps"] += 1
         tally["time"] += limit
@@ -145,6 +138,20 @@ class SolverGas(CoupledSolver):
         ledger["volume_escaped"] += float(out[VOLUME])
         return StepReport.still(limit, self.surround)
 
+    def _move(self, bodies: BodyState, seconds: float) -> Solids | None:
+        """Where the bodies are after a step, if any moves; gas is then made in cells alone whose room stays."""
+        if not self.obstacles.moves:
+            return None
+        before = self.engine.room
+        if not (bodies.velocity.any() or bodies.angular_velocity.any()):
+            self.share = share_of(self._covered, before, self.grid.cell)
+            return None
+        solids = self.obstacles.at(bodies, seconds)
+        stays = self._last_room == solids.room
+        self._last_room = solids.room
+        self.share = share_of(self._covered, np.where(stays[:-1, :-1, :-1], before, 0.0), self.grid.cell)
+        return solids
+
     def open_ledger(self) -> dict[str, Any]:
         """Sums since frame 0."""
         sums = ("emitted_soot", "escaped_soot", "emitted_heat", "escaped_heat", "lost_heat", "volume_emitted", "volume_escaped")
@@ -158,11 +165,15 @@ class SolverGas(CoupledSolver):
 
     def pack(self) -> bytes:
         """State of the engine."""
-        return to_bytes(self.engine.pack())
+        own = {"wind": np.float64(self.wind), "last_room": self._last_room}
+        return to_bytes({**self.engine.pack(), **own})
 
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""
-        self.engine.unpack(from_bytes(state, (*MOTION, "state", "clock")))
+        found = from_bytes(state, (*PACKED, "wind", "last_room"))
+        self.engine.unpack(found)
+        self.wind, self._last_room = float(found["wind"]), found["last_room"]
+        self.share = share_of(self._covered, self.engine.room, self.grid.cell)
 
     # ------------------------------------------------------------------ output
 
@@ -172,15 +183,15 @@ class SolverGas(CoupledSolver):
 
     def measured(self) -> dict[str, Any]:
         """Channels and records of the frame that ends."""
-        engine, tally, settings = self.engine, self._tally, self.instance.settings
+        engine, tally = self.engine, self._tally
         state, velocity = engine.state, engine.velocity
-        light, ambient = state[..., LIGHTNESS].astype(np.float64), settings.ambient_temperature
+        light = state[..., LIGHTNESS].astype(np.float64)
         heat, soot = engine.totals()[[LIGHTNESS, SOOT]] * self.unit * self.grid.cell**3
-        density = self.density * (1.0 - light) + state[..., SOOT]
+        density = engine.density * (1.0 - light) + state[..., SOOT]
         volume, speed = (engine.room * self.grid.cell**3).astype(np.float64).ravel(), _centred(velocity)
         gravity = np.array(self.spec.simulation.gravity)
         moved = motion_records(density.ravel() * volume, self._middles, speed.reshape(-1, 3).astype(np.float64), gravity)
-        heavier = (density.ravel() - self.density) * volume
+        heavier = (density.ravel() - engine.density) * volume
         records = {
             **moved,
             **self._ledger,
@@ -197,7 +208,7 @@ class SolverGas(CoupledSolver):
         return {
             "gas_corner": self.grid.corner,
             "gas_soot": state[..., SOOT].copy(),
-            "gas_temperature": (ambient / (1.0 - light) if settings.expands else ambient * (1.0 + light)).astype(np.float32),
+            "gas_temperature": engine.temperature.astype(np.float32),
             "gas_velocity": speed,
             "gas_room": engine.room.copy(),
             **{f"record/{name}": np.float64(value) for name, value in records.items()},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["SMOKE_PROMPT", "smoke_spec"]
+__all__ = ["SMOKE_PROMPT", "smoke_spec", "stirred_spec"]
 
 SMOKE_PROMPT = "Smoke rises from a bowl on the floor and spreads under a plate."
 WIDE, HIGH = 0.8, 1.2
@@ -76,3 +76,18 @@ def smoke_spec(*, frames: int = 25, resolution: float = 0.05, rate: float = 0.00
         },
         **changes,
     }
+
+
+def stirred_spec(*, frames: int = 25, **changes: Any) -> dict[str, Any]:
+    """The same in a gusty wind, the plate coming down half a metre in a second."""
+    spec = smoke_spec(frames=frames, **changes)
+    spec["entities"]["plate"]["motion"] = "kinematic"
+    del spec["entities"]["plate"]["afloat"]
+    low = {"time": 1.0, "pose": {"position": [0.05, 0, 0.1]}}
+    keys = {"a": {"time": 0.0, "pose": spec["entities"]["plate"]["pose"]}, "b": low}
+    wind = {"kind": "wind", "velocity": [0.8, 0.2, 0], "gust": 0.5, "gust_period": 0.3}
+    spec["simulation"]["drivers"] |= {
+        "push": {"kind": "path", "entity": "plate", "keys": keys},
+        "wind": {"kind": "field", "field": wind, "rise": 0.1},
+    }
+    return spec

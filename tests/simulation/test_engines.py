@@ -133,7 +133,7 @@ OTHERS: dict[str, tuple[Callable[[bytes, Stamp], bytes], str]] = {
     "one of an earlier version": (lambda state, stamp: b"WARS3" + state[5:], "no checkpoint of this version"),
     "one cut short": (lambda state, stamp: state[: len(state) // 2], "damaged"),
     "one with a flipped bit": (lambda state, stamp: state[:-1] + bytes([state[-1] ^ 1]), "damaged"),
-    "one of another engine": (lambda state, stamp: _resealed(state, stamp, engine="gas"), "engine='gas'"),
+    "one of another engine": (lambda state, stamp: _resealed(state, stamp, engine="other"), "engine='other'"),
     "one of another instance": (lambda state, stamp: _resealed(state, stamp, instance="x"), "instance='x'"),
     "one of another frame": (lambda state, stamp: _resealed(state, stamp, frame=9), "frame=9"),
     "one with other sums": (lambda state, stamp: _resealed(state, stamp, ledger={}), "is not of"),

@@ -11,7 +11,7 @@ from ..geometry.camera import Camera
 from ..geometry.idcast import IdCaster, IdImage
 from ..worlds.arrays import F32, F64, U8, compose
 from ..worlds.candidate import Candidate
-from .categories.layer import LooseLayer, over
+from .categories.layer import Daylight, LooseLayer, VolumeLayer, over
 from .categories.registry import layers_of
 from .drawing import caption, distinct_color, label_regions, region_edges
 from .land.preview import LandLayer
@@ -29,6 +29,8 @@ SUN_DISTANCE = 30.0
 """Distance of the sun's eye in focus diagonals; far enough that its rays are nearly parallel."""
 SKY, HORIZON, BELOW = (0.30, 0.48, 0.78), (0.74, 0.80, 0.86), (0.42, 0.40, 0.38)
 """Background colours, linear RGB."""
+SUNLIGHT, ABOVE, UNDER = 0.95 * np.array([1.0, 0.95, 0.86]), (0.36, 0.42, 0.50), (0.17, 0.16, 0.15)
+"""Radiance of a white sheet that faces the sun, the sky, the ground; linear RGB."""
 
 
 class PreviewRenderer:
@@ -44,6 +46,7 @@ class PreviewRenderer:
         pairs = list(zip(loose, starts, strict=False))
         self._opaque = [(layer, first) for layer, first in pairs if layer.opaque]
         self._clear = [(layer, first) for layer, first in pairs if not layer.opaque]
+        self._volumes = [layer for layer, _ in self._clear if isinstance(layer, VolumeLayer)]
         self._first_clear = len(self.parts) + sum(len(layer.entities) for layer, _ in self._opaque)
         self._land: LandLayer | None = None
         self._grounds: dict[str, list[int]] = {}
@@ -112,24 +115,28 @@ class PreviewRenderer:
         elevation, azimuth = math.radians(max(look.sun_elevation_deg, 20.0)), math.radians(look.sun_azimuth_deg)
         return np.array([math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation)])
 
-    def _shadow(self, frame: int, points: F64) -> F32:
-        """Share of sunlight at points, shape (n, 3): 0 in shadow, soft at its edge, 1 outside the sun's picture."""
+    def _daylight(self, frame: int) -> Daylight:
+        """Light at a frame, with the shadows of what is opaque: soft at their edges, none outside the sun's picture."""
         box = focus_bounds(self.candidate)
         size = max(box.diagonal, 1e-6)
         distance = SUN_DISTANCE * size
         fov = 2 * math.degrees(math.atan(0.62 / SUN_DISTANCE))
         eye = Camera(box.center + distance * self._sun(), box.center, fov, SHADOW_PIXELS, SHADOW_PIXELS)
         nearest = self._cast_opaque(frame, eye).depth
-        pixels, depth = eye.project(points)
         bias = 2.0 * 1.24 * size / SHADOW_PIXELS
-        lit = np.zeros(len(points), dtype=np.float32)
-        for dx, dy in ((-0.7, -0.3), (0.3, -0.7), (0.7, 0.3), (-0.3, 0.7)):
-            column = np.floor(pixels[:, 0] + dx).astype(np.int64)
-            row = np.floor(pixels[:, 1] + dy).astype(np.int64)
-            inside = (column >= 0) & (column < SHADOW_PIXELS) & (row >= 0) & (row < SHADOW_PIXELS)
-            hidden = inside & (nearest[np.where(inside, row, 0), np.where(inside, column, 0)] < depth - bias)
-            lit += np.where(hidden, 0.0, 0.25).astype(np.float32)
-        return lit
+
+        def share(points: F64) -> F32:
+            pixels, depth = eye.project(points)
+            lit = np.zeros(len(points), dtype=np.float32)
+            for dx, dy in ((-0.7, -0.3), (0.3, -0.7), (0.7, 0.3), (-0.3, 0.7)):
+                column = np.floor(pixels[:, 0] + dx).astype(np.int64)
+                row = np.floor(pixels[:, 1] + dy).astype(np.int64)
+                inside = (column >= 0) & (column < SHADOW_PIXELS) & (row >= 0) & (row < SHADOW_PIXELS)
+                hidden = inside & (nearest[np.where(inside, row, 0), np.where(inside, column, 0)] < depth - bias)
+                lit += np.where(hidden, 0.0, 0.25).astype(np.float32)
+            return lit
+
+        return Daylight(self._sun(), SUNLIGHT, np.array(ABOVE), np.array(UNDER), share)
 
     def preview(self, frame: int, camera: Camera) -> U8:
         """Hemisphere light, sun with shadows, dark lines where entities meet, frame number and time."""
@@ -145,22 +152,27 @@ class PreviewRenderer:
         normals = image.normals[hit].astype(np.float64)
         facing = (normals * directions[hit]).sum(1)
         normals = np.where((facing > 0)[:, None], -normals, normals)
-        sun = self._sun()
-        lambert = np.maximum(normals @ sun, 0.0) * self._shadow(frame, points + 1e-4 * normals)
+        day = self._daylight(frame)
+        sun = day.sun
+        lambert = np.maximum(normals @ sun, 0.0) * day.share(points + 1e-4 * normals)
+        direct = lambert[:, None] * SUNLIGHT
+        for volume in self._volumes:
+            direct = direct * volume.dimmed(frame, points, sun)
         sky = 0.5 + 0.5 * normals[:, 2]
         half = sun - directions[hit]
         half /= np.linalg.norm(half, axis=1, keepdims=True)
         gloss = 0.10 * np.maximum((normals * half).sum(1), 0.0) ** 40 * (lambert > 0)
-        light = 0.95 * lambert[:, None] * np.array([1.0, 0.95, 0.86]) + _mix((0.17, 0.16, 0.15), (0.36, 0.42, 0.50), sky[:, None])
+        light = direct + _mix(UNDER, ABOVE, sky[:, None])
         shade = self._shade(frame, image.ids[hit], points, normals)
         picture[hit] = self._colors[image.ids[hit]] * shade[:, None] * light + gloss[:, None]
         if self.candidate.spec.terrains:
             image = self._paint_land(image, picture, camera, sun)
+        seen = np.ones(hit.shape)
         if self._clear:
-            image = self._paint_clear(image, picture, frame, camera)
+            image = self._paint_clear(image, picture, seen, camera, (frame, day))
         shown = np.asarray(np.round(255 * np.clip(picture, 0, 1) ** (1 / 2.2)), dtype=np.uint8)
         edges = region_edges(self.entity_ids(image)) & ~((image.ids >= len(self.parts)) & (image.ids < self._first_clear))
-        shown[edges] = (shown[edges] * 0.45).astype(np.uint8)
+        shown[edges] = (shown[edges] * 0.45 ** seen[edges][:, None]).astype(np.uint8)
         caption(shown, self._label(frame))
         return shown
 
@@ -172,14 +184,20 @@ class PreviewRenderer:
         hidden = (depth < image.depth) | np.any([*ground.values(), np.zeros_like(image.ids, dtype=bool)], axis=0)
         return IdImage(np.where(hidden, -1, image.ids), depth, image.normals)
 
-    def _paint_clear(self, image: IdImage, picture: F64, frame: int, camera: Camera) -> IdImage:
-        """Paint matter that one sees through into a picture, and over it the panes that stand before it."""
+    def _paint_clear(self, image: IdImage, picture: F64, seen: F64, camera: Camera, when: tuple[int, Daylight]) -> IdImage:
+        """Paint matter that one sees through into a picture, and over it the panes that stand before it; `seen` is left of what is behind."""
+        frame, day = when
         _, directions = camera.rays()
         for layer, first in self._clear:
+            if isinstance(layer, VolumeLayer):
+                continue
             image = over(image, layer.cast(frame, camera), first)
             own = (image.ids >= first) & (image.ids < first + len(layer.entities))
-            seen, faces = image.ids[own] - first, image.normals[own].astype(np.float64)
-            picture[own] = layer.paint(picture[own], seen, faces, directions[own], self._sun(), SKY)
+            numbers, faces = image.ids[own] - first, image.normals[own].astype(np.float64)
+            picture[own] = layer.paint(picture[own], numbers, faces, directions[own], day.sun, SKY)
+        for volume in self._volumes:
+            picture[:], left = volume.laid(picture, image.depth, frame, camera, day)
+            seen *= left
         pane = self._cast_opaque(frame, camera)
         before = (pane.ids != image.ids) & (pane.depth < image.depth)
         picture[before] = picture[before] * (1 - GLAZE) + GLAZE * self._colors[pane.ids[before]]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..tracer.surfaces import Surface
     from .soft_part import SoftPart
 
-__all__ = ["Layer", "LooseLayer", "PartsLayer", "TracedShapes", "over"]
+__all__ = ["Daylight", "Fog", "Layer", "LooseLayer", "PartsLayer", "TracedShapes", "VolumeLayer", "over"]
 
 
 def over(behind: IdImage, before: IdImage, first: int, front: Any = None) -> IdImage:
@@ -71,6 +71,16 @@ class PartsLayer(Layer):
         return None
 
 
+class Fog(NamedTuple):
+    """A box whose inside takes and scatters light, in a scene of the path tracer."""
+
+    low: F64
+    """Lower corner [m], shape (3,)."""
+    high: F64
+    medium: Any
+    """Mitsuba medium."""
+
+
 @dataclass(frozen=True)
 class TracedShapes:
     """Shapes that a layer adds to a scene of the path tracer at one frame."""
@@ -79,6 +89,8 @@ class TracedShapes:
     """By name."""
     clear: Mapping[str, F64] = field(default_factory=dict)
     """Absorption [1/m] per colour of those that light passes through, by name."""
+    fogs: Mapping[str, Fog] = field(default_factory=dict)
+    """Those that are boxes of gas, by name."""
 
 
 class LooseLayer(Layer, ABC):
@@ -112,3 +124,51 @@ class LooseLayer(Layer, ABC):
             sky: colour that smooth faces mirror.
         """
         return np.asarray(self.colors[ids])
+
+
+class Daylight(NamedTuple):
+    """Light of previews, as radiance of white sheets, each linear RGB of shape (3,)."""
+
+    sun: F64
+    """Unit vector towards it."""
+    sunlight: F64
+    """Of a sheet that faces the sun."""
+    sky: F64
+    """Of one that faces up and sees no sun."""
+    ground: F64
+    """Of one that faces down."""
+    share: Callable[[F64], Any]
+    """What bodies leave of sunlight at points (n, 3), shape (n,)."""
+
+
+class VolumeLayer(LooseLayer):
+    """Matter without a face, which dims and lights up what is seen through it; its cast says where it is thick."""
+
+    opaque = False
+
+    @abstractmethod
+    def depths(self, frame: int, camera: Camera, spans: F64, entity: str | None = None) -> F64:
+        """Optical depth of all its entities, or of one, along the sight of each pixel, shape (height, width).
+
+        Args:
+            frame: frame index.
+            camera: the view.
+            spans: first and last depth along the viewing axis [m], shape (height, width, 2).
+            entity: id.
+        """
+
+    @abstractmethod
+    def laid(self, picture: F64, depth: Any, frame: int, camera: Camera, light: Daylight) -> tuple[F64, F64]:
+        """A linear picture (height, width, 3) through the matter before what is there, and the share of that which it shows (height, width).
+
+        Args:
+            picture: what is there.
+            depth: of what is there along the viewing axis [m], infinite for none, shape (height, width).
+            frame: frame index.
+            camera: the view.
+            light: that falls on the matter.
+        """
+
+    @abstractmethod
+    def dimmed(self, frame: int, points: F64, sun: F64) -> F64:
+        """Share of sunlight that comes through the matter to points (n, 3) [m], shape (n, 3): one per colour."""

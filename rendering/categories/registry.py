@@ -13,6 +13,7 @@ from ...worlds.errors import InputError
 from ...worlds.spec import Entity
 from .breakable import BreakableLayer
 from .deforming import DeformingLayer
+from .gas.layer import GasLayer
 from .layer import Layer, LooseLayer, PartsLayer
 from .liquid.layer import LiquidLayer
 from .particles.layer import GrainLayer
@@ -26,6 +27,7 @@ LAYERS: dict[str, type[Layer]] = {
     "cloth": DeformingLayer,
     "liquid": LiquidLayer,
     "particles": GrainLayer,
+    "gas": GasLayer,
 }
 """By name of the category in `worlds/categories/registry.py`."""
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ....worlds.arrays import F64, I32
+from ...glow import COLD, glow
 from ...tracer.clear_path import IOR
 from ...tracer.meshes import mesh_of, rgb
 from ...tracer.surfaces import soft_normals
@@ -14,32 +15,13 @@ from ..balls import joined_balls
 from ..layer import TracedShapes
 from .meshes import Liquid
 
-__all__ = ["glow", "liquid_shapes"]
+__all__ = ["liquid_shapes"]
 
 FOAM = (0.86, 0.88, 0.88)
 CRUST = (0.025, 0.022, 0.02)
 """Colour of lava that has stopped glowing."""
-BANDS = (0.61e-6, 0.55e-6, 0.465e-6)
-"""Wavelengths of red, green and blue [m]."""
-BAND_SHARE = 0.16
-"""Share of daylight's power in each of the three bands: lights are given in power over all of them."""
-BAND_WIDTH = 0.1e-6
 RAMP = (600.0, 2200.0)
 """Temperatures that colours are tabled for [K]."""
-COLD = 700.0
-"""Below this lava does not glow visibly [K]."""
-
-
-def glow(temperature: F64) -> F64:
-    """Radiance of a black body in three colours on the scale of the scene's lights [W/(m^2 sr)], shape (n, 3).
-
-    Planck's law at three wavelengths.
-    """
-    h, c, k = 6.62607015e-34, 299792458.0, 1.380649e-23
-    wave = np.array(BANDS)
-    hot = np.maximum(np.asarray(temperature, dtype=np.float64), 1.0)[:, None]
-    spectral = 2 * h * c**2 / wave**5 / np.expm1(np.minimum(h * c / (wave * k * hot), 700.0))
-    return np.where(hot > COLD, spectral * BAND_WIDTH / BAND_SHARE, 0.0)
 
 
 def _mesh(mi: Any, name: str, vertices: F64, faces: I32, bsdf: Any, *, heat: F64 | None = None) -> Any:

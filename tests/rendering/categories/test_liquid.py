@@ -16,7 +16,7 @@ from worldagent.geometry.camera import Camera
 from worldagent.rendering import highlight, id_view, preview, section_view
 from worldagent.rendering.categories.balls import joined_balls
 from worldagent.rendering.categories.liquid.meshes import liquids_of, look_of
-from worldagent.rendering.categories.liquid.shapes import glow
+from worldagent.rendering.glow import glow
 from worldagent.rendering.preview import PreviewRenderer
 from worldagent.rendering.tracer.scene import SceneRenderer
 from worldagent.rendering.tracer.surfaces import soft_normals

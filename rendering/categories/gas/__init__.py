@@ -1,0 +1,1 @@
+"""Gas in pictures: smoke, steam, dust and the glow of what is hot."""

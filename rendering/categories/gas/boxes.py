@@ -99,7 +99,7 @@ def gases_of(candidate: Candidate) -> list[Gas]:
     Raises:
         EvidenceError: a cache lacks its index or names what is no entity.
     """
-    found = {e: c for n, c in candidate.caches.items() if n in candidate.spec.simulation.gas for e in c.index.bodies}
+    found = {e: c for c in candidate.gas_caches.values() for e in c.index.bodies}
     missing = [e for e in found if e not in candidate.spec.entities]
     if missing:
         raise EvidenceError(f"the cache holds gases {missing[:3]} that the specification does not have; bake again")

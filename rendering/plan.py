@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ..worlds.built import TriangleMesh
 from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.spec.story import BoxRegion, Connects, CylinderRegion, SphereRegion
+from .categories.layer import VolumeLayer
 from .categories.registry import layers_of
 from .drawing import Color, distinct_color, label_regions, line, region_edges, text, text_size
 from .views import Bounds, active, focus_bounds
@@ -157,6 +158,9 @@ def _drawing(
     solid = (facing < 0) & (entity >= 0)
     image = np.where((entity >= 0)[..., None], np.where(solid[..., None], 0.75 * color, pale), 255.0).astype(np.uint8)
     image[region_edges(2 * entity + solid)] = (35, 35, 35)
+    start = np.full_like(seen.depth, 0.0 if cut is None else float(eye @ towards) - cut)
+    for volume in (layer for layer in layers.loose if isinstance(layer, VolumeLayer)):
+        _veil(image, entity, names, volume, frame, camera, np.stack([start, seen.depth], axis=-1))
 
     def project(points: F64) -> F64:
         return camera.project(points)[0]
@@ -167,6 +171,17 @@ def _drawing(
     _scale_bar(image, height / span)
     text(image, f"{title}, frame {frame}{layers.note}", (8, height - 10), height=10, box=(255, 255, 255))
     return image
+
+
+def _veil(image: U8, entity: Any, names: list[str], layer: VolumeLayer, frame: int, camera: Camera, spans: F64) -> None:
+    """Draw matter without a face over what lies behind it, in the colour of its entity, which is written where it is thick."""
+    for name in layer.entities:
+        if name not in names:
+            continue
+        depth = layer.depths(frame, camera, spans, name)
+        left = np.exp(-depth)[..., None]
+        image[:] = (left * image + (1 - left) * np.array(distinct_color(names.index(name)))).round().astype(np.uint8)
+        entity[depth > layer.thick] = names.index(name)
 
 
 def plan_view(candidate: Candidate, frame: int = 0, *, cut: float | None = None, width: int = 900, height: int = 700) -> U8:

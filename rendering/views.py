@@ -13,6 +13,7 @@ from ..worlds.built import BuiltPart
 from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.spec import Shot
+from .categories.gas.boxes import extents_of
 
 if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
@@ -65,7 +66,7 @@ def _union(boxes: list[Bounds]) -> Bounds:
 
 
 def focus_bounds(candidate: Candidate) -> Bounds:
-    """Box around what matters: everything but backdrops, and the paths that its bodies take.
+    """Box around what matters: everything but backdrops, the paths that its bodies take, and gas where it is seen.
 
     Paths count within `PATH_RATIO` diagonals of the box at frame 0 and never downwards, so that a body that falls
     out of the world does not shrink the rest to a dot.
@@ -94,6 +95,8 @@ def focus_bounds(candidate: Candidate) -> Bounds:
                     np.clip(places.min(0) - radius, reach.low, reach.high), np.clip(places.max(0) + radius, reach.low, reach.high)
                 )
             )
+    if candidate.gas_caches:
+        boxes_all += [Bounds(low, high) for low, high in candidate.memo(extents_of, lambda: extents_of(candidate))]
     low = _union(boxes_all).low
     low[2] = max(low[2], start.low[2])
     return Bounds(low, _union(boxes_all).high)

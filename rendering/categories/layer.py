@@ -145,6 +145,8 @@ class VolumeLayer(LooseLayer):
     """Matter without a face, which dims and lights up what is seen through it; its cast says where it is thick."""
 
     opaque = False
+    thick: ClassVar[float]
+    """Optical depth from which on a pixel counts as its own."""
 
     @abstractmethod
     def depths(self, frame: int, camera: Camera, spans: F64, entity: str | None = None) -> F64:

@@ -14,7 +14,7 @@ from ....worlds.candidate import Candidate
 from ....worlds.errors import EvidenceError
 from .look import GasLook, look_of
 
-__all__ = ["FAINT", "THICK", "GasBox", "Sights", "cropped", "gases_of", "marched"]
+__all__ = ["FAINT", "THICK", "GasBox", "Sights", "cropped", "extents_of", "gases_of", "marched"]
 
 FAINT = 1e-4
 """[1] Own choice: optical depth across a whole box below which a cell counts as empty; a thousandth of what eight bits show."""
@@ -56,9 +56,9 @@ class GasBox(NamedTuple):
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
 
-def cropped(box: GasBox) -> GasBox | None:
-    """The least box that holds all that is seen of a gas, and a cell more; None where nothing is seen."""
-    full = np.argwhere(box.sigma > FAINT / box.diagonal)
+def cropped(box: GasBox, depth: float = FAINT) -> GasBox | None:
+    """The least box that holds all cells of a gas of which a whole box would have an optical depth, and a cell more; None where none has."""
+    full = np.argwhere(box.sigma > depth / box.diagonal)
     if not len(full):
         return None
     first, last = np.maximum(full.min(0) - 1, 0), np.minimum(full.max(0) + 2, box.sigma.shape)
@@ -104,6 +104,14 @@ def gases_of(candidate: Candidate) -> list[Gas]:
     if missing:
         raise EvidenceError(f"the cache holds gases {missing[:3]} that the specification does not have; bake again")
     return [Gas(candidate, e, found[e]) for e in sorted(found)]
+
+
+def extents_of(candidate: Candidate) -> list[tuple[F64, F64]]:
+    """Corners of the boxes of what is seen of each gas in the middle of a run and at its end, each (3,) [m]."""
+    frames = {candidate.last_frame // 2, candidate.last_frame}
+    found = [gas.at(k) for gas in gases_of(candidate) for k in sorted(frames)]
+    boxes = [cropped(box, THICK) for box in found if box is not None]
+    return [(box.low, box.high) for box in boxes if box is not None]
 
 
 class Sights(NamedTuple):

@@ -15,7 +15,7 @@ from ....worlds.built import TriangleMesh
 from ....worlds.candidate import Candidate
 from ..layer import Daylight, TracedShapes, VolumeLayer
 from ..particles.splat import unseen
-from .boxes import GasBox, Sights, gases_of, marched
+from .boxes import THICK, GasBox, Sights, gases_of, marched
 from .medium import fogs_of
 from .shading import source_of
 
@@ -27,6 +27,8 @@ FAR = 1e9
 
 class GasLayer(VolumeLayer):
     """Gases as caches hold them; at the static stage there are none, and plans show the room that they are let out in."""
+
+    thick = THICK
 
     def __init__(self, candidate: Candidate, entities: Sequence[str]) -> None:
         self.gases = gases_of(candidate)

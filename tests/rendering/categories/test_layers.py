@@ -25,8 +25,26 @@ SIZE = (96, 54)
 BASES = {"solid": PartsLayer, "deforming": DeformingLayer, "loose": LooseLayer}
 
 
+SMOKY = (6, 6, 8)
+"""Cells of gas about the middle of its source."""
+
+
+def gas_cache(folder: Path, spec: WorldSpec, name: str, soot: np.ndarray, temperature: float = 300.0) -> Cache:
+    """One frame of the gas of an instance, with soot (nx, ny, nz) [kg/m^3] about its entity's place."""
+    (member,) = spec.simulation.gas[name].members
+    entity = spec.entities[member]
+    cache = Cache(folder)
+    cache.folder.mkdir(parents=True)
+    cache.write_index(CacheIndex(name, "gas", 24, 1, (member,), (), (), (), "", {}))
+    corner = np.array(entity.pose.position) - 0.5 * entity.physics.flow_cell * np.array(soot.shape)
+    warm = np.full(soot.shape, temperature, np.float32)
+    data = {"gas_soot": soot.astype(np.float32), "gas_temperature": warm, "gas_corner": corner}
+    cache.begin_digests([write_container(cache.path(0), data)])
+    return cache
+
+
 def candidate_of(folder: Path, spec: WorldSpec) -> Candidate:
-    """The world as it is built; particles, which the static stage does not show, have one frame written by hand."""
+    """The world as it is built; particles and gas, which the static stage does not show, have one frame written by hand."""
     built = {name: build_entity(spec, name, folder) for name in spec.entities}
     caches = {}
     for name, instance in spec.simulation.particles.items():
@@ -42,6 +60,7 @@ def candidate_of(folder: Path, spec: WorldSpec) -> Candidate:
         }
         cache.begin_digests([write_container(cache.path(0), data)])
         caches[name] = cache
+    caches |= {name: gas_cache(folder / name, spec, name, np.full(SMOKY, 5e-4)) for name in spec.simulation.gas}
     return Candidate(folder, spec, built, "full" if caches else "static", caches)
 
 
@@ -69,8 +88,11 @@ def test_a_layer_fits_the_shape_that_its_category_declares(name: str) -> None:
     assert issubclass(LAYERS[name], BASES[CATEGORIES[name].shape])
 
 
-def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_the_tracer(tmp_path: Path) -> None:
+def test_what_has_no_layer_is_left_out_of_previews_with_a_note_and_refused_by_the_tracer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A source of smoke is no opaque box."""
+    monkeypatch.delitem(LAYERS, "gas")
     data = sand_spec()
     size = [0.3, 0.3, 0.3]
     data["entities"]["smoke"] = {

@@ -63,8 +63,8 @@ def cropped(box: GasBox, depth: float = FAINT) -> GasBox | None:
         return None
     first, last = np.maximum(full.min(0) - 1, 0), np.minimum(full.max(0) + 2, box.sigma.shape)
     cut = tuple(slice(a, b) for a, b in zip(first.tolist(), last.tolist(), strict=True))
-    kept = (np.ascontiguousarray(field[cut]) for field in (box.sigma, box.temperature))
-    return GasBox(*kept, box.low + box.cell * first, box.cell, box.look)
+    sigma, temperature = np.ascontiguousarray(box.sigma[cut]), np.ascontiguousarray(box.temperature[cut])
+    return GasBox(sigma, temperature, box.low + box.cell * first, box.cell, box.look)
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,9 @@ def source_of(box: GasBox, light: Daylight) -> F32:
     # Isotropic scattering: a quarter of what a sheet across the sun gives back.
     around = 0.5 * (light.sky + light.ground)
     came = 0.25 * sunny[..., None] * light.sunlight
-    came += (sum(ways[:4])[..., None] * around + ways[4][..., None] * light.ground + ways[5][..., None] * light.sky) / 6.0
+    came += (
+        np.sum(ways[:4], axis=0)[..., None] * around + ways[4][..., None] * light.ground + ways[5][..., None] * light.sky
+    ) / 6.0
     albedo = box.look.albedo
     sent = albedo * came / (1.0 - albedo * (1.0 - escape[..., None]))
     return (sent + emitted(box) / DAYLIGHT).astype(np.float32)

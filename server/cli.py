@@ -177,6 +177,11 @@ def _add_proofs(add: _Add) -> None:
     )
     recompute = add("recompute", _recompute, "Build and bake a world folder anew, then judge it; exit code 0 only when accepted.")
     recompute.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
+    volumes = add("volumes", _volumes, "Write the gas of a baked world as volumes (NanoVDB) for other renderers.")
+    volumes.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
+    volumes.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the files")
+    volumes.add_argument("--frames", type=int, nargs=2, metavar=("FIRST", "LAST"), help="default: all")
+    volumes.add_argument("--suffix", choices=("nvdb", "vdb"), default="nvdb", help="vdb needs the module openvdb")
 
 
 def _add_bench(add: _Add) -> None:
@@ -323,6 +328,19 @@ def _bundle(arguments: argparse.Namespace) -> int:
     print(
         json.dumps(
             bundle_world(arguments.folder.expanduser().absolute(), out=arguments.out, with_caches=arguments.caches), indent=1
+        )
+    )
+    return OK
+
+
+def _volumes(arguments: argparse.Namespace) -> int:
+    from ..workflow.volumes import export_volumes
+
+    frames = None if arguments.frames is None else (arguments.frames[0], arguments.frames[1])
+    print(
+        json.dumps(
+            export_volumes(arguments.folder.expanduser().absolute(), arguments.out, frames=frames, suffix=arguments.suffix),
+            indent=1,
         )
     )
     return OK

@@ -8,14 +8,15 @@ the amounts along, so that their sums stay. Lightness is 1 - density / density o
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.launch import chosen_device, warp
+from ...physics.substances import AIR_HEAT_CAPACITY, air_density
 from ...worlds.arrays import F64
 from ..grids.columns import vec6i
 from ..grids.multigrid import Solution
@@ -24,34 +25,24 @@ from . import box_kernels as boxes
 from . import force_kernels as forces
 from . import transport_kernels as transport
 from .border import Border, side_faces
+from .fields import FUEL, LIGHTNESS, MOTION, PACKED, PRODUCT, SOOT, GasFields
+from .fire import Fire
 from .pressure import Flow, Projection
+from .regions import Regions
 from .settings import GasSettings, Side
+from .solids import Solids, enclosed
+from .transport import Transport
 
-__all__ = ["LIGHTNESS", "SOOT", "Gas", "GasReport", "Solids"]
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
-LIGHTNESS, SOOT, FUEL, PRODUCT = range(4)
-"""Quantities of a cell, in this order."""
-MOTION = ("velocity", "velocity/before")
+__all__ = ["FUEL", "LIGHTNESS", "MOTION", "PACKED", "PRODUCT", "SOOT", "Gas", "GasReport", "Solids"]
+
 TRANSPORT_COURANT = 0.4
 """Own choice: most of a cell that leaves it through one face in a sweep; it may lose as much through the opposite one."""
+MADE = 0.5
+"""Own choice: most volume that sources and heat make per volume in a step."""
 LEAST_SPEED = 1e-9
-AIR = 1.2
-"""Density of the ambient air [kg/m^3]."""
-
-
-@dataclass(frozen=True)
-class Solids:
-    """Open shares of a box between solids that stand or move; fields have one element more than cells along each axis.
-
-    Attributes:
-        room: (nx + 1, ny + 1, nz + 1) open share of each cell.
-        opening: (nx + 1, ny + 1, nz + 1, 3) open share of the lower faces.
-        velocity: as `opening`: speed of what closes them [m/s].
-    """
-
-    room: NDArray[np.float32]
-    opening: NDArray[np.float32]
-    velocity: NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -66,7 +57,7 @@ class GasReport:
     courant: float
 
 
-class Gas:
+class Gas(GasFields):
     """A gas in a box.
 
     Args:
@@ -76,12 +67,14 @@ class Gas:
         settings: of the engine.
         gravity: [m/s^2].
         solids: what is not open; the whole box when left out.
+        moves: whether solids will move (`step`): cells then have their true room, and steps take longer.
         device: where it runs.
     """
 
     def __init__(
         self, shape: tuple[int, int, int], cell: float, sides: Sequence[Side], settings: GasSettings | None = None, *,
-        gravity: tuple[float, float, float] = (0.0, 0.0, -9.81), solids: Solids | None = None, device: str | None = None,
+        gravity: tuple[float, float, float] = (0.0, 0.0, -9.81), solids: Solids | None = None, moves: bool = False,
+        device: str | None = None,
     ) -> None:  # fmt: skip
         wp = warp()
         self.shape, self.cell, self.settings, self.gravity = shape, cell, settings or GasSettings(), gravity
@@ -95,16 +88,24 @@ class Gas:
         """Middles of the faces of all sides [cells], shape (n, 3)."""
         self._box.starts = wp.vec3i(*starts)
         self._box.beyond = self.run.upload("gas/beyond", np.zeros((len(self.outer), 3), np.float32), wp.vec3)
+        self._named, self._moves = tuple(sides), moves
         self._no_slip = self.run.upload("gas/no_slip", np.array([s == "closed" for s in sides], np.int32), wp.int32)
         self._walls = self.run.upload("gas/walls", np.zeros((6, 2), np.float32), wp.vec2)
-        self._close(sides, solids)
+        self._expansion = self.run.upload("gas/expansion", np.zeros(self.elements, np.float32), wp.float32)
+        self._growth = self.run.upload("gas/growth", np.zeros(self.elements, np.float32), wp.float32)
+        self._stand(enclosed(shape, sides, solids, widen=not moves))
         self._content = self.run.upload("gas/content", np.zeros((self.elements, 4), np.float32), wp.vec4)
         self._rate = self.run.upload("gas/rate", np.zeros(self.elements, np.float32), wp.float32)
         self._heating = self.run.upload("gas/heating", np.zeros(self.elements, np.float32), wp.float32)
-        self.load = 1.0 / AIR
+        self.density = air_density(self.settings.ambient_temperature)
+        """Of the ambient air [kg/m^3]."""
+        self.load = 1.0 / self.density
         """Density that a unit of soot [kg/m^3] adds, relative to the air's."""
         self._sums = wp.zeros((5, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)
         self.border = Border(self.run, shape, [s == "periodic" for s in sides[::2]])
+        self.transport = Transport(self.run, self.elements, self._box, cell, self.border, expands=self.settings.expands)
+        self.fire = self._light()
+        self._box.density = 0.0 if self.fire is None else self.density
         self.steps = 0
         self._last = 0.0
         self.injected = np.zeros(4)
@@ -112,75 +113,70 @@ class Gas:
         self.velocity = np.zeros((self.elements, 3), np.float32)
         self.run.upload("state", np.zeros((self.elements, 4), np.float32), wp.vec4)
 
-    def _close(self, sides: Sequence[Side], solids: Solids | None) -> None:
-        """Open shares of cells and faces, with the closed sides of the box."""
-        wp = warp()
-        padded = tuple(n + 1 for n in self.shape)
-        room = np.zeros(padded, np.float32)
-        opening = np.zeros((*padded, 3), np.float32)
-        inner = tuple(slice(0, n) for n in self.shape)
-        room[inner] = 1.0 if solids is None else solids.room[inner]
-        opening[...] = 1.0 if solids is None else solids.opening
-        for axis in range(3):
-            opening[..., axis] *= np.all(
-                [_within(padded, a, self.shape[a] + int(a == axis and sides[2 * a] != "periodic")) for a in range(3)], axis=0
-            )
-            for upper, place in ((0, 0), (1, self.shape[axis])):
-                if sides[2 * axis + upper] == "closed":
-                    opening[(slice(None),) * axis + (place,)][..., axis] = 0.0
-        opening[opening < 0.05] = 0.0
-        # What flows through a cell must fit in it: a cell cut smaller than its faces counts as large as the widest of them.
-        widest = np.zeros(padded, np.float32)
-        for axis in range(3):
-            ahead = np.roll(opening[..., axis], -1, axis=axis)
-            if sides[2 * axis] == "periodic":
-                ahead[(slice(None),) * axis + (self.shape[axis] - 1,)] = opening[(slice(None),) * axis + (0,)][..., axis]
-            widest = np.maximum(widest, np.maximum(opening[..., axis], ahead))
-        room[inner] = np.where(widest[inner] > 0.0, np.maximum(room[inner], widest[inner]), 0.0)
-        solid = np.zeros_like(opening) if solids is None else solids.velocity
-        self._room_host = room
-        self._room = self.run.upload("gas/room", room.ravel(), wp.float32)
-        self._opening = self.run.upload("gas/opening", opening.reshape(-1, 3), wp.vec3)
-        self._solid = self.run.upload("gas/solid", solid.reshape(-1, 3).astype(np.float32), wp.vec3)
-        self._expansion = self.run.upload("gas/expansion", np.zeros(self.elements, np.float32), wp.float32)
-        self.projection = Projection(self.run, self.shape, self._box, self._sides, self._room, self._opening)
+    def _stand(self, solids: Solids) -> None:
+        """Take over solids that stand."""
+        self._at, self._turned = solids, False
+        self._fit(solids, solids.room, solids.room)
+        self._growth.zero_()
 
-    # ------------------------------------------------------------ fields
+    def _turn(self, solids: Solids, seconds: float) -> None:
+        """Take over solids that reach another place at the end of a step: faces are open by the mean over it, and what cells lose of their
+        room is what their gas has to leave."""
+        before, after = self._at, enclosed(self.shape, self._named, solids, widen=False)
+        grown = after.room - before.room
+        middle = Solids(0.5 * (before.room + after.room), 0.5 * (before.opening + after.opening), after.velocity)
+        self._fit(middle, before.room, after.room)
+        self.run.upload("gas/growth", (grown / seconds).ravel(), warp().float32)
+        self._grown = self.regions.sums(grown)
+        self._at, self._turned = after, True
 
-    @property
-    def velocity(self) -> NDArray[np.float32]:
-        """(nx + 1, ny + 1, nz + 1, 3) speeds of lower faces [m/s]; a copy."""
-        return self._padded("velocity", warp().vec3, 3)
+    def _fit(self, solids: Solids, held: NDArray[np.float32], end: NDArray[np.float32]) -> None:
+        """Faces, regions and the pressure system of a step between solids; `held` and `end`: rooms of cells at its start and its end."""
+        run = self.run
+        room, opening, velocity = solids.room, solids.opening, solids.velocity
+        self._room = run.upload("gas/room", end.ravel(), warp().float32)
+        wet = self._room if end is room else run.upload("gas/wet_room", room.ravel(), warp().float32)
+        self._opening = run.upload("gas/opening", opening.reshape(-1, 3), warp().vec3)
+        self._solid = run.upload("gas/solid", velocity.reshape(-1, 3), warp().vec3)
+        before = (self.regions, held) if hasattr(self, "regions") else None
+        self.regions = Regions.find(run, solids, end, self._named, before)
+        self._grown = np.zeros(len(self.regions.sealed))
+        self.projection = Projection(
+            run, self.shape, self._box, self._sides, wet=wet, room=self._room, opening=self._opening, regions=self.regions
+        )
+        self._fastest_solid = float(np.abs(velocity).max())
 
-    @velocity.setter
-    def velocity(self, values: NDArray[np.float32]) -> None:
-        for name in MOTION:
-            self.run.upload(name, np.asarray(values, np.float32).reshape(-1, 3), warp().vec3)
+    # ------------------------------------------------------------ sources
 
-    @property
-    def state(self) -> NDArray[np.float32]:
-        """(nx, ny, nz, 4) lightness, soot, fuel and product of cells; a copy."""
-        return self._padded("state", warp().vec4, 4)[tuple(slice(0, n) for n in self.shape)]
+    def ignite(self, where: F64) -> None:
+        """Set where fuel burns whatever its temperature (nx, ny, nz), above 0."""
+        self.run.upload("gas/spark", self._scalar(where), warp().float32)
 
-    @state.setter
-    def state(self, values: NDArray[np.float32]) -> None:
-        full = np.zeros((*(n + 1 for n in self.shape), 4), np.float32)
-        full[tuple(slice(0, n) for n in self.shape)] = values
-        self.run.upload("state", full.reshape(-1, 4), warp().vec4)
-
-    def _padded(self, name: str, dtype: Any, width: int) -> NDArray[np.float32]:
-        found = self.run.read(self.run.array(name, self.elements, dtype), self.elements)
-        return found.reshape(*(n + 1 for n in self.shape), width)
+    def _light(self) -> Fire | None:
+        """The fire of what may burn."""
+        settings = self.settings
+        if settings.fuel is None:
+            return None
+        if not settings.expands:
+            raise ValueError("fire is for gas that expands; set expands to true")
+        air = (settings.ambient_temperature, self.density, AIR_HEAT_CAPACITY)
+        gravity = float(np.linalg.norm(self.gravity))
+        return Fire(self.run, self.elements, settings.fuel, self.cell, air=air, gravity=gravity)
 
     def heat(self, rate: F64) -> None:
-        """Set the volume that heat makes per volume and second [1/s], (nx, ny, nz): power density / (density heat capacity temperature)."""
+        """Set the volume that heat makes per volume and second [1/s], (nx, ny, nz): power density / (density heat capacity temperature),
+        at the ambient pressure."""
         self.run.upload("gas/heating", self._scalar(rate), warp().float32)
+        self._heated = float(np.max(rate))
+
+    _heated = _fed = 0.0
 
     def emit(self, rate: F64, content: Sequence[float]) -> None:
-        """Set a source: gas per volume and second [1/s], (nx, ny, nz), of one composition."""
+        """Set a source: gas per volume and second [1/s], (nx, ny, nz), of one composition, at the ambient pressure."""
         self.run.upload("gas/rate", self._scalar(rate), warp().float32)
         self.run.upload("gas/content", np.tile(np.asarray(content, np.float32), (self.elements, 1)), warp().vec4)
         self._emitted = np.asarray(content, float) * float(np.sum(rate))
+        self._fed = float(np.max(rate))
 
     _emitted: F64 = np.zeros(4)
 
@@ -193,41 +189,22 @@ class Gas:
         values = np.array([(0.0, 0.0) if w is None else (1.0, w) for w in walls], np.float32)
         self.run.upload("gas/walls", values, warp().vec2)
 
-    @property
-    def room(self) -> NDArray[np.float32]:
-        """(nx, ny, nz) open share of cells."""
-        return self._room_host[tuple(slice(0, n) for n in self.shape)]
-
-    def pack(self) -> dict[str, Any]:
-        """Everything that the next step depends on but sources, solids and the air beyond open sides."""
-        fields = {name: self._padded(name, warp().vec3, 3) for name in MOTION}
-        return {**fields, "state": self.state, "clock": np.array([self.steps, self._last])}
-
-    def unpack(self, found: Mapping[str, Any]) -> None:
-        """Continue from such a state; raises ValueError where it has another shape."""
-        if found["state"].shape != (*self.shape, 4):
-            raise ValueError(f"it has {found['state'].shape[:3]} cells, not {self.shape}")
-        for name in MOTION:
-            self.run.upload(name, found[name].reshape(-1, 3), warp().vec3)
-        self.state = found["state"]
-        self.steps, self._last = int(found["clock"][0]), float(found["clock"][1])
-
-    def _scalar(self, values: F64) -> NDArray[np.float32]:
-        full = np.zeros(tuple(n + 1 for n in self.shape), np.float32)
-        full[tuple(slice(0, n) for n in self.shape)] = values
-        return full.ravel()
-
     # ------------------------------------------------------------ steps
 
-    def advance(self, seconds: float) -> list[GasReport]:
-        """Steps over a time; each as long as the Courant number and the forces allow."""
+    def advance(self, seconds: float, solids: Callable[[float], Solids] | None = None) -> list[GasReport]:
+        """Steps over a time; each as long as the Courant number and the forces allow.
+
+        Args:
+            seconds: how long.
+            solids: where they are at a time from now on, where they move.
+        """
         found, left = [], seconds
         while left > 1e-9 * seconds:
             longest = min(left, self.longest())
             # Equal steps to the end, rather than a short last one.
             dt = left / math.ceil(left / longest - 1e-6)
-            found.append(self.step(dt))
             left -= dt
+            found.append(self.step(dt, None if solids is None else solids(seconds - left)))
         return found
 
     def longest(self) -> float:
@@ -237,11 +214,32 @@ class Gas:
         # The speed that buoyancy gives within the step counts too: speed dt + pull dt^2 / 2 = courant cell.
         reach = self.settings.courant * self.cell
         dt = 2.0 * reach / (speed + math.sqrt(speed * speed + 2.0 * pull * reach) + LEAST_SPEED)
+        limits = [dt, self.cell / (self._fastest_solid + LEAST_SPEED)]
         flow = max(self.settings.viscosity, self.settings.diffusivity)
-        return min(dt, self.cell**2 / (8.0 * flow)) if flow > 0.0 else dt
+        if flow > 0.0:
+            limits.append(self.cell**2 / (8.0 * flow))
+        if self.fire is not None:
+            limits.append(self.fire.longest)
+        if self._heated + self._fed > 0.0:
+            limits.append(MADE / (self._heated + self._fed))
+        return min(limits)
 
-    def step(self, seconds: float) -> GasReport:
-        """One step."""
+    def step(self, seconds: float, solids: Solids | None = None) -> GasReport:
+        """One step; solids that move are at its end where they are given."""
+        if solids is not None:
+            if not self._moves:
+                raise ValueError("solids of this gas stand; make it with moves=True")
+            held = self._at.room
+            self._turn(solids, seconds)
+        elif self._turned:
+            self._stand(self._at)
+        moved = None if solids is None else held
+        report = self._step(seconds, moved)
+        self.regions.compress(self.run, self.projection.asked / self.cell, seconds, self._grown)
+        return report
+
+    def _step(self, seconds: float, held: NDArray[np.float32] | None) -> GasReport:
+        """A step; `held` is the room of cells at its start where solids move."""
         half = 0.5 * seconds if self.settings.scheme == "reflection" else seconds
         self._expand(seconds)
         iterations, capped = 0, False
@@ -250,7 +248,7 @@ class Gas:
             self._push("velocity/raw", half)
             warp().copy(self._face("velocity/middle"), self._face("velocity/raw"), count=self.elements)
             first = self._project("velocity/middle")
-            self._transport("velocity/middle", seconds)
+            self._transport("velocity/middle", seconds, held)
             reflected = [1.0, self._face("velocity/middle"), self._face("velocity/raw"), self._face("velocity/back")]
             self.run(boxes.extrapolate, self.elements, reflected)
             self._carry("velocity/back", "velocity/middle", half, "velocity")
@@ -266,12 +264,11 @@ class Gas:
             self._push("velocity", seconds)
         last = self._project("velocity")
         if self.settings.scheme != "reflection":
-            self._transport("velocity", seconds)
+            self._transport("velocity", seconds, held)
         self.steps += 1
         self._last = seconds
         speed = max(self._fastest("velocity"), LEAST_SPEED)
-        flow = Flow(self._face("velocity"), self._solid, self._expansion, self._cells("state"), self.cell, self.load)
-        left = self.projection.residual(flow)
+        left = self.projection.residual(self._flow("velocity"))
         return GasReport(seconds, iterations + last.iterations, capped or last.capped, left / speed, speed * seconds / self.cell)
 
     def _face(self, name: str) -> Any:
@@ -308,52 +305,54 @@ class Gas:
 
     def _project(self, name: str) -> Solution:
         # Half of what is allowed: the residual that the solver knows is rounded otherwise than the flow's.
-        bound = 0.5 * self.settings.tolerance * max(self._fastest(name), LEAST_SPEED)
-        return self.solve(bound, self.settings.iterations, name)
+        tolerance = 0.5 * self.settings.tolerance
+        bound = tolerance * max(self._fastest(name), LEAST_SPEED)
+        # Gas that starts from rest: a cell whose outflow is r has a face of speed r / 6 at least.
+        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0)
 
-    def solve(self, bound: float, cap: int, name: str = "velocity") -> Solution:
-        """Project a velocity until no residual exceeds a bound [m/s], in at most `cap` iterations."""
-        state, expands = self._cells("state"), self.settings.expands
-        self.projection.weigh(state, self.load, expands=expands)
-        flow = Flow(self._face(name), self._solid, self._expansion, state, self.cell, self.load)
-        return self.projection(flow, expands=expands, bound=bound, cap=cap)
+    def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0) -> Solution:
+        """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations."""
+        expands = self.settings.expands
+        self.projection.weigh(self._cells("state"), self.load, expands=expands)
+        return self.projection(self._flow(name), expands=expands, bound=bound, cap=cap, share=share)
+
+    def _flow(self, name: str) -> Flow:
+        state = self._cells("state")
+        return Flow(self._face(name), self._solid, self._expansion, self._growth, state, self.cell, self.load)
 
     def _expand(self, seconds: float) -> None:
         """Volume per volume and second that sources and heat ask for, and conduction."""
         wp, run = warp(), self.run
         rate, heating = run.array("gas/rate", self.elements, wp.float32), run.array("gas/heating", self.elements, wp.float32)
-        run(transport.expansion_of, self.elements, [rate, heating, int(self.settings.expands), self._expansion])
+        regions = [self.regions.numbers, self.regions.ratios]
+        run(transport.expansion_of, self.elements, [rate, heating, int(self.settings.expands), *regions, self._expansion])
         if self.settings.diffusivity > 0.0:
             number = self.settings.diffusivity * seconds / self.cell**2
             walls = run.array("gas/walls", 6, wp.vec2)
             state = [self._box, number, walls, self._opening, self._cells("state"), int(self.settings.expands), seconds]
-            run(transport.conduct, self.elements, [*state, self._cells("state/next"), self._expansion])
+            run(transport.conduct, self.elements, [*state, *regions, self._cells("state/next"), self._expansion])
             run.swap("state", "state/next")
+        if self.fire is not None:
+            state = self._cells("state")
+            self.fire(seconds, self._box, self.regions, self._room, self._face("velocity"), state, self._expansion)
 
-    def _transport(self, carrier: str, seconds: float) -> None:
-        """Move the amounts with a projected flow."""
-        wp, run, expands = warp(), self.run, int(self.settings.expands)
+    def _transport(self, carrier: str, seconds: float, held: NDArray[np.float32] | None) -> None:
+        """Move the amounts with a projected flow, in parts that take little out of each cell."""
         parts = max(1, math.ceil(self._fastest(carrier) * seconds / (TRANSPORT_COURANT * self.cell)))
-        dt = seconds / parts
         velocity = self._face(carrier)
-        for part in range(parts):
-            volume = run.array("volume", self.elements, wp.float32)
-            run(transport.start, self.elements, [self._room, self._cells("state"), self._cells("amount"), volume])
-            order = (0, 1, 2) if (self.steps + part) % 2 == 0 else (2, 1, 0)
-            for axis in order:
-                before = [self._cells("amount"), run.array("volume", self.elements, wp.float32)]
-                after = [self._cells("amount/next"), run.array("volume/next", self.elements, wp.float32)]
-                flow = [self._box, axis, dt / self.cell, velocity, self._opening]
-                self.border.count(axis, flow, before)
-                run(transport.sweep, self.elements, [*flow, *before, *after], grain=1024)
-                run.swap("amount", "amount/next")
-                run.swap("volume", "volume/next")
-            done = [self._cells("amount"), run.array("volume", self.elements, wp.float32), self._cells("state")]
-            run(transport.finish, self.elements, [self._box, expands, self._room, *done])
-            rate, heating = (run.array(name, self.elements, wp.float32) for name in ("gas/rate", "gas/heating"))
-            source = [dt, expands, rate, self._cells("gas/content"), heating, self._cells("state")]
-            run(transport.inject, self.elements, source)
+        if held is not None:
+            self.transport.moving(seconds, parts, velocity, self._opening, held=held, room=self._at.room)
+            self._inject(seconds)
+        for part in range(parts if held is None else 0):
+            made = [self._expansion, *self.projection.taken]
+            self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, self._room, made)
+            self._inject(seconds / parts)
         self.injected = self.injected + seconds * self._emitted
+
+    def _inject(self, seconds: float) -> None:
+        rate, heating = (self.run.array(name, self.elements, warp().float32) for name in ("gas/rate", "gas/heating"))
+        source = [seconds, int(self.settings.expands), rate, self._cells("gas/content"), heating, self._cells("state")]
+        self.run(transport.inject, self.elements, source)
 
     # ------------------------------------------------------------ sums
 
@@ -374,10 +373,3 @@ class Gas:
     def totals(self) -> F64:
         """(4,) sums of lightness, soot, fuel and product over cells times their open volume [cells]."""
         return self._totals()[:4]
-
-
-def _within(padded: tuple[int, ...], axis: int, count: int) -> NDArray[np.bool_]:
-    """True for elements whose index along an axis is below a count."""
-    shape = [1, 1, 1]
-    shape[axis] = padded[axis]
-    return np.broadcast_to((np.arange(padded[axis]) < count).reshape(shape), padded)

@@ -93,36 +93,37 @@ def weigh(
 @wp.func
 def outflow(
     box: Box, c: wp.int32, size: float, velocity: wp.array(dtype=wp.vec3), opening: wp.array(dtype=wp.vec3),
-    solid: wp.array(dtype=wp.vec3), room: wp.array(dtype=float), expansion: wp.array(dtype=float),
+    growth: wp.array(dtype=float), room: wp.array(dtype=float), expansion: wp.array(dtype=float),
 ):  # fmt: skip
-    """Flux out of a cell, less what it should be [m/s]."""
+    """Flux out of a cell, less what it should be [m/s]: what its gas makes, and what its room loses to solids that move."""
     at = place_of(box, c)
     total = float(0.0)
     for axis in range(3):
         up = upper(box, at, axis)
-        low_share = opening[c][axis]
-        high_share = opening[up][axis]
-        total += high_share * velocity[up][axis] + (1.0 - high_share) * solid[up][axis]
-        total -= low_share * velocity[c][axis] + (1.0 - low_share) * solid[c][axis]
-    return total - size * expansion[c] * room[c]
+        total += opening[up][axis] * velocity[up][axis] - opening[c][axis] * velocity[c][axis]
+    return total - size * (expansion[c] * room[c] - growth[c])
 
 
 @wp.kernel
 def gather(
     first: wp.int32, box: Box, size: float, element: wp.array(dtype=wp.int32), velocity: wp.array(dtype=wp.vec3),
-    opening: wp.array(dtype=wp.vec3), solid: wp.array(dtype=wp.vec3), room: wp.array(dtype=float),
+    opening: wp.array(dtype=wp.vec3), growth: wp.array(dtype=float), room: wp.array(dtype=float),
     expansion: wp.array(dtype=float), right: wp.array(dtype=float),
 ):  # fmt: skip
     """Right sides."""
     r = first + wp.tid()
-    right[r] = -outflow(box, element[r], size, velocity, opening, solid, room, expansion)
+    right[r] = -outflow(box, element[r], size, velocity, opening, growth, room, expansion)
 
 
 @wp.kernel
-def shift(first: wp.int32, by: float, right: wp.array(dtype=float)):
-    """Take the mean out of the right sides: a closed box has no room for it."""
+def shift(
+    first: wp.int32, element: wp.array(dtype=wp.int32), region: wp.array(dtype=wp.int32), room: wp.array(dtype=float),
+    by: wp.array(dtype=float), right: wp.array(dtype=float),
+):  # fmt: skip
+    """Take the mean of each region out of its right sides, by volume: a sealed one has no room for it."""
     r = first + wp.tid()
-    right[r] = right[r] - by
+    c = element[r]
+    right[r] = right[r] - by[region[c]] * room[c]
 
 
 @wp.kernel
@@ -165,12 +166,15 @@ def project(
 @wp.kernel
 def divergence(
     first: wp.int32, total: int, block: int, box: Box, size: float, element: wp.array(dtype=wp.int32),
-    velocity: wp.array(dtype=wp.vec3), opening: wp.array(dtype=wp.vec3), solid: wp.array(dtype=wp.vec3),
-    room: wp.array(dtype=float), expansion: wp.array(dtype=float), shared: float, out: wp.array(dtype=wp.float64),
+    velocity: wp.array(dtype=wp.vec3), opening: wp.array(dtype=wp.vec3), growth: wp.array(dtype=float),
+    room: wp.array(dtype=float), expansion: wp.array(dtype=float),
+    region: wp.array(dtype=wp.int32), by: wp.array(dtype=float), out: wp.array(dtype=wp.float64),
 ):  # fmt: skip
     """Largest |flux out of a cell - what it should be| of blocks of rows [m/s]."""
     b = first + wp.tid()
     top = float(0.0)
     for r in range(b * block, wp.min((b + 1) * block, total)):
-        top = wp.max(top, wp.abs(outflow(box, element[r], size, velocity, opening, solid, room, expansion) + shared))
+        c = element[r]
+        left = outflow(box, c, size, velocity, opening, growth, room, expansion)
+        top = wp.max(top, wp.abs(left + by[region[c]] * room[c]))
     out[b] = wp.float64(top)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from ...physics.combustion import Fuel
 
 __all__ = ["GasSettings", "Side"]
 
@@ -30,3 +33,7 @@ class GasSettings:
     tolerance: float = 1e-5
     """Largest divergence after the projection, as a share of the largest speed per cell."""
     iterations: int = 60
+    ambient_temperature: float = 293.15
+    """Of the air around, where lightness is 0 [K]."""
+    fuel: Fuel | None = None
+    """What may burn; the gas then expands."""

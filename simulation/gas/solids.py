@@ -2,13 +2,80 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from itertools import permutations
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
-from .engine import Solids
 
-__all__ = ["corners_of", "cut"]
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .settings import Side
+
+__all__ = ["Solids", "corners_of", "cut", "enclosed"]
+
+LEAST_OPEN = 0.05
+"""Faces open by less are closed."""
+
+
+@dataclass(frozen=True)
+class Solids:
+    """Open shares of a box between solids that stand or move; fields have one element more than cells along each axis.
+
+    Attributes:
+        room: (nx + 1, ny + 1, nz + 1) open share of each cell.
+        opening: (nx + 1, ny + 1, nz + 1, 3) open share of the lower faces.
+        velocity: as `opening`: speed of what closes them [m/s]; gas at closed faces has it. What solids displace follows from the rooms.
+    """
+
+    room: NDArray[np.float32]
+    opening: NDArray[np.float32]
+    velocity: NDArray[np.float32]
+
+
+def enclosed(shape: tuple[int, int, int], sides: Sequence[Side], solids: Solids | None, *, widen: bool) -> Solids:
+    """Open shares between solids and the closed sides of a box.
+
+    Args:
+        shape: cells along x, y, z.
+        sides: x-, x+, y-, y+, z-, z+.
+        solids: what is not open; the whole box when left out.
+        widen: a cell cut smaller than its faces counts as large as the widest of them, so that what flows through it within a step fits in it.
+    """
+    padded = tuple(n + 1 for n in shape)
+    room = np.zeros(padded, np.float32)
+    opening = np.zeros((*padded, 3), np.float32)
+    inner = tuple(slice(0, n) for n in shape)
+    room[inner] = 1.0 if solids is None else solids.room[inner]
+    opening[...] = 1.0 if solids is None else solids.opening
+    for axis in range(3):
+        opening[..., axis] *= np.all(
+            [_within(padded, a, shape[a] + int(a == axis and sides[2 * a] != "periodic")) for a in range(3)], axis=0
+        )
+        for upper, place in ((0, 0), (1, shape[axis])):
+            if sides[2 * axis + upper] == "closed":
+                opening[(slice(None),) * axis + (place,)][..., axis] = 0.0
+    opening[opening < LEAST_OPEN] = 0.0
+    widest = np.zeros(padded, np.float32)
+    for axis in range(3):
+        ahead = np.roll(opening[..., axis], -1, axis=axis)
+        if sides[2 * axis] == "periodic":
+            ahead[(slice(None),) * axis + (shape[axis] - 1,)] = opening[(slice(None),) * axis + (0,)][..., axis]
+        widest = np.maximum(widest, np.maximum(opening[..., axis], ahead))
+    least = widest[inner] if widen else np.float32(0.0)
+    room[inner] = np.where(widest[inner] > 0.0, np.maximum(room[inner], least), 0.0)
+    return Solids(room, opening, np.zeros_like(opening) if solids is None else solids.velocity.astype(np.float32))
+
+
+def _within(padded: tuple[int, ...], axis: int, count: int) -> NDArray[np.bool_]:
+    """True for elements whose index along an axis is below a count."""
+    shape = [1, 1, 1]
+    shape[axis] = padded[axis]
+    return np.broadcast_to((np.arange(padded[axis]) < count).reshape(shape), padded)
 
 
 def corners_of(shape: tuple[int, int, int], cell: float, origin: F64) -> F64:
@@ -76,10 +143,44 @@ def cut(distance: F64, velocity: NDArray[np.float32] | None = None) -> Solids:
         opening[..., axis][tuple(low)] = open_share(*corners)
     inner = tuple(slice(0, n - 1) for n in shape)
     room = np.zeros(shape, np.float32)
-    # Mean of the open shares of a cell's six faces: exact for planes along the axes, within a hundredth for other planes that cut it.
-    sides = [opening[..., a][inner] for a in range(3)]
-    for a in range(3):
-        ahead = tuple(slice(1, n) if k == a else slice(0, n - 1) for k, n in enumerate(shape))
-        sides.append(opening[..., a][ahead])
-    room[inner] = np.mean(sides, axis=0)
+    room[inner] = open_volume(distance)
     return Solids(room, opening, np.zeros((*shape, 3), np.float32) if velocity is None else velocity)
+
+
+def open_volume(distance: F64) -> F64:
+    """Open volumes of cells: six tetrahedra around a diagonal, in each of which the distance is linear; exact for planes.
+
+    Args:
+        distance: (nx + 1, ny + 1, nz + 1) signed distance at corners, positive in the gas.
+    """
+    shape = tuple(n - 1 for n in distance.shape)
+    corners = {
+        (i, j, k): distance[i : i + shape[0], j : j + shape[1], k : k + shape[2]].ravel()
+        for i in (0, 1) for j in (0, 1) for k in (0, 1)
+    }  # fmt: skip
+    every = np.stack(list(corners.values()))
+    share = np.where(every.min(axis=0) > 0.0, 1.0, 0.0)
+    crossed = np.flatnonzero((every.min(axis=0) <= 0.0) & (every.max(axis=0) > 0.0))
+    total = np.zeros(len(crossed))
+    for order in permutations(range(3)):
+        at, way = [0, 0, 0], [corners[0, 0, 0][crossed]]
+        for axis in order:
+            at[axis] = 1
+            way.append(corners[at[0], at[1], at[2]][crossed])
+        total += _positive_share(np.stack(way))
+    share[crossed] = total / 6.0
+    return share.reshape(shape)
+
+
+def _positive_share(values: F64) -> F64:
+    """Share of tetrahedra in which a linear function is positive, from its values at the corners (4, n)."""
+    a, b, c, d = -np.sort(-values, axis=0)
+    found = np.where(d > 0.0, 1.0, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one = a**3 / ((a - b) * (a - c) * (a - d))
+        three = 1.0 + d**3 / ((a - d) * (b - d) * (c - d))
+        ac, ad, bc, bd = a / (a - c), a / (a - d), b / (b - c), b / (b - d)
+        two = ac * ad + ac * bd * (1.0 - ad) + bc * bd * (1.0 - ac)
+    found = np.where((a > 0.0) & (b <= 0.0), one, found)
+    found = np.where((b > 0.0) & (c <= 0.0), two, found)
+    return np.where((c > 0.0) & (d <= 0.0), three, found)

@@ -9,11 +9,23 @@ concentration stays uniform (as Weymouth and Yue 2010, doi:10.1016/j.jcp.2009.12
 
 import warp as wp
 
-from .box_kernels import Box, beside, is_cell, place_of, upper
+from .box_kernels import Box, beside, has_face, is_cell, place_of, upper
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["amounts", "conduct", "expansion_of", "finish", "inject", "start", "sweep"]
+__all__ = [
+    "amounts",
+    "ask",
+    "conduct",
+    "expansion_of",
+    "finish",
+    "finish_standing",
+    "inject",
+    "passed",
+    "start",
+    "sweep",
+    "sweep_limited",
+]
 
 
 @wp.func
@@ -34,7 +46,7 @@ def slope_of(a: wp.vec4, b: wp.vec4):
 @wp.func
 def part_of(amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), c: wp.int32):
     """Concentrations in an element."""
-    return amount[c] / volume[c]
+    return amount[c] / wp.max(volume[c], 1.0e-9)
 
 
 @wp.func
@@ -59,7 +71,10 @@ def flux(
             up = upper(box, at, axis)
             if opening[donor][axis] > 0.0 and opening[up][axis] > 0.0:
                 s = slope_of(here - part_of(amount, volume, lower), part_of(amount, volume, higher) - here)
-                here = here + 0.5 * side * (1.0 - wp.min(wp.abs(through) / volume[donor], 1.0)) * s
+                edge = here + 0.5 * side * (1.0 - wp.min(wp.abs(through) / wp.max(volume[donor], 1.0e-9), 1.0)) * s
+                # What is neither fuel nor product is air: slopes that are limited one by one could take more than there is.
+                if box.density == 0.0 or box.density * (1.0 - edge[0]) >= edge[2] + edge[3]:
+                    here = edge
         moved = through * here
     return moved
 
@@ -69,13 +84,10 @@ def start(
     first: wp.int32, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4), amount: wp.array(dtype=wp.vec4),
     volume: wp.array(dtype=float),
 ):  # fmt: skip
-    """Amounts and volume of each cell before the sweeps; a cell without room counts as one, so that nothing is divided by zero."""
+    """Amounts and volume of each cell before the sweeps."""
     c = first + wp.tid()
-    v = room[c]
-    if v <= 0.0:
-        v = 1.0
-    volume[c] = v
-    amount[c] = state[c] * v
+    volume[c] = room[c]
+    amount[c] = state[c] * room[c]
 
 
 @wp.kernel
@@ -106,11 +118,87 @@ def sweep(
 
 
 @wp.kernel
+def ask(
+    first: wp.int32,
+    cells: float,
+    velocity: wp.array(dtype=wp.vec3),
+    opening: wp.array(dtype=wp.vec3),
+    left: wp.array(dtype=wp.vec3),
+):
+    """Volumes that are to pass through lower faces, in cells."""
+    c = first + wp.tid()
+    left[c] = cells * wp.cw_mul(velocity[c], opening[c])
+
+
+@wp.kernel
+def passed(first: wp.int32, left: wp.array(dtype=wp.vec3), after: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3)):
+    """Volumes that have passed through lower faces in a sweep."""
+    c = first + wp.tid()
+    out[c] = left[c] - after[c]
+
+
+@wp.func
+def allowed(
+    box: Box, axis: wp.int32, face: wp.int32, below: wp.int32, above: wp.int32, left: wp.array(dtype=wp.vec3),
+    volume: wp.array(dtype=float),
+):  # fmt: skip
+    """Volume that may pass through a face now: no cell gives more than it has."""
+    through = left[face][axis]
+    donor = above
+    if through > 0.0:
+        donor = below
+    if donor >= 0:
+        up = upper(box, place_of(box, donor), axis)
+        out = wp.max(-left[donor][axis], 0.0) + wp.max(left[up][axis], 0.0)
+        held = wp.max(volume[donor], 0.0)
+        if out > held:
+            through = through * held / out
+    return through
+
+
+@wp.kernel
+def sweep_limited(
+    first: wp.int32, box: Box, axis: int, opening: wp.array(dtype=wp.vec3), left: wp.array(dtype=wp.vec3),
+    amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), left_after: wp.array(dtype=wp.vec3),
+    amount_after: wp.array(dtype=wp.vec4), volume_after: wp.array(dtype=float),
+):  # fmt: skip
+    """Move amounts along one axis as far as cells have what is asked of them, and note what is left to pass: cells that solids are about
+    to fill give all they have."""
+    c = first + wp.tid()
+    at = place_of(box, c)
+    rest = left[c]
+    below = beside(box, at, axis, -1)
+    low_through = float(0.0)
+    if has_face(box, at, axis):
+        here = int(-1)
+        if is_cell(box, at):
+            here = c
+        low_through = allowed(box, axis, c, below, here, left, volume)
+        rest[axis] = rest[axis] - low_through
+    left_after[c] = rest
+    if is_cell(box, at):
+        up = upper(box, at, axis)
+        above = beside(box, at, axis, 1)
+        high_through = allowed(box, axis, up, c, above, left, volume)
+        below_at = at
+        if below >= 0:
+            below_at = place_of(box, below)
+        above_at = at
+        if above >= 0:
+            above_at = place_of(box, above)
+        came = flux(box, axis, below, c, below_at, at, low_through, amount, volume, opening)
+        went = flux(box, axis, c, above, at, above_at, high_through, amount, volume, opening)
+        amount_after[c] = amount[c] + came - went
+        volume_after[c] = volume[c] + low_through - high_through
+
+
+@wp.kernel
 def finish(
     first: wp.int32, box: Box, expands: int, room: wp.array(dtype=float), amount: wp.array(dtype=wp.vec4),
     volume: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
-    """Concentrations after the sweeps. Where the gas expands, what left a cell in excess of its room made it lighter: density is kept."""
+    """Concentrations after sweeps between solids that move. Where the gas expands, what left a cell in excess of its room made it lighter:
+    its mass is kept."""
     c = first + wp.tid()
     if is_cell(box, place_of(box, c)):
         v = room[c]
@@ -120,6 +208,25 @@ def finish(
             if expands == 1:
                 q[0] = q[0] + v - volume[c]
             q = q / v
+        state[c] = q
+
+
+@wp.kernel
+def finish_standing(
+    first: wp.int32, box: Box, expands: int, room: wp.array(dtype=float), amount: wp.array(dtype=wp.vec4), seconds: float,
+    size: float, expansion: wp.array(dtype=float), region: wp.array(dtype=wp.int32), taken: wp.array(dtype=float),
+    state: wp.array(dtype=wp.vec4),
+):  # fmt: skip
+    """Concentrations after sweeps between solids that stand. Where the gas expands, what it was asked to make of a cell's room left it, so
+    that it became lighter by that; the volume that the sweeps left says the same but for its rounding, which adds up."""
+    c = first + wp.tid()
+    if is_cell(box, place_of(box, c)):
+        v = room[c]
+        q = wp.vec4(0.0, 0.0, 0.0, 0.0)
+        if v > 0.0:
+            q = amount[c] / v
+            if expands == 1:
+                q[0] = q[0] + seconds * (expansion[c] - taken[region[c]] / size)
         state[c] = q
 
 
@@ -144,20 +251,23 @@ def inject(
 
 @wp.kernel
 def expansion_of(
-    first: wp.int32, rate: wp.array(dtype=float), heating: wp.array(dtype=float), expands: int, out: wp.array(dtype=float)
-):
-    """Volume per volume and second that sources and heat ask for; heat only where the gas expands."""
+    first: wp.int32, rate: wp.array(dtype=float), heating: wp.array(dtype=float), expands: int, region: wp.array(dtype=wp.int32),
+    ratio: wp.array(dtype=float), out: wp.array(dtype=float),
+):  # fmt: skip
+    """Volume per volume and second that sources and heat ask for; heat only where the gas expands. Their numbers are those at the ambient
+    pressure: under more, they make less."""
     c = first + wp.tid()
     d = rate[c]
     if expands == 1:
         d = d + heating[c]
-    out[c] = d
+    out[c] = d / ratio[region[c]]
 
 
 @wp.kernel
 def conduct(
     first: wp.int32, box: Box, number: float, walls: wp.array(dtype=wp.vec2), opening: wp.array(dtype=wp.vec3),
-    state: wp.array(dtype=wp.vec4), expands: int, seconds: float, out: wp.array(dtype=wp.vec4), expansion: wp.array(dtype=float),
+    state: wp.array(dtype=wp.vec4), expands: int, seconds: float, region: wp.array(dtype=wp.int32), ratio: wp.array(dtype=float),
+    out: wp.array(dtype=wp.vec4), expansion: wp.array(dtype=float),
 ):  # fmt: skip
     """Heat conduction over a step of `number` = diffusivity time / cell^2. `walls` holds of each side whether it has a temperature, and its excess
     over the ambient one as a share of that. Gas that expands takes the heat up as volume, else its lightness is its excess."""
@@ -167,7 +277,7 @@ def conduct(
     if is_cell(box, at):
         here = q[0]
         if expands == 1:
-            here = q[0] / (1.0 - q[0])
+            here = ratio[region[c]] / (1.0 - q[0]) - 1.0
         total = float(0.0)
         for side in range(6):
             axis = side // 2
@@ -179,14 +289,14 @@ def conduct(
             if other >= 0:
                 there = state[other][0]
                 if expands == 1:
-                    there = there / (1.0 - there)
+                    there = ratio[region[other]] / (1.0 - there) - 1.0
                 total += opening[face][axis] * (there - here)
             else:
                 wall = walls[side]
                 if wall[0] > 0.0:
                     total += 2.0 * (wall[1] - here)
         if expands == 1:
-            expansion[c] = expansion[c] + number * total / seconds
+            expansion[c] = expansion[c] + number * total / (seconds * ratio[region[c]])
         else:
             q[0] = q[0] + number * total
     out[c] = q

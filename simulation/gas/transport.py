@@ -1,0 +1,119 @@
+"""Amounts of a gas on their way with a projected flow."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...geometry.launch import warp
+from . import box_kernels as boxes
+from . import transport_kernels as kernels
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from ..grids.runner import Runner
+    from .border import Border
+
+__all__ = ["Transport"]
+
+ROUNDS = 6
+"""Own choice: most rounds of sweeps in which cells that solids fill give what they hold; each leaves a small part of what is left."""
+SPENT = 1e-6
+"""Volume [cells] that is let be when it has not passed."""
+
+
+class Transport:
+    """Sweeps over the cells of a box.
+
+    Args:
+        run: arrays and launches; the concentrations are its array "state".
+        elements: of the fields.
+        box: `Box` of the kernels.
+        cell: its size [m].
+        border: counts what leaves the box.
+        expands: whether lightness is that of a density that is kept.
+    """
+
+    def __init__(self, run: Runner, elements: int, box: Any, cell: float, border: Border, *, expands: bool) -> None:
+        self.run, self.elements, self.box, self.cell, self.border = run, elements, box, cell, border
+        self.expands = int(expands)
+        self._whole = run.upload("gas/whole", np.ones((elements, 3), np.float32), warp().vec3)
+        self.crushed = np.zeros(4)
+        """Air [cells of ambient density], soot, fuel and product in cells that solids have filled before they could leave."""
+
+    def _array(self, name: str) -> Any:
+        wp = warp()
+        kind = wp.float32 if name.startswith("volume") else wp.vec3 if name.startswith("left") else wp.vec4
+        return self.run.array(name, self.elements, kind)
+
+    def standing(self, seconds: float, turn: int, velocity: Any, opening: Any, room: Any, made: Sequence[Any]) -> None:
+        """A part of a step between solids that stand.
+
+        Args:
+            seconds: of the part.
+            turn: order of the axes.
+            velocity: of faces [m/s].
+            opening: open shares of faces.
+            room: of cells.
+            made: volume that cells make per volume and second [1/s], their regions, and what each of these takes up by its pressure [m/s].
+        """
+        run, names = self.run, ("amount", "volume")
+        run(kernels.start, self.elements, [room, self._array("state"), *map(self._array, names)])
+        for axis in (0, 1, 2) if turn % 2 == 0 else (2, 1, 0):
+            flow = [self.box, axis, seconds / self.cell, velocity, opening]
+            before = [self._array(name) for name in names]
+            self.border.count(axis, flow, before)
+            run(kernels.sweep, self.elements, [*flow, *before, *(self._array(f"{n}/next") for n in names)], grain=1024)
+            for name in names:
+                run.swap(name, f"{name}/next")
+        inputs = [self.box, self.expands, room, self._array("amount"), seconds, self.cell, *made, self._array("state")]
+        run(kernels.finish_standing, self.elements, inputs)
+
+    def moving(
+        self, seconds: float, parts: int, velocity: Any, opening: Any, *, held: NDArray[np.float32], room: NDArray[np.float32]
+    ) -> None:
+        """A step in parts, in which solids change the room of cells from `held` to `room`; else as `standing`."""
+        wp, run, names = warp(), self.run, ("left", "amount", "volume")
+        start = run.upload("gas/held", held.ravel(), wp.float32)
+        run(kernels.start, self.elements, [start, self._array("state"), *map(self._array, names[1:])])
+        many = -(-self.elements // run.block)
+        most = run.array("fastest", many, wp.float64)
+        for part in range(parts):
+            run(kernels.ask, self.elements, [seconds / parts / self.cell, velocity, opening, self._array("left")])
+            for _ in range(ROUNDS):
+                for axis in (0, 1, 2) if part % 2 == 0 else (2, 1, 0):
+                    inputs = [
+                        self.box,
+                        axis,
+                        opening,
+                        *(self._array(n) for n in names),
+                        *(self._array(f"{n}/next") for n in names),
+                    ]
+                    run(kernels.sweep_limited, self.elements, inputs, grain=1024)
+                    passed = [self._array("left"), self._array("left/next"), self._array("left/passed")]
+                    run(kernels.passed, self.elements, passed)
+                    flow = [self.box, axis, 1.0, passed[2], self._whole]
+                    self.border.count(axis, flow, [self._array(n) for n in names[1:]])
+                    for name in names:
+                        run.swap(name, f"{name}/next")
+                run(boxes.fastest, many, [self.elements, run.block, self._array("left"), most], grain=16)
+                if float(run.read(most, many).max()) < SPENT:
+                    break
+        self._crush(room)
+        end = run.upload("gas/held", room.ravel(), wp.float32)
+        run(kernels.finish, self.elements, [self.box, self.expands, end, *map(self._array, names[1:]), self._array("state")])
+
+    def _crush(self, after: NDArray[np.float32]) -> None:
+        """Count what is left in cells without room."""
+        amount = self.run.read(self._array("amount"), self.elements)
+        volume = self.run.read(self._array("volume"), self.elements)
+        inner = np.zeros(after.shape, bool)
+        inner[tuple(slice(0, n - 1) for n in after.shape)] = True
+        full = inner.ravel() & (after.ravel() <= 0.0)
+        found = amount[full].astype(np.float64).sum(axis=0)
+        found[0] = volume[full].astype(np.float64).sum() - found[0]
+        self.crushed = self.crushed + found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .languages import function_words
+from .function_words import FUNCTION_WORDS
 
 __all__ = [
     "AUXILIARIES", "BE", "CONJUNCTIONS", "DETERMINERS", "LOOK", "MADE_OF",
@@ -76,7 +76,7 @@ GERUNDS = _words("without by before after from while for")
 """Words after which a form in -ing is a verb."""
 ALWAYS_PARTICLES = _words("off away apart")
 CLASSES: tuple[tuple[str, frozenset[str]], ...] = (
-    ("filler", DETERMINERS | PRONOUNS | BE | AUXILIARIES | CONJUNCTIONS | PREPOSITIONS | REQUESTS | function_words("en")),
+    ("filler", DETERMINERS | PRONOUNS | BE | AUXILIARIES | CONJUNCTIONS | PREPOSITIONS | REQUESTS | FUNCTION_WORDS["en"]),
     ("time", TIMES),
     ("weather", WEATHER),
     ("look", LOOK),

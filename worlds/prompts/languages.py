@@ -21,6 +21,7 @@ from .held_lists import ALONE, ASIDES, HAN_HELD, INFINITIVES, NADA_OF, NEGATIONS
 from .held_numbers import han_numbers, number_spans
 from .numbers import hedge_spans
 from .units import APOSTROPHES, Unit, boundaries, folded, units_of
+from .wordnet import known
 
 __all__ = ["REVIEWED", "Held", "HeldKind", "function_words", "held_words", "language_of"]
 
@@ -102,8 +103,6 @@ def language_of(text: str) -> str | None:
 
 def _all_english(words: list[str]) -> bool:
     """True where all words that say something are English ones, as in prompts too short for function words to tell."""
-    from .wordnet import known  # its lists need this module
-
     own = [word for word in words if word not in _listed("en") and len(word) > 2]
     return len(own) > 1 and any(word in _listed("en") for word in words) and all(map(known, own))
 

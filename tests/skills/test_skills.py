@@ -160,6 +160,7 @@ ROWS = {
         "audit:elastic",
         "audit:reach",
         "audit:cloth",
+        "audit:gases",
     ],
     "terrain": [
         "terrain:land",

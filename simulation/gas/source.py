@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, pose_of
@@ -33,7 +34,7 @@ def cover(entity: Entity, built: BuiltEntity, grid: Grid) -> F64:
     return np.asarray(blocks.mean(axis=(1, 3, 5)))
 
 
-def share_of(covered: F64, room: F64, cell: float) -> F64:
+def share_of(covered: F64, room: NDArray[np.floating[Any]], cell: float) -> F64:
     """Gas per volume and second in each cell for an emission of 1 m^3/s; zero everywhere where solids leave too little of the source open.
 
     Args:

@@ -9,6 +9,7 @@ from .categories import questions as categories
 from .categories.cloth import questions as cloth
 from .categories.elastic import questions as elastic
 from .categories.fracture import questions as fracture
+from .categories.gas import questions as gas
 from .categories.liquid import questions as liquid
 from .categories.particles import questions as particles
 from .categories.rigid import questions as rigid
@@ -46,6 +47,7 @@ TABLES: tuple[ModuleType, ...] = (
     elastic,
     fracture,
     particles,
+    gas,
 )
 """Modules with a table `QUESTIONS`, in the order of `docs/rows.md`."""
 

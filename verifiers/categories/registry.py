@@ -9,6 +9,7 @@ from ...worlds.errors import EvidenceError
 from .cloth.judge import ClothJudge
 from .elastic.judge import ElasticJudge
 from .fracture.judge import FractureJudge
+from .gas.judge import GasJudge
 from .liquid.judge import LiquidJudge
 from .particles.judge import ParticleJudge
 from .rigid.judge import RigidJudge
@@ -30,6 +31,7 @@ JUDGES: Mapping[str, Judge] = {
         LiquidJudge(),
         ClothJudge(),
         ParticleJudge(),
+        GasJudge(),
     )
 }
 """All judges by category, in the order of their rows."""

@@ -1,0 +1,79 @@
+"""Small worlds with smoke that the suite of gas changes copies of: simulated once per process, seconds each."""
+
+from __future__ import annotations
+
+from functools import cache as kept
+from typing import Any
+
+from ...worlds.candidate import Candidate
+from ...worlds.spec import WorldSpec
+from ..worlds.simulated_worlds import simulate
+from ..worlds.small_gas import SMOKE_PROMPT, smoke_spec
+from ._kept import kept_folder
+
+__all__ = ["CELL", "FRAMES", "KINDS", "SOLVER", "SOOT", "scene", "scene_spec"]
+
+SOLVER = "air"
+FRAMES = 10
+CELL = 0.05
+"""[m]"""
+SOOT = 1e-3
+"""[kg/m^3] At the source."""
+HIGH = 0.6
+"""Of the box [m]; 0.8 wide."""
+BLOCK = {"size": [0.3, 0.3, 0.2]}
+WIND = {"kind": "field", "field": {"kind": "wind", "velocity": [1.0, 0.3, 0.0]}}
+PULL = {
+    "kind": "path",
+    "entity": "plate",
+    "keys": {
+        "a": {"time": 0.0, "pose": {"position": [0.5, 0.0, 0.3]}},
+        "b": {"time": 0.4, "pose": {"position": [0.0, 0.0, 0.3]}},
+    },
+}
+KINDS = ("room", "hot", "vent", "block", "maccormack", "near", "puff", "curled", "cold", "wind", "gust", "drawer")
+"""A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
+fog; wind through the box; wind that begins later; a plate that is pulled through the smoke."""
+
+
+def scene_spec(kind: str) -> dict[str, Any]:
+    """Specification of a kind, without its prompt."""
+    spec = smoke_spec(frames=FRAMES, resolution=CELL, rate=0.006)
+    plate, driver = spec["entities"]["plate"], spec["simulation"]["drivers"]["fire"]
+    physics, settings = spec["entities"]["smoke"]["physics"], spec["simulation"]["solvers"][SOLVER]["settings"]
+    settings["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
+    plate["pose"]["position"] = [0.05, 0.0, 0.4]
+    if kind == "hot":
+        physics["temperature"] = 700.0
+    elif kind == "vent":
+        settings["domain"].update(center=[0, 0, 0.125], size=[0.8, 0.8, 0.25])
+        plate["pose"]["position"] = [0.0, 0.0, 0.9]
+        driver["rate"] = 0.05
+    elif kind == "block":
+        plate["dimensions"] = BLOCK
+        plate["parts"]["plate"]["shape"] = {"kind": "box", **BLOCK}
+        plate["pose"]["position"] = [0.2, 0.0, 0.3]
+    elif kind == "maccormack":
+        settings["scheme"] = "maccormack"
+    elif kind == "near":
+        physics["temperature"], settings["expands"] = 310.0, False
+    elif kind == "puff":
+        driver["end"] = 0.15
+    elif kind == "curled":
+        settings["confinement"] = 0.1
+    elif kind in ("wind", "gust"):
+        spec["simulation"]["drivers"]["wind"] = {**WIND, **({"start": 0.1} if kind == "gust" else {})}
+    elif kind == "drawer":
+        spec["entities"]["plate"].update(motion="kinematic", pose={"position": [0.5, 0.0, 0.3]})
+        spec["simulation"]["drivers"]["pull"] = PULL
+    elif kind == "cold":
+        physics["temperature"] = 250.0
+        spec["entities"]["smoke"]["pose"]["position"] = [0.0, 0.0, 0.25]
+        plate["pose"]["position"] = [0.0, 0.0, 0.9]
+    return spec
+
+
+@kept
+def scene(kind: str) -> Candidate:
+    """A kind as simulated."""
+    return simulate(kept_folder(kind), WorldSpec.model_validate({"prompt": SMOKE_PROMPT, **scene_spec(kind)}))

@@ -1,0 +1,56 @@
+"""Bounds of the questions about gas."""
+
+BOOKS = 1e-4
+"""[1] Of what was emitted: fields are kept in single precision, and sums in double."""
+HEAT = 1e-3
+"""[1] Of what was emitted: the projection leaves a divergence of up to 1e-5 per cell and step, which counts as heat."""
+EMITTED = 1e-3
+"""[1] Of what the drivers let out until then: a step may begin before a driver does and end after it."""
+ESCAPE = 0.05
+"""[1] Own choice: of what was emitted, by which what flows through open sides by the velocities of the frames may differ from what is
+recorded, beyond what these leave open: the change of the flow between two frames, and its change over the outermost half cell."""
+COURSE = 0.1
+"""[1] Own choice: of the way that the velocities give in a frame, by how much that of the middle may differ beyond what frames and the shape of
+the source leave open. Products of means over a cell are no means of products: measured 0.03 at most."""
+REACH = 1.0
+"""[cells] Beyond the way of the fastest gas nearby: the width of a sweep."""
+SEEP = 0.02
+"""[1] Of the greatest in the box: what second-order transport carries ahead of the way of the gas."""
+WARM = 0.02
+"""[1] Of the greatest excess of a source over the ambient temperature: the same for what fluxes round over or under."""
+THIN = 1e-3
+"""[1] Of the source's soot: less is rounding, where there must be none."""
+DIVERGENT = 1e-4
+"""[1] Of the largest speed per cell: the projection leaves 1e-5, and the mean of 27 cells 1e-6 (measured)."""
+PROJECTED = 1e-4
+"""[1] Of the largest speed per cell, as the engine records it. `../shared/reference/solvers.md` asks for 1e-5 of its projection."""
+ENERGY = 0.1
+"""[1] Own choice: of the energy in play, by which motion may exceed what buoyancy, sources and inflow give; velocities at the middles of
+cells are means of those of their faces."""
+CUT = 0.05
+"""[1] Own choice: optical depth across the smoke at an open side from which on one sees it end there; an eye sees a contrast of 0.02 to 0.05."""
+CROPPED = 0.5
+"""[1] Own choice: of the smoke in the box, that may lie outside all pictures of a frame; a plume may leave a picture at the top."""
+ACROSS = 2.0
+"""[cells] Own choice: least width of a source. Its jet is blurred, its amounts are not."""
+CAPPED = 0.02
+"""[1] Own choice: share of steps that may end at the cap of the pressure's iterations."""
+
+ENCLOSED = 0.95
+"""[1] Own choice: of the soot in the box; single cells of thin haze above do not make a plume higher."""
+ARRIVED = 0.01
+"""[1] Own choice: of the soot of its source, at which a gas has arrived: more than rounding spreads, less than a haze that is seen."""
+HALF_SIZE = 1.0
+"""[half-sizes] Own choice: a way of at least half the smallest extent of its source is seen; as of bodies."""
+DRIFT_SHARE = 0.25
+"""[1] Own choice: of the mean way of all soot, what its middle drifts level; what spreads evenly to all sides goes nowhere."""
+SPREAD = 1.5
+"""[1] Area that is seen of it from above over that at the start, or over that of its source; as of liquids and grains."""
+FILL_SHARE = 0.5
+"""[1] Own choice: of the vessel's volume. `min` asks for more."""
+FILL_RISE = 0.25
+"""[1] Own choice: by how much of the vessel's volume it rises."""
+FILLED = 0.02
+"""[1] Own choice: of its source's soot; a cell with less is not full of it."""
+STILL = 0.02
+"""[m/s] Own choice: root mean square speed of soot from which on a gas is not still: a hundredth of what warm air rises with."""

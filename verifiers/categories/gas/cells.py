@@ -1,0 +1,56 @@
+"""Cells of a gas at one frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....worlds.arrays import F64
+
+__all__ = ["Cells", "GasFrame", "Mask"]
+
+Cells: TypeAlias = NDArray[np.float32]
+Mask: TypeAlias = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class GasFrame:
+    """All cells of one frame; arrays are (nx, ny, nz)."""
+
+    index: int
+    cell: float
+    """[m]"""
+    corner: F64
+    """Lower corner of the first cell [m], shape (3,)."""
+    soot: Cells
+    """[kg/m^3] Of the open part of a cell."""
+    temperature: Cells
+    """[K]"""
+    velocity: Cells
+    """At the middles of cells [m/s], shape (nx, ny, nz, 3)."""
+    room: Cells
+    """[1] Open share of a cell."""
+
+    @cached_property
+    def open(self) -> Mask:
+        """Cells that have room."""
+        return self.room > 0.0
+
+    @cached_property
+    def speed(self) -> Cells:
+        """[m/s]; 0 where a cell has no room."""
+        return np.asarray(np.linalg.norm(self.velocity, axis=-1) * self.open, dtype=np.float32)
+
+    @cached_property
+    def centers(self) -> F64:
+        """Middles of cells [m], shape (nx, ny, nz, 3)."""
+        grid = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in self.soot.shape), indexing="ij"), axis=-1)
+        return np.asarray(self.corner + self.cell * grid)
+
+    def place(self, cell: tuple[int, ...]) -> list[float]:
+        """Middle of a cell [m], to the millimetre."""
+        return [round(float(c), 3) for c in self.corner + self.cell * (np.array(cell) + 0.5)]

@@ -1,0 +1,45 @@
+"""Gas (R100, R105, R106): one pass over the frames of an instance, seen by one watch per family of questions.
+
+Rows: `category:gas:<question>:<solver>` and `numerical:<question>:<solver>`. Nothing here knows a solver: cells, records and the solids of the
+candidate are all there is.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ....worlds.errors import EvidenceError, NotFiniteError
+from ...rows.watches import Watch, Watching
+from ..container import rows_about
+from .books import Books
+from .escapes import Escapes
+from .fate import Fate
+from .flow import Flow
+from .frames import box_of
+from .limits import Limits
+from .numerical import Numbers
+from .places import Places
+from .transport import Transport
+
+if TYPE_CHECKING:
+    from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Row, Status
+
+__all__ = ["WATCHES", "category_rows", "numerical_rows"]
+
+WATCHES: tuple[type[Watch], ...] = (Numbers, Books, Escapes, Transport, Limits, Flow, Places, Fate)
+"""All families, in the order of their rows."""
+
+
+def _unread(kind: type[Watch], name: str, error: EvidenceError) -> Status:
+    """Frames that hold numbers that are not finite cannot be read: that alone is a failure, of `finite`."""
+    return "fail" if kind is Numbers and name == "finite" and isinstance(error, NotFiniteError) else "unverified"
+
+
+_WATCHING = Watching(WATCHES, Numbers, box_of, lambda box: box.steps(), _unread)
+category_rows = _WATCHING.category_rows
+
+
+def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows of the cache and of counters of one instance."""
+    return [*rows_about(candidate, solver, {}), *_WATCHING.numerical_rows(candidate, solver)]

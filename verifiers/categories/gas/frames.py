@@ -1,0 +1,167 @@
+"""A gas on its cells as its cache holds it, checked as it is read (R60)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....physics.substances import AIR_HEAT_CAPACITY, air_density
+from ....worlds.arrays import F64
+from ....worlds.categories.gas.facts import grid_of
+from ....worlds.errors import EvidenceError, NotFiniteError
+from ...rows.findings import cache_of
+from .bodies import Bodies
+from .cells import GasFrame
+from .sources import Source, sources_of
+
+if TYPE_CHECKING:
+    from ....worlds.cache import Cache
+    from ....worlds.candidate import Candidate
+
+__all__ = ["GasBox", "box_of"]
+
+CHANNELS = {"gas_soot": 0, "gas_temperature": 0, "gas_room": 0, "gas_velocity": 3}
+"""Fields, and the components of each value; 0: a number."""
+KEPT_CELLS = 8_000_000
+"""Cells of frames that are kept, since predicates ask again."""
+
+
+class GasBox:
+    """The cells of an instance over the frames.
+
+    Raises:
+        EvidenceError: the cache is of another plan.
+    """
+
+    def __init__(self, candidate: Candidate, solver: str, cache: Cache) -> None:
+        self.candidate, self.solver, self.cache = candidate, solver, cache
+        plan: Any = candidate.spec.simulation.solvers[solver]
+        self.settings: Any = plan.settings
+        self.members: list[str] = list(plan.members)
+        self.frames = candidate.frame_count
+        self.duration = 1.0 / candidate.spec.simulation.fps
+        self.gravity: F64 = np.array(candidate.spec.simulation.gravity, dtype=np.float64)
+        self.sides: tuple[str, ...] = tuple(self.settings.domain.sides)
+        self.cell = float(self.physics(self.members[0]).resolution)
+        grid = grid_of(plan, self.cell)
+        self.shape = grid.shape
+        self.size: F64 = self.cell * np.array(grid.shape)
+        """Of the cells' box [m]."""
+        self.ambient = float(self.settings.ambient_temperature)
+        self.expands = bool(self.settings.expands)
+        self.air = air_density(self.ambient)
+        """Density of the ambient air [kg/m^3]."""
+        self._kept: dict[int, GasFrame] = {}
+        self._room = KEPT_CELLS
+
+    def physics(self, member: str) -> Any:
+        """Physics of a member."""
+        return self.candidate.spec.entities[member].physics
+
+    @cached_property
+    def sources(self) -> tuple[Source, ...]:
+        """Shapes and drivers that let gas out."""
+        return sources_of(self.candidate, self.members)
+
+    @cached_property
+    def bodies(self) -> Bodies:
+        """The bodies among the cells."""
+        corners = np.array([self.read(k).corner for k in range(self.frames)])
+        return Bodies(self.candidate, self.frames, corners.min(axis=0) - self.cell, corners.max(axis=0) + self.size + self.cell)
+
+    @property
+    def volume(self) -> float:
+        """Of a cell [m^3]."""
+        return float(self.cell**3)
+
+    @property
+    def joule(self) -> float:
+        """Heat of a cubic metre of lightness 1 [J/m^3]: density, heat capacity and temperature of the ambient air."""
+        return self.air * AIR_HEAT_CAPACITY * self.ambient
+
+    @property
+    def up(self) -> F64:
+        """Unit vector against gravity; +z where there is none."""
+        size = float(np.linalg.norm(self.gravity))
+        return -self.gravity / size if size > 1e-9 else np.array([0.0, 0.0, 1.0])
+
+    def lightness_at(self, temperature: Any) -> Any:
+        """Lightness of gas at a temperature [1]: share of the ambient density that it lacks, or its excess temperature over the ambient one."""
+        return 1.0 - self.ambient / temperature if self.expands else temperature / self.ambient - 1.0
+
+    def lightness(self, frame: GasFrame) -> F64:
+        """Of all cells, in double precision; 0 where a cell has no room."""
+        return np.where(frame.open, self.lightness_at(np.maximum(frame.temperature.astype(np.float64), 1e-3)), 0.0)
+
+    def soot_mass(self, frame: GasFrame) -> float:
+        """Soot in the box [kg]."""
+        return self.volume * float(np.sum(frame.soot * frame.room, dtype=np.float64))
+
+    def heat(self, frame: GasFrame) -> float:
+        """Enthalpy above that of ambient air in the box [J]."""
+        return self.joule * self.volume * float(np.sum(self.lightness(frame) * frame.room))
+
+    def density(self, frame: GasFrame) -> F64:
+        """Of the gas that moves [kg/m^3]."""
+        return self.air * (1.0 - self.lightness(frame)) if self.expands else np.full(frame.soot.shape, self.air)
+
+    def read(self, index: int) -> GasFrame:
+        """One frame.
+
+        Raises:
+            EvidenceError: it is missing or damaged, or its channels do not belong together.
+        """
+        if index not in self._kept:
+            frame = self._read(index)
+            self._room -= frame.soot.size
+            if self._room < 0:
+                return frame
+            self._kept[index] = frame
+        return self._kept[index]
+
+    def _read(self, index: int) -> GasFrame:
+        data = self.cache.read(index, ("gas_corner", *CHANNELS))
+        for name, width in CHANNELS.items():
+            wanted = (*self.shape, width) if width else self.shape
+            if data[name].shape != wanted:
+                raise EvidenceError(
+                    f"{name} of frame {index} of {self.solver!r} has shape {data[name].shape}, planned {wanted}; bake again"
+                )
+            if not np.isfinite(data[name]).all():
+                raise NotFiniteError(f"{name} is not finite at frame {index}; see numerical:finite")
+        return GasFrame(
+            index, self.cell, np.asarray(data["gas_corner"], dtype=np.float64), *(data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room"))
+        )  # fmt: skip
+
+    def steps(self) -> Iterator[tuple[GasFrame, GasFrame | None]]:
+        """All frames in order, each with the one before."""
+        before: GasFrame | None = None
+        for index in range(self.frames):
+            now = self.read(index)
+            yield now, before
+            before = now
+
+    def record(self, name: str) -> F64:
+        """A record over the frames, shape (frames,).
+
+        Raises:
+            EvidenceError: it is missing, or not finite.
+        """
+        found = np.asarray(self.cache.series(f"record/{name}"), dtype=np.float64)[: self.frames]
+        if not np.isfinite(found).all():
+            raise NotFiniteError(
+                f"record/{name} is not finite at frame {int(np.argmin(np.isfinite(found)))}; see numerical:finite"
+            )
+        return found
+
+
+def box_of(candidate: Candidate, solver: str) -> GasBox:
+    """The cells of an instance, made once per candidate.
+
+    Raises:
+        EvidenceError: it has no cache, or one of another specification.
+    """
+    return candidate.memo(("gas", solver), lambda: GasBox(candidate, solver, cache_of(candidate, solver)))

@@ -1,0 +1,128 @@
+"""Gases as the other verifiers ask for them: the soot that they carry, where it is and how it moves. They push nobody."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from ....physics.gases import SOOT_EXTINCTION
+from ....worlds.arrays import F64
+from ....worlds.built import TriangleMesh
+from ..loose import Loose, Sample
+from .bounds import CUT, STILL
+from .check import category_rows, numerical_rows
+from .frames import box_of
+from .register import gas_lines
+
+if TYPE_CHECKING:
+    from ....worlds.candidate import Candidate
+    from ....worlds.requirements import Row
+    from ....worlds.spec import WorldSpec
+    from .cells import GasFrame
+    from .frames import GasBox
+
+__all__ = ["GasJudge"]
+
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=np.int64)
+"""Of the side of a cell along its third axis, counter-clockwise seen from beyond it."""
+THIN = 0.02
+"""Own choice: of the most soot in a column; the rest of the column is as good as clear."""
+
+
+class GasJudge(Loose):
+    """Smoke, steam and hot air."""
+
+    name: ClassVar[str] = "gas"
+    noun: ClassVar[str] = "smoke"
+    goes_on: ClassVar[str] = "drift on"
+    in_fields: ClassVar[tuple[str, str] | None] = (
+        "field {0!r} moves the air beyond the open sides of a gas's box",
+        "inside it the gas is moved by what comes in alone; no force acts on it there",
+    )
+    still: ClassVar[float] = STILL
+
+    def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
+        """Rows of one instance."""
+        return category_rows(candidate, solver)
+
+    def numerical_rows(self, candidate: Candidate, solver: str) -> list[Row]:
+        """Rows of one instance."""
+        return numerical_rows(candidate, solver)
+
+    def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
+        """Cells with the soot that they hold at every frame; of clear gas, with the air that it displaces."""
+        box = box_of(candidate, solver)
+        clear = box.physics(box.members[row]).soot_density <= 0.0
+        for index in range(box.frames):
+            frame = box.read(index)
+            amount = box.air * np.abs(box.lightness(frame)) if clear else frame.soot.astype(np.float64)
+            held = (amount > 0.0) & frame.open
+            mass = box.volume * (amount * frame.room)[held]
+            yield Sample(frame.centers[held], frame.velocity[held].astype(np.float64), mass)
+
+    def amount(self, candidate: Candidate, entity: str) -> str:
+        """Gas that its sources let out by the last frame, and the share of its soot that is in the box."""
+        solver = next((n for n, s in self.instances(candidate.spec).items() if entity in s.members), None)
+        if candidate.stage == "static" or solver is None:
+            return ""
+        self.held(candidate, entity)
+        box = box_of(candidate, solver)
+        came = float(box.record("emitted_soot")[-1])
+        volume = 1000.0 * float(box.record("volume_emitted")[-1])
+        there = box.soot_mass(box.read(box.frames - 1))
+        return f"{volume:.3g} litres let out" + (f", {there / came:.0%} of its soot in the box at the end" if came > 0.0 else "")
+
+    def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
+        """Sides of the cells in which it is seen; before any simulation, its source."""
+        if candidate.stage == "static":
+            return super().outline(candidate, entity, frame)
+        solver, _, _ = self.held(candidate, entity)
+        box = box_of(candidate, solver)
+        now = box.read(frame)
+        return _skin(box, now, seen(box, now))
+
+    def endings(self, candidate: Candidate, solver: str, span: int, kinetic: float) -> Iterator[tuple[str, str]]:
+        """Its gas, where it still moves at the last frame."""
+        for member in candidate.spec.simulation.solvers[solver].members:
+            if self.moving(candidate, member)[-1]:
+                yield member, self.goes_on
+
+    def placeholders(self, spec: WorldSpec, entity: str, row: Row) -> dict[str, Any]:
+        """Its one emission, and the side of the box that a row names."""
+        emissions = [n for n, d in spec.simulation.drivers.items() if d.kind == "emission" and d.entity == entity]
+        return {"emission": emissions[0] if len(emissions) == 1 else None}
+
+    def lines(self, candidate: Candidate) -> list[dict[str, str]]:
+        """Lines of the approximation register."""
+        return gas_lines(candidate.spec)
+
+
+def seen(box: GasBox, frame: GasFrame) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Cells in whose column along an axis smoke is seen, and which hold part of it."""
+    soot = (frame.soot * frame.room).astype(np.float64)
+    found = np.zeros(soot.shape, dtype=bool)
+    for axis in range(3):
+        depth = SOOT_EXTINCTION * box.cell * soot.sum(axis=axis, keepdims=True)
+        found |= (depth >= CUT) & (soot > THIN * soot.max(axis=axis, keepdims=True))
+    return found
+
+
+def _skin(box: GasBox, frame: GasFrame, cells: np.ndarray[Any, np.dtype[np.bool_]]) -> TriangleMesh:
+    """Sides between cells that are of a set and cells that are not."""
+    padded = np.pad(cells, 1)
+    quads: list[F64] = []
+    for axis in range(3):
+        turn = [(axis + 1) % 3, (axis + 2) % 3, axis]
+        for side in (0, 1):
+            beyond = np.roll(padded, 1 - 2 * side, axis=axis)[1:-1, 1:-1, 1:-1]
+            at = np.argwhere(cells & ~beyond)
+            corners = np.zeros((4, 3), dtype=np.int64)
+            corners[:, turn] = CORNERS if side else CORNERS[::-1]
+            corners[:, axis] = side
+            quads.append((at[:, None] + corners).reshape(-1, 3).astype(np.float64))
+    vertices = frame.corner + box.cell * np.concatenate(quads)
+    first = 4 * np.arange(len(vertices) // 4)[:, None, None]
+    faces = (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
+    return TriangleMesh(vertices, faces.astype(np.int32))

@@ -1,0 +1,183 @@
+"""Questions about gas: one group per watch, in the order of their rows; `check.py` lists the watches."""
+
+from __future__ import annotations
+
+from ...rows.questions import Question, by_name
+from ..questions import COUNTERS, FINITE, ITERATIONS, SPEED
+from .bounds import ACROSS, CUT
+
+__all__ = ["BOOKS", "ESCAPES", "FATE", "FLOW", "LIMITS", "NUMBERS", "PLACES", "QUESTIONS", "TRANSPORT"]
+
+
+def _asked(
+    name: str, predicate: str, measures: str, unit: str, bound: str, *, comparison: str = "<=", mandatory: bool = True
+) -> Question:
+    return Question(f"category:gas:{name}", predicate, measures, unit, comparison, bound, ("solver",), mandatory=mandatory)  # type: ignore[arg-type]
+
+
+NUMBERS = by_name(FINITE, SPEED, ITERATIONS, COUNTERS)
+"""Questions of the numerical check, asked of other categories, too."""
+BOOKS = by_name(
+    _asked(
+        "emitted",
+        "sources let out what their drivers declare: volume, soot and heat",
+        "largest difference over what is declared",
+        "1",
+        "EMITTED",
+    ),
+    _asked(
+        "records",
+        "recorded soot and heat are those of the cells",
+        "largest difference over what was emitted",
+        "1",
+        "BOOKS",
+    ),
+    _asked(
+        "soot",
+        "soot in the box and what left it is what was emitted, at every frame",
+        "largest soot that is missing or too much, over what was emitted",
+        "1",
+        "BOOKS",
+    ),
+    _asked(
+        "heat",
+        "heat in the box, what left it and what was given off is what was emitted, at every frame",
+        "largest heat that is missing or too much, over what was emitted",
+        "1",
+        "HEAT",
+    ),
+)
+ESCAPES = by_name(
+    _asked(
+        "escape",
+        "soot leaves through open sides as the velocities there carry it",
+        "difference of the recorded escape from that of the velocities beyond what these leave open, over what was emitted",
+        "1",
+        "ESCAPE",
+    ),
+    _asked(
+        "escape_heat",
+        "heat leaves through open sides as the velocities there carry it",
+        "difference of the recorded escape from that of the velocities beyond what these leave open, over what was emitted",
+        "1",
+        "ESCAPE",
+    ),
+)
+TRANSPORT = by_name(
+    _asked(
+        "continuity",
+        "no cell has more soot than was within the reach of the gas a frame ago, by ways through open cells, or than a source lets out",
+        "largest excess over the greatest soot",
+        "1",
+        "SEEP",
+    ),
+    _asked(
+        "gaps",
+        "no cell has less soot than was within the reach of the gas a frame ago, by ways through open cells",
+        "largest lack over the greatest soot",
+        "1",
+        "SEEP",
+    ),
+    _asked(
+        "carried",
+        "from frame to frame the middle of soot and heat moves as the velocities carry them",
+        "largest difference of the way over that of the velocities, beyond what frames leave open",
+        "1",
+        "COURSE",
+    ),
+)
+LIMITS = by_name(
+    _asked(
+        "temperature",
+        "without fire no gas is colder than the ambient air or hotter than a source",
+        "largest excess or lack over the excess of the hottest source",
+        "1",
+        "WARM",
+    ),
+    _asked(
+        "dense",
+        "soot is never negative and never denser than at a source",
+        "largest excess or lack over the soot at a source",
+        "1",
+        "SEEP",
+    ),
+)
+FLOW = by_name(
+    _asked(
+        "divergence",
+        "where nothing emits or heats, as much flows into a cell as out of it",
+        "largest net outflow of a cell and its neighbours per cell, over the largest speed",
+        "1",
+        "DIVERGENT",
+    ),
+    _asked(
+        "outflow",
+        "through surfaces around sources flows what these let out",
+        "difference over the declared rate",
+        "1",
+        "EMITTED and DIVERGENT",
+    ),
+    _asked(
+        "projection",
+        "the recorded divergence after the projection is small",
+        "largest, over the largest speed per cell",
+        "1",
+        "PROJECTED",
+    ),
+    _asked(
+        "energy",
+        "motion grows by no more than buoyancy, sources and what flows in give",
+        "largest excess over the energy in play",
+        "1",
+        "ENERGY",
+    ),
+)
+PLACES = by_name(
+    _asked(
+        "inside",
+        "no gas is in cells that are inside bodies or closed",
+        "most soot or excess heat there, over that of a source",
+        "1",
+        "THIN",
+    ),
+    _asked(
+        "room",
+        "cells in the middle of bodies are closed, and those away from all bodies open",
+        "cells that are not",
+        "cells",
+        "0",
+    ),
+    _asked("source", "a source is inside the box, and not in a body", "share of it that is not", "1", "0"),
+    _asked(
+        "resolved", f"a source is at least {ACROSS:g} cells across", "least width of a source", "cells", "ACROSS", comparison=">="
+    ),
+    _asked(
+        "cut",
+        f"no open side cuts off smoke that is seen: the optical depth along the side is below {CUT:g}",
+        "largest optical depth along an open side",
+        "1",
+        "CUT",
+        mandatory=False,
+    ),
+    _asked(
+        "stopped",
+        "closed sides against which smoke comes are surfaces of bodies",
+        "largest optical depth along a closed side where no body is",
+        "1",
+        "CUT",
+        mandatory=False,
+    ),
+)
+
+FATE = by_name(
+    _asked(
+        "fate",
+        "smoke that is seen once stays in sight; where it does not, it is told whether the solver lost it, it left the box, thinned, or is out of the picture",
+        "share of the smoke in the box that lies outside every picture taken at the frame; 1 where none is seen",
+        "1",
+        "CROPPED",
+        mandatory=False,
+    ),
+)
+
+QUESTIONS = tuple(q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FATE) for q in group.values())

@@ -1,0 +1,75 @@
+"""Lines of the approximation register about gases (R68)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ....worlds.spec import GasInstance, WorldSpec
+
+__all__ = ["gas_lines"]
+
+FELT = 0.01
+"""Own choice: Boussinesq's approximation is told from this difference of temperatures on, as a share of the ambient one."""
+
+
+def gas_lines(spec: WorldSpec) -> list[dict[str, str]]:
+    """Lines of every instance of a gas."""
+    found: list[tuple[str, str]] = []
+    for name, instance in spec.simulation.gas.items():
+        for member in instance.members:
+            physics = spec.entities[member].physics
+            if physics.category == "gas":
+                found += _of_gas(member, physics.temperature, physics.resolution, instance)
+        found += _of_box(name, instance)
+    return [{"what": what, "effect": effect} for what, effect in found]
+
+
+def _of_gas(member: str, temperature: float, cell: float, instance: GasInstance) -> list[tuple[str, str]]:
+    """Simplification and effect of each line about one gas."""
+    settings = instance.settings
+    found = [
+        (
+            f"eddies of {member!r} smaller than two cells of {cell:g} m are not simulated",
+            "it mixes with the air within a cell; finer curls are lost",
+        ),
+        (
+            f"soot, drops or dust of {member!r} move with the gas",
+            "nothing settles, clumps, sticks to walls, condenses or evaporates",
+        ),
+        (
+            f"{member!r} appears within the shape of its source",
+            "no jet, nozzle or flame is simulated; its first speed is what the room that it takes asks for",
+        ),
+    ]
+    if settings.diffusivity == 0.0:
+        what = f"{member!r} gives off no heat, to walls or by radiation"
+        found.append((what, "it cools by mixing with the air alone, and rises longer than real smoke"))
+    apart = abs(temperature / settings.ambient_temperature - 1.0)
+    if not settings.expands and apart > FELT:
+        what = f"the density of {member!r} differs in buoyancy alone (Boussinesq)"
+        found.append((what, f"{apart:.0%} of its volume and inertia are neglected at its source"))
+    return found
+
+
+def _of_box(name: str, instance: GasInstance) -> list[tuple[str, str]]:
+    """Simplification and effect of each line about one box."""
+    settings = instance.settings
+    found = [
+        (
+            f"bodies stand in the way of the gas of {name!r} and do not feel it",
+            "omitted reaction: nothing is blown away or lifted",
+        ),
+    ]
+    if "open" in settings.domain.sides:
+        what = f"gas that leaves {name!r} through an open side is gone, and air of {settings.ambient_temperature:g} K comes in"
+        found.append((what, "it is counted as escaped and never comes back"))
+    if "closed" in settings.domain.sides:
+        found.append((f"closed sides of {name!r} are smooth walls", "the gas slips along them, seen or not"))
+    if settings.confinement > 0.0:
+        what = f"vorticity confinement of {settings.confinement:g} spins the gas of {name!r}"
+        found.append((what, "it puts energy in that no law gives, so that curls stay alive"))
+    if settings.viscosity == 0.0:
+        what = f"the gas of {name!r} has no viscosity but what its scheme has"
+        found.append((what, "layers at walls are as thick as a cell"))
+    return found

@@ -1,0 +1,183 @@
+"""Whether soot and heat go where the velocities carry them: to cells within reach alone, and in the middle by the right way (R100).
+
+Between two frames gas comes to a cell from no farther than the fastest gas nearby gets, by ways through open cells. So a cell holds no more
+soot than the most, and no less than the least, that was within that reach, where air beyond open sides and sources count. And over a frame the
+moment of the soot changes by what its velocities carry, by what sources let out where they are and what leaves where it does: an
+identity of fluxes, which the frames at both ends bound.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from ....worlds.arrays import F64
+from ...rows.findings import Finding
+from .bounds import COURSE, REACH, SEEP
+from .outflow import outflow
+from .questions import TRANSPORT
+from .rows import kept_within, recomputed
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ...rows.questions import Question
+    from .cells import GasFrame, Mask
+    from .frames import GasBox
+    from .outflow import Outflow
+
+__all__ = ["Transport"]
+
+TINY = 1e-12
+OUTLET = 0.25
+"""[cells] How well points in a source tell where on the cells the middle of what it lets out is."""
+
+
+def within_reach(values: F64, way: F64, walls: tuple[Mask, Mask, Mask], beyond: tuple[float, ...]) -> F64:
+    """Greatest value within the reach of every cell, by ways through open faces.
+
+    Args:
+        values: (nx, ny, nz).
+        way: (nx, ny, nz) reach of each cell, in cells along each axis.
+        walls: faces between neighbours that nothing passes, along each axis.
+        beyond: value beyond each of the six sides.
+    """
+    grown = values.copy()
+    for step in range(1, min(int(np.ceil(float(way.max(initial=0.0)))), max(values.shape)) + 1):
+        wider = grown.copy()
+        for axis in range(3):
+            wider = _wider(wider, axis, walls[axis], beyond[2 * axis : 2 * axis + 2])
+        grown = np.where(way >= step, wider, grown)
+    return grown
+
+
+def _wider(values: F64, axis: int, walls: Mask, beyond: tuple[float, ...]) -> F64:
+    """Greatest value of every cell and its two neighbours along an axis."""
+    count = values.shape[axis]
+    low, high = (np.take(values, range(k, k + count - 1), axis=axis) for k in (0, 1))
+    ends = [np.full_like(np.take(values, [0], axis=axis), b) for b in beyond]
+    from_low = np.concatenate([ends[0], np.where(walls, -np.inf, low)], axis=axis)
+    from_high = np.concatenate([np.where(walls, -np.inf, high), ends[1]], axis=axis)
+    return np.maximum(values, np.maximum(from_low, from_high))
+
+
+class Transport:
+    """Fields of every frame against those of the one before."""
+
+    questions: ClassVar[Mapping[str, Question]] = TRANSPORT
+
+    def __init__(self, box: GasBox) -> None:
+        self.box = box
+        self.over: list[float] = [0.0]
+        self.under: list[float] = [0.0]
+        self.off: list[float] = [0.0]
+        self.where: dict[tuple[str, int], list[float]] = {}
+        self.flow: Outflow | None = None
+
+    def see(self, now: GasFrame, before: GasFrame | None) -> None:
+        """Compare one frame with the one before."""
+        flow = outflow(self.box, now)
+        if before is not None and self.flow is not None:
+            self._reached(now, before)
+            self.off.append(max(self._carried(n, now, before, flow, self.flow) for n in range(2)))
+        self.flow = flow
+
+    def _reached(self, now: GasFrame, before: GasFrame) -> None:
+        from scipy.ndimage import maximum_filter
+
+        box = self.box
+        speed = np.maximum(now.speed, before.speed)
+        far = min(int(np.ceil(float(speed.max()) * box.duration / box.cell)) + 1, max(box.shape))
+        way = maximum_filter(speed, size=2 * far + 1, mode="nearest") * (box.duration / box.cell) + REACH
+        walls = _walls(now, before, box.bodies.blocked(now), box.bodies.blocked(before))
+        lit = _emitting(box, now)
+        most = max((box.physics(s.entity).soot_density for s in box.sources), default=0.0)
+        scale = max(most, float(before.soot.max()), TINY)
+        upper, lower = before.soot.astype(np.float64), -before.soot.astype(np.float64)
+        for cells, soot in lit:
+            upper, lower = (np.where(cells, np.maximum(a, s), a) for a, s in ((upper, soot), (lower, -soot)))
+        highest = within_reach(upper, way, walls, (0.0,) * 6)
+        lowest = -within_reach(lower, way, walls, tuple(0.0 if s == "open" else -np.inf for s in box.sides))
+        soot = np.where(now.open, now.soot, np.nan).astype(np.float64)
+        for name, kept, excess in (("continuity", self.over, soot - highest), ("gaps", self.under, lowest - soot)):
+            excess = np.where(np.isfinite(excess), excess, 0.0)
+            kept.append(max(0.0, float(excess.max())) / scale)
+            if kept[-1] > SEEP:
+                self.where[name, now.index] = now.place(np.unravel_index(int(excess.argmax()), excess.shape))
+
+    def _carried(self, n: int, now: GasFrame, before: GasFrame, flow: Outflow, last: Outflow) -> float:
+        """Difference of the way of the middle over that of the velocities."""
+        box, step = self.box, self.box.duration
+        (new, new_rate, new_path), (old, old_rate, old_path) = (_moments(box, f, n) for f in (now, before))
+        came, loose = np.zeros(3), 0.0
+        times = step * np.array([before.index, now.index])
+        for source in box.sources:
+            volume = source.emitted(times[1]) - source.emitted(times[0])
+            physics = box.physics(source.entity)
+            content = physics.soot_density if n == 0 else box.joule * float(box.lightness_at(physics.temperature))
+            came += volume * content * source.outlet(now.corner, box.cell, now.room)
+            loose += abs(volume * content) * OUTLET * box.cell
+        predicted = 0.5 * step * (new_rate + old_rate) + came - 0.5 * step * (flow.moment[n] + last.moment[n])
+        doubt = loose + 0.5 * step * float(np.linalg.norm(new_rate - old_rate))
+        reach = float(np.linalg.norm(0.5 * box.size))
+        doubt += 0.5 * step * reach * float(abs(flow.rate[n] - last.rate[n]) + flow.doubt[n] + last.doubt[n])
+        path = 0.5 * step * (new_path + old_path)
+        self.parts = (new - old, predicted, doubt, path)
+        return max(0.0, float(np.linalg.norm(new - old - predicted)) - doubt) / max(path, TINY)
+
+    def findings(self) -> dict[str, Finding]:
+        """Findings on the three questions by name."""
+        hints = recomputed(self.box)
+        over, under, off = (np.array(v) for v in (self.over, self.under, self.off))
+
+        def place(name: str, frame: int | None) -> dict[str, object] | None:
+            return None if (name, frame) not in self.where else {"at": self.where[name, int(frame or 0)]}
+
+        def told(name: str, values: F64, word: str) -> Finding:
+            def text(frame: int | None) -> str:
+                if frame is None:
+                    return f"soot of every cell is within what was in reach a frame ago; largest {word} {values.max():.2g} of the greatest"
+                return f"at frame {frame} a cell has {values[frame]:.3g} of the greatest soot {word} than was in its reach, at {self.where[name, frame]}"
+
+            first = int(np.argmax(values > SEEP)) if (values > SEEP).any() else None
+            return kept_within(values, SEEP, "1", text, hints, place(name, first))
+
+        def course(frame: int | None) -> str:
+            if frame is None:
+                return f"the middle of soot and heat moves as the velocities carry them, to {off.max():.2g} of the way"
+            return f"the middle of soot or heat moves otherwise than the velocities carry it at frame {frame}, by {off[frame]:.3g} of the way"
+
+        return {
+            "continuity": told("continuity", over, "more"),
+            "gaps": told("gaps", under, "less"),
+            "carried": kept_within(off, COURSE, "1", course, hints),
+        }
+
+
+def _walls(now: GasFrame, before: GasFrame, *blocked: tuple[Mask, Mask, Mask]) -> tuple[Mask, Mask, Mask]:
+    """Faces between neighbours that nothing passed over the frame: in bodies at both ends of it, or beside a cell that stayed closed."""
+    shut = ~(now.open | before.open)
+    found = []
+    for axis in range(3):
+        count = shut.shape[axis] - 1
+        low, high = (np.take(shut, range(k, k + count), axis=axis) for k in (0, 1))
+        found.append(low | high | (blocked[0][axis] & blocked[1][axis]))
+    return found[0], found[1], found[2]
+
+
+def _emitting(box: GasBox, now: GasFrame) -> list[tuple[Mask, float]]:
+    """Cells about every source that let gas out over the frame, with its soot."""
+    end = box.duration * now.index
+    return [
+        (source.cells(now.centers, box.cell), float(box.physics(source.entity).soot_density))
+        for source in box.sources
+        if source.emitted(end) > source.emitted(end - box.duration)
+    ]
+
+
+def _moments(box: GasBox, frame: GasFrame, n: int) -> tuple[F64, F64, float]:
+    """First moment of soot or heat [kg m or J m], its rate by the velocities, and the length of the way that they carry in a second."""
+    amount: F64 = (frame.soot.astype(np.float64) if n == 0 else box.joule * box.lightness(frame)) * frame.room * box.volume
+    rate = np.tensordot(amount, frame.velocity.astype(np.float64), axes=3)
+    return np.tensordot(amount, frame.centers, axes=3), rate, float(np.sum(np.abs(amount) * frame.speed))

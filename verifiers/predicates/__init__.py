@@ -16,6 +16,9 @@ from ..categories.elastic import events as elastic_events
 from ..categories.elastic import predicates as elastic
 from ..categories.fracture import events as fracture_events
 from ..categories.fracture import predicates as fracture
+from ..categories.gas import events as gas_events
+from ..categories.gas import predicates as gas
+from ..categories.gas.judge import GasJudge
 from ..categories.liquid import floating, splashing
 from ..categories.liquid import predicates as liquid
 from ..categories.particles import events as particle_events
@@ -78,6 +81,12 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "run_out": particle.run_out,
     "particles_settled": particle.particles_settled,
     "buries": particle_events.buries,
+    "gas_density_in": gas.gas_density_in,
+    "gas_temperature_in": gas.gas_temperature_in,
+    "plume_height": gas.plume_height,
+    "gas_arrives": gas.gas_arrives,
+    "light_through": gas.light_through,
+    "gas_clears": gas.gas_clears,
     "broken": fracture.broken,
     "breach": fracture.breach,
     "debris": fracture.debris,
@@ -99,6 +108,8 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "or": combine.or_,
     "not": combine.not_,
 }
+OWN: Mapping[str, Mapping[str, Evaluator]] = {GasJudge.name: gas_events.EVENTS}
+"""By category, kinds of event that such matter meets by a definition of its own."""
 
 
 def evaluate(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int], *, beats: Beats | None = None) -> Outcome:
@@ -113,7 +124,9 @@ def evaluate(candidate: Candidate, predicate: SpecModel, frames: tuple[int, int]
         beats: first true frames of the story's beats, for `before`, `after` and `within`; default the candidate's own.
     """
     kind = str(getattr(predicate, "kind", type(predicate).__name__))
-    evaluator = EVALUATORS.get(kind)
+    subject = candidate.spec.entities.get(str(getattr(predicate, "entity", "")))
+    own = OWN.get(subject.physics.category, {}) if subject is not None else {}
+    evaluator = own.get(kind, EVALUATORS.get(kind))
     unit = PREDICATES[kind].unit if kind in PREDICATES else "1"
     if evaluator is None:
         return missing(frames, unit, f"there is no evaluator for predicate kind {kind!r}")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Onset", "begins", "contact_time", "onset_of"]
 
-INSTANTS = frozenset({"contact", "reaches", "crosses", "liquid_arrives", "hits"})
+INSTANTS = frozenset({"contact", "reaches", "crosses", "liquid_arrives", "gas_arrives", "hits"})
 """Kinds of predicates that come true in an instant."""
 
 

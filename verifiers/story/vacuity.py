@@ -50,7 +50,7 @@ SUMS = frozenset(
     {"broken", "torn", "flutters", "liquid_flux_through"} | {kind for kind, info in PREDICATES.items() if info.adds_up}
 )
 """Kinds that an interval as a whole makes true, by what adds up in it."""
-LATCHED = frozenset({"crosses", "liquid_arrives"})
+LATCHED = frozenset({"crosses", "liquid_arrives", "gas_arrives"})
 """Kinds whose truth within a span stays once it came."""
 
 

@@ -50,6 +50,8 @@ class CategorySpec:
     """Its members of the union `Driver`."""
     predicates: tuple[PredicateInfo, ...] = ()
     """Kinds of predicates that it answers."""
+    meets: tuple[str, ...] = ()
+    """Kinds of event of bodies that matter of it meets, which is no body, by a definition of its own."""
     asked: str = ""
     """Predicates that can be asked of matter that is no body, for the audit; empty for bodies."""
     groups: tuple[GroupInfo, ...] = ()

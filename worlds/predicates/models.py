@@ -18,6 +18,7 @@ from ..categories.elastic.predicates import Deflection, Strain
 from ..categories.event import FlowEvent, SpreadEvent, VesselEvent
 from ..categories.fracture.events import FractureEvent
 from ..categories.fracture.predicates import Breach, Broken, Debris
+from ..categories.gas.predicates import GasArrives, GasClears, GasDensityIn, GasTemperatureIn, LightThrough, PlumeHeight
 from ..categories.liquid.events import BuoyancyEvent, SplashEvent
 from ..categories.liquid.predicates import (
     LiquidArrives,
@@ -333,6 +334,12 @@ Atom = (
     | PileHeight
     | RunOut
     | BuryEvent
+    | GasDensityIn
+    | GasTemperatureIn
+    | PlumeHeight
+    | GasArrives
+    | LightThrough
+    | GasClears
     | Broken
     | Breach
     | Debris

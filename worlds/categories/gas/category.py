@@ -10,6 +10,7 @@ from .audit import gas_problems
 from .channels import CHANNELS, DIMENSIONS
 from .facts import gas_counts, gas_seconds
 from .models import EmissionDriver, GasInstance, GasPhysics
+from .predicates import PREDICATES
 
 __all__ = ["GAS"]
 
@@ -20,7 +21,9 @@ GAS = CategorySpec(
     physics=GasPhysics,
     instances=(GasInstance,),
     drivers=(EmissionDriver,),
-    asked="reaches or speed of it",
+    predicates=PREDICATES,
+    asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through or gas_clears of it; it rises, drifts, spreads, fills",
+    meets=("rises", "drifts"),
     groups=(GroupInfo("gas", "solver", "viscosity, conduction, confinement and ambient temperature of gases"),),
     parameters=(
         *TEMPERATURE,

@@ -36,6 +36,7 @@ CHECKS = (
     "liquid",
     "liquid_soft",
     "particles",
+    "gas",
     "cloth",
     "fracture",
     "numerical",

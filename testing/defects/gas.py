@@ -1,0 +1,160 @@
+"""Seeded defects of gas: caches of a small room with smoke, changed in one way, and sound ones that look suspicious.
+
+A sound room is simulated once per kind (seconds) and kept; a broken one is that cache changed by a magnitude, or judged by another specification.
+Each defect has to be found by the rows that are there to find it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...worlds.cache import Cache, write_container
+from ...worlds.candidate import Candidate
+from ...worlds.spec import WorldSpec
+from ..worlds.small_gas import SMOKE_PROMPT
+from ..worlds.small_worlds import build_all
+from . import _gas_changes as changes
+from ._gas_changes import Change
+from ._gas_scenes import KINDS, SOLVER, scene, scene_spec
+from .cases import Mechanism, Suite, World
+
+__all__ = ["SUITE"]
+
+Build = Callable[[Path, float, np.random.Generator], World]
+
+
+def _edited(base: Candidate, folder: Path, change: Change, magnitude: float, rng: np.random.Generator) -> Candidate:
+    other = folder / SOLVER
+    shutil.copytree(base.caches[SOLVER].folder, other)
+    old, found = base.caches[SOLVER], Cache(other)
+    state = rng.bit_generator.state
+    for frame in range(found.index.frames):
+        data = {k: np.array(v) for k, v in old.read(frame).items()}
+        rng.bit_generator.state = state  # every frame is changed alike
+        change(frame, data, magnitude, rng, old)
+        write_container(found.path(frame), data)
+    fresh = dataclasses.replace(base)
+    vars(fresh)["caches"] = {**base.caches, SOLVER: Cache(other)}
+    return fresh
+
+
+def _breaks(change: Change, *rows: str, kinds: tuple[str, ...] = ("room", "maccormack")) -> Build:
+    """Broken frames, to be found by some of the rows."""
+
+    def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+        base = scene(kinds[int(rng.integers(len(kinds)))])
+        return World(_edited(base, folder, change, magnitude, rng), tuple(_question(r) for r in rows))
+
+    return build
+
+
+def _question(row: str) -> str:
+    return row if ":" in row else f"category:gas:{row}"
+
+
+def _told(place: Callable[[dict[str, Any], float], None], *rows: str, kind: str = "room") -> Build:
+    """Sound frames of another specification than that by which they are judged."""
+
+    def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+        base, document = scene(kind), scene_spec(kind)
+        place(document, magnitude)
+        spec = WorldSpec.model_validate({"prompt": SMOKE_PROMPT, **document})
+        fresh = dataclasses.replace(base, spec=spec, built=build_all(spec))
+        return World(fresh, tuple(_question(r) for r in rows))
+
+    return build
+
+
+def _late(document: dict[str, Any], magnitude: float) -> None:
+    document["simulation"]["drivers"]["fire"]["start"] = magnitude
+
+
+def _weaker(document: dict[str, Any], magnitude: float) -> None:
+    document["simulation"]["drivers"]["fire"]["rate"] *= 1.0 - magnitude
+
+
+def _heavy(document: dict[str, Any], magnitude: float) -> None:
+    document["simulation"]["gravity"] = [0.0, 0.0, 9.81 * magnitude]
+
+
+def _thick(document: dict[str, Any], magnitude: float) -> None:
+    """A block where the frames have open air."""
+    box = {"size": [magnitude] * 3}
+    document["entities"]["plate"].update(dimensions=box, pose={"position": [-0.2, 0.0, 0.35]})
+    document["entities"]["plate"]["parts"]["plate"]["shape"] = {"kind": "box", **box}
+
+
+def _covered(document: dict[str, Any], magnitude: float) -> None:
+    """The plate lies in the source."""
+    document["entities"]["plate"]["pose"]["position"] = [0.0, 0.0, 0.13 - magnitude]
+
+
+def _narrow(document: dict[str, Any], magnitude: float) -> None:
+    """A source narrower than cells show."""
+    document["entities"]["smoke"]["parts"]["source"]["shape"] = {"kind": "cylinder", "radius": 0.5 * magnitude, "height": 0.1}
+
+
+def _looks(kinds: tuple[str, ...], change: Change = changes.still) -> Build:
+    def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+        return World(_edited(scene(kinds[int(rng.integers(len(kinds)))]), folder, change, magnitude, rng))
+
+    return build
+
+
+BROKEN = (
+    Mechanism("fade", "soot is lost from a frame on", True, _breaks(changes.fade, "soot"), 2e-4, 0.9, "1"),
+    Mechanism("grow", "soot comes from nowhere", True, _breaks(changes.grow, "soot"), 2e-4, 0.9, "1"),
+    Mechanism("forge", "the record of soot is too large", True, _breaks(changes.forge, "records"), 2e-4, 0.5, "1"),
+    Mechanism("slip", "soot is told to have left, and nothing flowed out", True, _breaks(changes.slip, "escape"), 0.1, 0.9, "1"),
+    Mechanism("withhold", "heat is lost from a frame on", True, _breaks(changes.withhold, "heat"), 3e-3, 0.9, "1"),
+    Mechanism(
+        "vent_heat", "heat is told to have left, and nothing flowed out", True, _breaks(changes.vent_heat, "escape_heat"), 0.12, 0.9, "1"
+    ),
+    Mechanism(
+        "overfeed", "a source lets out too much soot, and all books say so", True, _breaks(changes.overfeed, "emitted"), 2e-3, 0.9, "1"
+    ),
+    Mechanism("misread", "more gas is told to have come than drivers let out", True, _breaks(changes.misread, "emitted"), 2e-3, 0.9, "1"),
+    Mechanism("late", "the source began before its driver", True, _told(_late, "emitted"), 2e-3, 0.3, "s"),
+    Mechanism("weaker", "the source let out more than its driver says", True, _told(_weaker, "emitted"), 2e-3, 0.9, "1"),
+    Mechanism("teleport", "soot is where the gas has not come", True, _breaks(changes.teleport, "continuity"), 0.03, 0.5, "1", 0.02),
+    Mechanism("stall", "frames repeat the one before", True, _breaks(changes.stall, "carried", "soot"), 1.0, 4.0, "frames"),
+    Mechanism("jump", "all smoke stands aside from a frame on", True, _breaks(changes.jump, "continuity", "carried"), 2.0, 6.0, "cells"),
+    Mechanism("haze", "a hole in even smoke", True, _breaks(changes.haze, "gaps"), 0.06, 1.0, "1"),
+    Mechanism("chill", "gas colder than the air", True, _breaks(changes.chill, "temperature"), 3.0, 60.0, "K"),
+    Mechanism("scorch", "gas hotter than its source", True, _breaks(changes.scorch, "temperature"), 5.0, 900.0, "K"),
+    Mechanism("owe", "soot below none", True, _breaks(changes.owe, "dense"), 0.03, 1.0, "1", 0.02),
+    Mechanism("clot", "soot denser than at the source", True, _breaks(changes.clot, "dense"), 0.4, 3.0, "1"),
+    Mechanism("spout", "air goes up out of nothing", True, _breaks(changes.spout, "divergence", kinds=("cold",)), 0.02, 2.0, "m/s"),
+    Mechanism("press", "all air runs apart", True, _breaks(changes.press, "divergence"), 0.02, 2.0, "m/s"),
+    Mechanism("hurry", "all gas is faster than its source lets it", True, _breaks(changes.hurry, "outflow"), 2e-3, 1.0, "1"),
+    Mechanism("whirl", "a wheel of air turns out of nothing", True, _breaks(changes.whirl, "energy"), 0.1, 2.0, "m/s"),
+    Mechanism("heavy", "hot gas rose where gravity pulls it down", True, _told(_heavy, "energy"), 0.3, 3.0, "g"),
+    Mechanism("unsolved", "the pressure was not solved", True, _breaks(changes.unsolved, "projection"), 1.2e-4, 1.0, "1", 1e-4),
+    Mechanism("wall_up", "closed cells in open air", True, _breaks(changes.wall_up, "room", kinds=("cold",)), 1.0, 9.0, "cells", 0.0),
+    Mechanism("thick", "gas where a block stands", True, _told(_thick, "room"), 0.2, 0.35, "m"),
+    Mechanism("covered", "a plate lies in the source", True, _told(_covered, "source"), 0.04, 0.08, "m"),
+    Mechanism("narrow", "a source narrower than cells show", True, _told(_narrow, "resolved"), 0.02, 0.095, "m", 0.1),
+    Mechanism("drift_off", "the box stands beside its source", True, _breaks(changes.drift_off, "continuity"), 0.15, 0.5, "m"),
+    Mechanism(
+        "seep", "soot in a closed cell", True, _breaks(changes.seep, "inside", kinds=("block",)), 2e-3, 1.0, "1", 1e-3
+    ),
+    Mechanism(
+        "blank", "numbers that are none", True, _breaks(changes.blank, "numerical:finite"), 1.0, 500.0, "numbers", check="numerical"
+    ),
+    Mechanism("bolt", "air faster than anything may be", True, _breaks(changes.bolt, "numerical:speed"), 61.0, 500.0, "m/s", check="numerical"),
+    Mechanism(
+        "capped", "steps that ended at the cap", True, _breaks(changes.capped, "numerical:iterations"), 0.03, 1.0, "1", 0.02, check="numerical"
+    ),
+    Mechanism("skip", "a frame with too few steps", True, _breaks(changes.skip, "numerical:counters"), 1.0, 1.0, "steps", check="numerical"),
+)  # fmt: skip
+CLEAN = (
+    *(Mechanism(kind, f"as simulated: {kind}", False, _looks((kind,)), 1.0, 1.0, "1") for kind in KINDS),
+    Mechanism("rounded", "fields off by single precision", False, _looks(("room", "hot"), changes.rounded), 1e-9, 1e-7, "1"),
+)
+SUITE = Suite("category", (*BROKEN, *CLEAN))

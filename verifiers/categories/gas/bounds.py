@@ -23,7 +23,7 @@ THIN = 1e-3
 DIVERGENT = 1e-4
 """[1] Of the largest speed per cell: the projection leaves 1e-5, and the mean of 27 cells 1e-6 (measured)."""
 PROJECTED = 1e-4
-"""[1] Of the largest speed per cell, as the engine records it. `../shared/reference/solvers.md` asks for 1e-5 of its projection."""
+"""[1] Of the largest speed per cell, as the engine records it. The projection leaves 1e-5."""
 ENERGY = 0.1
 """[1] Own choice: of the energy in play, by which motion may exceed what buoyancy, sources and inflow give; velocities at the middles of
 cells are means of those of their faces."""

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....physics.gases import SOOT_EXTINCTION
 from ....worlds.arrays import F64
 from ....worlds.categories.event import SpreadEvent, VesselEvent
 from ...predicates.conditions import Condition, happens
@@ -92,7 +91,7 @@ def spreads(scope: Scope, p: SpreadEvent) -> Outcome:
     area = np.zeros(scope.length)
     for i, index in enumerate(range(scope.frames[0], scope.frames[1] + 1)):
         frame = box.read(index)
-        depth = SOOT_EXTINCTION * box.cell * np.sum(frame.soot * frame.room, axis=axis, dtype=np.float64)
+        depth = box.extinction * box.cell * np.sum(frame.soot * frame.room, axis=axis, dtype=np.float64)
         area[i] = float((depth >= CUT).sum()) * box.cell**2
     source = next(s for s in box.sources if s.entity == p.entity)
     start = max(float(area[0]), float(np.prod(np.delete(source.upper - source.lower, axis))))

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ....geometry.camera import camera_at
-from ....physics.gases import SOOT_EXTINCTION
 from ....worlds.errors import InputError
 from ...rows.corrections import correction
 from ...rows.findings import Finding
@@ -44,7 +43,7 @@ class Fate:
     def see(self, now: GasFrame, before: GasFrame | None) -> None:
         """Look at one frame."""
         soot = (now.soot * now.room).astype(np.float64)
-        self.depth.append(SOOT_EXTINCTION * self.box.cell * max(float(soot.sum(axis=a).max()) for a in range(3)))
+        self.depth.append(self.box.extinction * self.box.cell * max(float(soot.sum(axis=a).max()) for a in range(3)))
         shots = self.box.candidate.spec.shots
         taken = {n: s for n, s in shots.items() if s.frames[0] <= now.index <= s.frames[1]}
         self.outside.append({n: self._outside(s, now, soot) for n, s in taken.items()} if self.depth[-1] >= CUT else {})

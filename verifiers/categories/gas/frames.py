@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....physics.gases import mass_extinction
 from ....physics.substances import AIR_HEAT_CAPACITY, air_density
 from ....worlds.arrays import F64
 from ....worlds.categories.gas.facts import grid_of
@@ -51,6 +52,9 @@ class GasBox:
         self.size: F64 = self.cell * np.array(grid.shape)
         """Of the cells' box [m]."""
         self.ambient = float(self.settings.ambient_temperature)
+        material = candidate.spec.materials[candidate.spec.entities[self.members[0]].material]
+        self.extinction = mass_extinction(material.substance)
+        """Light that what it carries takes out of a ray, per mass [m^2/kg]."""
         self.expands = bool(self.settings.expands)
         self.air = air_density(self.ambient)
         """Density of the ambient air [kg/m^3]."""

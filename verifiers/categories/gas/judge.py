@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ....physics.gases import SOOT_EXTINCTION
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
 from ..loose import Loose, Sample
@@ -104,7 +103,7 @@ def seen(box: GasBox, frame: GasFrame) -> np.ndarray[Any, np.dtype[np.bool_]]:
     soot = (frame.soot * frame.room).astype(np.float64)
     found = np.zeros(soot.shape, dtype=bool)
     for axis in range(3):
-        depth = SOOT_EXTINCTION * box.cell * soot.sum(axis=axis, keepdims=True)
+        depth = box.extinction * box.cell * soot.sum(axis=axis, keepdims=True)
         found |= (depth >= CUT) & (soot > THIN * soot.max(axis=axis, keepdims=True))
     return found
 

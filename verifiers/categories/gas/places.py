@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ....physics.gases import SOOT_EXTINCTION
 from ....worlds.arrays import F64
 from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
@@ -78,7 +77,7 @@ class Places:
             points[..., side // 2] += (0.5 + BEYOND) * (1.0 if side % 2 else -1.0) * box.cell
             beyond = depth_in(box.bodies.pieces, points.reshape(-1, 3), now.index, 0.0).reshape(soot.shape)
             soot = np.where(beyond == -np.inf, soot, 0.0)
-        return SOOT_EXTINCTION * box.cell * max(float(soot.sum(axis=a).max(initial=0.0)) for a in range(2))
+        return box.extinction * box.cell * max(float(soot.sum(axis=a).max(initial=0.0)) for a in range(2))
 
     def findings(self) -> dict[str, Finding]:
         """Findings on the six questions by name."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ....physics.gases import SIGN_DEPTH, SOOT_EXTINCTION
+from ....physics.gases import SIGN_DEPTH
 from ....worlds.arrays import F64, rotation_matrix
 from ....worlds.categories.gas.predicates import GasArrives, GasClears, GasDensityIn, GasTemperatureIn, LightThrough, PlumeHeight
 from ....worlds.errors import EvidenceError
@@ -249,7 +249,7 @@ def optical_depth(box: GasBox, frame: GasFrame, start: F64, end: F64) -> float:
     index = np.floor(middle).astype(np.int64)
     known = ((index >= 0) & (index < np.array(frame.soot.shape))).all(axis=1)
     soot = (frame.soot * frame.open)[tuple(index[known].T)].astype(np.float64)
-    return float(SOOT_EXTINCTION * np.linalg.norm(end - start) * (np.diff(at)[known] @ soot))
+    return float(box.extinction * np.linalg.norm(end - start) * (np.diff(at)[known] @ soot))
 
 
 def gas_clears(scope: Scope, predicate: SpecModel) -> Outcome:
@@ -263,7 +263,7 @@ def gas_clears(scope: Scope, predicate: SpecModel) -> Outcome:
         frame = box.read(index)
         soot = np.where(inside(scope.candidate, p.region, box, frame), frame.soot * frame.room, 0.0).astype(np.float64)
         mass[i] = box.volume * soot.sum()
-        depth[i] = SOOT_EXTINCTION * box.cell * max(float(soot.sum(axis=a).max()) for a in range(3))
+        depth[i] = box.extinction * box.cell * max(float(soot.sum(axis=a).max()) for a in range(3))
     most, seen = np.maximum.accumulate(mass), np.maximum.accumulate(depth)
     share = np.where(seen >= CUT, mass / np.maximum(most, TINY), 1.0)
 

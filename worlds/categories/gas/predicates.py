@@ -61,7 +61,7 @@ class GasArrives(SpecModel):
 
 
 class LightThrough(Band):
-    """Share of light that passes through a gas along a straight line, 0..1: exp(-optical depth), with 8.7 m^2 per gram of soot."""
+    """Share of light that passes through a gas along a straight line, 0..1: exp(-optical depth), by the extinction of soot, of drops (water) or of dust (minerals)."""
 
     kind: Literal["light_through"] = "light_through"
     entity: Subject = Field(description="the gas")

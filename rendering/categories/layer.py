@@ -19,7 +19,11 @@ if TYPE_CHECKING:
     from ..tracer.surfaces import Surface
     from .soft_part import SoftPart
 
-__all__ = ["Daylight", "Fog", "Layer", "LooseLayer", "PartsLayer", "TracedShapes", "VolumeLayer", "over"]
+__all__ = ["GLOWS", "Daylight", "Fog", "Layer", "LooseLayer", "PartsLayer", "TracedShapes", "VolumeLayer", "over"]
+
+
+GLOWS = tuple(f"glow{k}" for k in range(8))
+"""Kinds of lights that stand for the heat of a gas, of which a scene of the path tracer has no other."""
 
 
 def over(behind: IdImage, before: IdImage, first: int, front: Any = None) -> IdImage:
@@ -158,6 +162,10 @@ class VolumeLayer(LooseLayer):
             spans: first and last depth along the viewing axis [m], shape (height, width, 2).
             entity: id.
         """
+
+    @abstractmethod
+    def glowing(self, frame: int, camera: Camera, spans: F64, entity: str) -> F64:
+        """Radiance of the heat of one entity along the sight of each pixel [W/(m^2 sr)], shape (height, width, 3); spans as in `depths`."""
 
     @abstractmethod
     def laid(self, picture: F64, depth: Any, frame: int, camera: Camera, light: Daylight) -> tuple[F64, F64]:

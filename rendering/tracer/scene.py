@@ -10,7 +10,7 @@ import numpy as np
 from ...geometry.camera import Camera
 from ...worlds.arrays import F32, F64
 from ...worlds.candidate import Candidate
-from ..categories.layer import Fog, VolumeLayer
+from ..categories.layer import GLOWS, Fog, VolumeLayer
 from ..categories.liquid.wet_look import Wetness
 from ..categories.registry import layers_of
 from ..land.scenery import scenery_shapes
@@ -29,7 +29,7 @@ PATH_DEPTH = 5
 GLASS_DEPTH = 9
 FOG_DEPTH, FOG_ROULETTE = 32, 12
 """The same where there is gas, of which each scattering is a segment, and from where on paths of little weight are ended."""
-LOOSE_SHAPES = ("liquid", "drops", "foam", "grains", "gas")
+LOOSE_SHAPES = ("liquid", "drops", "foam", "grains", "gas", *GLOWS)
 """Kinds of shapes of loose matter; a shape is named after its kind and its entity."""
 RAYS_PER_PASS = 4_000_000
 """Camera rays per launch; bounds the memory of the vectorised variants."""
@@ -190,16 +190,27 @@ class SceneRenderer:
 
     def radiance(self, camera: Camera, samples: int, *, seed: int = 0) -> F32:
         """Path-traced radiance, shape (height, width, 3), box-filtered as the denoiser needs it."""
-        return self._render(self._path, camera, samples, seed)
+        found = self._render(self._path, camera, samples, seed)
+        # Mitsuba's media do not glow: their own light is added along the sight, and falls on all else from `GLOWS`.
+        if any(name.startswith(GLOWS) for name in self._firm):
+            spans = self._spans(camera)
+            for layer in self._volumes:
+                for entity in (e for e in layer.entities if e != self._without):
+                    found = found + layer.glowing(self._frame, camera, spans, entity).astype(np.float32)
+        return found
+
+    def _spans(self, camera: Camera) -> F64:
+        """Depths from the eye to the first hit along the viewing axis [m], shape (height, width, 2)."""
+        along = -(camera.rays()[1] @ camera.axes[2])
+        depth = self.depth(camera)
+        return np.stack([np.zeros_like(along), np.where(depth > 0, depth, np.inf) * along], axis=-1)
 
     def features(self, camera: Camera) -> Features:
         """First-hit albedo and shading normals; gas before them has an albedo and no normal."""
         channels = self._first_hit(self._aov, camera)
         albedo, normals = channels[..., -6:-3], channels[..., -3:]
         if self._fogs:
-            depth = self.depth(camera)
-            along = -(camera.rays()[1] @ camera.axes[2])
-            spans = np.stack([np.zeros_like(along), np.where(depth > 0, depth, np.inf) * along], axis=-1)
+            spans = self._spans(camera)
             for layer in self._volumes:
                 for entity, color in zip(layer.entities, layer.colors.astype(np.float32), strict=True):
                     if entity != self._without:

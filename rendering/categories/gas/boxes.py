@@ -12,6 +12,7 @@ from ....worlds.arrays import F32, F64
 from ....worlds.cache import Cache
 from ....worlds.candidate import Candidate
 from ....worlds.errors import EvidenceError
+from ...glow import COLD
 from .look import GasLook, look_of
 
 __all__ = ["FAINT", "THICK", "GasBox", "Sights", "cropped", "extents_of", "gases_of", "marched"]
@@ -43,6 +44,11 @@ class GasBox(NamedTuple):
     def high(self) -> F64:
         """Upper corner of the last cell [m], shape (3,)."""
         return np.asarray(self.low + self.cell * np.array(self.sigma.shape))
+
+    @property
+    def hot(self) -> bool:
+        """Whether any of it glows."""
+        return bool((self.temperature > COLD).any())
 
     @property
     def diagonal(self) -> float:

@@ -17,7 +17,7 @@ from ..layer import Daylight, TracedShapes, VolumeLayer
 from ..particles.splat import unseen
 from .boxes import THICK, GasBox, Sights, gases_of, marched
 from .medium import fogs_of
-from .shading import source_of
+from .shading import emitted, source_of
 
 __all__ = ["GasLayer"]
 
@@ -78,6 +78,14 @@ class GasLayer(VolumeLayer):
         boxes = [box for name, box in self.at(frame).items() if entity in (None, name)]
         tau = [self._seen(box, camera, spans).tau for box in boxes]
         return np.asarray(sum(tau, start=np.zeros(camera.width * camera.height))).reshape(camera.height, camera.width)
+
+    def glowing(self, frame: int, camera: Camera, spans: F64, entity: str) -> F64:
+        """Radiance of the heat of one gas along the sight of each pixel; see `VolumeLayer.glowing`."""
+        box = self.at(frame).get(entity)
+        if box is None or not box.hot:
+            return np.zeros((camera.height, camera.width, 3))
+        source = emitted(box).astype(np.float32)
+        return self._seen(box, camera, spans, source).gain.reshape(camera.height, camera.width, 3)
 
     def laid(self, picture: F64, depth: Any, frame: int, camera: Camera, light: Daylight) -> tuple[F64, F64]:
         """A linear picture through the gas before what is there; see `VolumeLayer.laid`."""

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ...tracer.meshes import rgb
-from ..layer import Fog, TracedShapes
+from ..layer import GLOWS, Fog, TracedShapes
 from .boxes import GasBox
 from .look import ASYMMETRY
+from .shading import emitted
 
 __all__ = ["fogs_of"]
 
@@ -21,7 +22,7 @@ ROUNDING = 5e-4
 
 
 def fogs_of(mi: Any, boxes: Mapping[str, GasBox]) -> TracedShapes:
-    """Boxes of gas, by entity."""
+    """Boxes of gas, by entity, and the lights that stand for their heat."""
     shapes, fogs = {}, {}
     for entity, box in boxes.items():
         name, fog = f"gas-{entity}", _fog(mi, box)
@@ -29,7 +30,30 @@ def fogs_of(mi: Any, boxes: Mapping[str, GasBox]) -> TracedShapes:
             {"type": "cube", "to_world": _placed(mi, fog.low, fog.high), "bsdf": {"type": "null"}, "interior": fog.medium}
         )
         fogs[name] = fog
+        shapes |= {f"{kind}-{entity}": light for kind, light in zip(GLOWS, _lights(mi, box), strict=False)}
     return TracedShapes(shapes, fogs=fogs)
+
+
+def _lights(mi: Any, box: GasBox) -> list[Any]:
+    """Points that shine as the heat of a gas does, each of a like share of its power; none of a gas that is cold.
+
+    Gas of extinction k and radiance J where it is thick gives k J per volume into every direction; what it takes of that itself on the
+    way out, the medium takes from the light of the points.
+    """
+    if not box.hot:
+        return []
+    given = box.sigma[..., None] * emitted(box) * box.cell**3
+    power = given.sum(-1)
+    full = power > 0
+    given, power, places = given[full], power[full], box.centers[full]
+    along = np.argsort(places[:, int(np.ptp(places, axis=0).argmax())], kind="stable")
+    share = np.minimum(np.cumsum(power[along]) / power.sum() * len(GLOWS), len(GLOWS) - 1).astype(np.int64)
+    found = []
+    for k in np.unique(share):
+        own = along[share == k]
+        middle = np.average(places[own], axis=0, weights=power[own])
+        found.append(mi.load_dict({"type": "point", "position": middle.tolist(), "intensity": rgb(given[own].sum(0))}))
+    return found
 
 
 def _placed(mi: Any, low: Any, high: Any) -> Any:

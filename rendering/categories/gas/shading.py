@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....worlds.arrays import F32, F64
-from ...glow import COLD, glow
+from ...glow import glow
 from ..layer import Daylight
 from .boxes import GasBox
 
@@ -84,6 +84,6 @@ def source_of(box: GasBox, light: Daylight) -> F32:
 
 def emitted(box: GasBox) -> F64:
     """Radiance of the heat of gas that is thick in each cell [W/(m^2 sr)], shape (nx, ny, nz, 3): that of a black body, less the albedo."""
-    if not (box.temperature > COLD).any():
-        return np.zeros((1, 1, 1, 3))
+    if not box.hot:
+        return np.zeros((*box.sigma.shape, 3))
     return (1.0 - box.look.albedo) * glow(box.temperature)

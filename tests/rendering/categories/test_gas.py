@@ -49,6 +49,7 @@ def smoky(tmp_path: Path) -> Smoky:
     def make(soot: np.ndarray, color: tuple[float, float, float] = (0.0, 0.0, 0.0), **more: Any) -> Candidate:
         data = copy.deepcopy(smoke_spec(frames=4, resolution=CELL))
         data["materials"]["smoke"]["appearance"] = {"color": color}
+        data["materials"]["stone"]["appearance"] = {"color": (0.5, 0.5, 0.5), "roughness": 1.0}
         data["entities"]["smoke"]["pose"]["position"] = MIDDLE.tolist()
         data["entities"]["plate"]["pose"]["position"] = more.get("plate", [5.0, 0, 0.5])
         spec, folder = spec_of(data, SMOKE_PROMPT), Path(tempfile.mkdtemp(dir=tmp_path))
@@ -207,3 +208,21 @@ def test_hot_gas_glows_and_the_more_the_hotter(smoky: Smoky) -> None:
     assert (hot > warm).all()
     assert hot - cold == pytest.approx(glow(np.array([1300.0]))[0] / DAYLIGHT, rel=0.02)
     assert hot[0] > 3 * hot[1] > 9 * hot[2]
+
+
+def test_the_path_tracer_shows_the_glow_and_its_light_on_what_stands_near(smoky: Smoky) -> None:
+    """Law: a thin gas of depth tau and albedo 0 sends tau of a black body's radiance ahead; into the round, its volume times k J."""
+    tau, kelvin = 0.1, 1300.0
+    candidate = smoky(_even(tau), temperature=kelvin)
+    dark = {"dome": {"type": "constant", "radiance": {"type": "rgb", "value": 0.0}}}
+    scene = SceneRenderer(candidate, lights=dark)
+    black = glow(np.array([kelvin]))[0]
+    assert scene.radiance(AHEAD, 4).mean((0, 1)) == pytest.approx(black * (1 - np.exp(-tau)), rel=0.03)
+    floor = Camera(np.array([0.0, -0.05, 0.2]), np.zeros(3), 4.0, *SIZE)
+    cells = MIDDLE + CELL * (np.stack(np.meshgrid(*[np.arange(n) - 0.5 * (n - 1) for n in CELLS], indexing="ij"), axis=-1))
+    irradiance = black * tau / THROUGH * CELL**3 * (cells[..., 2] / np.linalg.norm(cells, axis=-1) ** 3).sum()
+    color = candidate.spec.materials["stone"].appearance.color
+    seen = scene.radiance(floor, 64).mean((0, 1))
+    assert seen == pytest.approx(irradiance * np.array(color) / np.pi, rel=0.15), "eight points stand for the box"
+    cold = SceneRenderer(smoky(_even(tau)), lights=dark)
+    assert float(cold.radiance(floor, 4).max()) == 0.0

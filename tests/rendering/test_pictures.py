@@ -94,7 +94,7 @@ def test_preview_has_shadows(candidate):
     sun = renderer._sun()
     foot = np.array([0.0, 0.25, 0.15]) - sun * (0.15 / sun[2]) * 1.5
     foot[2] = 0.001
-    lit = renderer._shadow(0, np.array([foot, [0.8, -0.4, 0.001]]))
+    lit = renderer._daylight(0).share(np.array([foot, [0.8, -0.4, 0.001]]))
     assert lit[0] == 0
     assert lit[1] == 1
 

@@ -28,6 +28,7 @@ FAR = 1e9
 class GasLayer(VolumeLayer):
     """Gases as caches hold them; at the static stage there are none, and plans show the room that they are let out in."""
 
+    quantities = ("soot_mass", "heat", "max_speed")
     thick = THICK
 
     def __init__(self, candidate: Candidate, entities: Sequence[str]) -> None:

@@ -172,15 +172,61 @@ def around(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3)
 
 
 @wp.func
+def between(field: wp.array(dtype=wp.vec3), axis: wp.int32, c: wp.int32, row: wp.int32, layer: wp.int32, f: wp.vec3):
+    """One component between the eight samples from an element on, all within the box."""
+    a = mixed(field[c][axis], field[c + 1][axis], f[2])
+    b = mixed(field[c + row][axis], field[c + row + 1][axis], f[2])
+    d = c + layer
+    e = mixed(field[d][axis], field[d + 1][axis], f[2])
+    g = mixed(field[d + row][axis], field[d + row + 1][axis], f[2])
+    return mixed(mixed(a, b, f[1]), mixed(e, g, f[1]), f[0])
+
+
+@wp.func
 def sample(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3):
     """One component at a position [cells], trilinear."""
-    return around(box, field, axis, x)[0]
+    y = corners(box, axis, x)
+    i = int(wp.floor(y[0]))
+    j = int(wp.floor(y[1]))
+    k = int(wp.floor(y[2]))
+    found = float(0.0)
+    if lies_within(box, i, j, k):
+        row = box.nz + 1
+        f = wp.vec3(y[0] - float(i), y[1] - float(j), y[2] - float(k))
+        found = between(field, axis, index_of(box, i, j, k), row, (box.ny + 1) * row, f)
+    else:
+        found = around(box, field, axis, x)[0]
+    return found
 
 
 @wp.func
 def speed(box: Box, carrier: wp.array(dtype=wp.vec3), x: wp.vec3):
     """Velocity at a position."""
-    return wp.vec3(sample(box, carrier, 0, x), sample(box, carrier, 1, x), sample(box, carrier, 2, x))
+    i = int(wp.floor(x[0]))
+    j = int(wp.floor(x[1]))
+    k = int(wp.floor(x[2]))
+    h = x - wp.vec3(0.5, 0.5, 0.5)
+    a = int(wp.floor(h[0]))
+    b = int(wp.floor(h[1]))
+    c = int(wp.floor(h[2]))
+    v = wp.vec3(0.0, 0.0, 0.0)
+    if a >= 0 and b >= 0 and c >= 0 and lies_within(box, i, j, k):
+        row = box.nz + 1
+        layer = (box.ny + 1) * row
+        fi = x[0] - float(i)
+        fj = x[1] - float(j)
+        fk = x[2] - float(k)
+        fa = h[0] - float(a)
+        fb = h[1] - float(b)
+        fc = h[2] - float(c)
+        v = wp.vec3(
+            between(carrier, 0, index_of(box, i, b, c), row, layer, wp.vec3(fi, fb, fc)),
+            between(carrier, 1, index_of(box, a, j, c), row, layer, wp.vec3(fa, fj, fc)),
+            between(carrier, 2, index_of(box, a, b, k), row, layer, wp.vec3(fa, fb, fk)),
+        )
+    else:
+        v = wp.vec3(sample(box, carrier, 0, x), sample(box, carrier, 1, x), sample(box, carrier, 2, x))
+    return v
 
 
 @wp.func

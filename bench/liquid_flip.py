@@ -12,9 +12,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import shutil
-import subprocess
 import sys
 import tempfile
 import time
@@ -27,6 +24,7 @@ from ..simulation.boundaries import BodyState
 from ..simulation.liquid.engine import Fluid, LiquidSetup
 from ..simulation.liquid.flip.engine import Flip
 from ..simulation.liquid.flip.settings import FlipSettings
+from .mantaflow import bake
 
 __all__ = ["measure", "run"]
 
@@ -39,7 +37,6 @@ CFL = 4.0
 """Cells that the fastest particle crosses in a step: the peer's own default, which besides makes at most four steps a frame."""
 SETTLE_SECONDS = 8.0
 """Time of the run that measures the drift of volume: the wave has broken and come to rest but for its slow sloshing."""
-ENV_BLENDER = "WORLDAGENT_BLENDER"
 _PEER = """
 import bpy, json, sys, time
 res, first, last, folder = sys.argv[sys.argv.index("--") + 1:]
@@ -134,23 +131,6 @@ def _drift(resolution: int, settings: FlipSettings) -> dict[str, float]:
     }
 
 
-def _peer(resolution: int, frames: int) -> dict[str, Any]:
-    """Mantaflow's figures, or the reason why there are none."""
-    blender = os.environ.get(ENV_BLENDER) or shutil.which("blender")
-    if blender is None:
-        return {"reason": f"blender is not installed; ${ENV_BLENDER} may name it (Debian package blender 3.4.1)"}
-    with tempfile.TemporaryDirectory() as folder:
-        script = Path(folder) / "peer.py"
-        script.write_text(_PEER)
-        command = [blender, "-b", "-P", str(script), "--", str(resolution), "1", str(frames), str(Path(folder) / "cache")]
-        ended = subprocess.run(command, capture_output=True, text=True, check=False)
-    for line in ended.stdout.splitlines():
-        if line.startswith("PEER"):
-            found: dict[str, Any] = json.loads(line[4:])
-            return found
-    return {"reason": (ended.stderr.strip().splitlines() or ["blender ended without a word"])[-1]}
-
-
 def run(*, resolution: int = 64, frames: int = 24, rounds: int = 2) -> dict[str, Any]:
     """Time against Mantaflow's over the same frames (least of `rounds` turns each), and the drift of volume in a run of its own."""
     settings = FlipSettings(cfl=CFL)
@@ -159,7 +139,7 @@ def run(*, resolution: int = 64, frames: int = 24, rounds: int = 2) -> dict[str,
     for turn in range(rounds):
         with tempfile.TemporaryDirectory() as folder:
             ours.append(measure(resolution, frames / FPS, "cpu", settings, Path(folder)))
-        theirs.append(_peer(resolution, frames))
+        theirs.append(bake(_PEER, resolution, frames))
         print(f"turn {turn + 1}: ours {ours[-1]}, Mantaflow {theirs[-1]}", file=sys.stderr, flush=True)
     best = min(ours, key=lambda found: found["wall"])
     figures: dict[str, Any] = {

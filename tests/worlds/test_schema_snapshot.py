@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "4d70764d4693fe1741dc9c9645c8133873b7174c6efe804c3f87c0aba7bb0fdc"
+SCHEMA = "df3afb5ddbb7ffaac822380aa1e9cc5f8dace9bc0795b74efd60d23b3b04c441"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

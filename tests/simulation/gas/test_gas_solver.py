@@ -50,7 +50,7 @@ def test_what_is_made_is_in_the_box_or_has_left_it() -> None:
     assert float(frame["record/volume_emitted"]) == pytest.approx(0.08 * 6 / 24)
     assert float(frame["record/escaped_soot"]) > 0.1 * float(frame["record/emitted_soot"])
     assert balance(frame, "soot", "soot_mass") < 1e-6
-    assert balance(frame, "heat", "heat") < 1e-3
+    assert balance(frame, "heat", "heat") < 1e-6
     assert float(frame["record/volume_escaped"]) == pytest.approx(0.02, rel=1e-3)
     assert float(frame["record/divergence"]) < 1e-5
 

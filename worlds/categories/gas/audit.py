@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 __all__ = ["gas_problems"]
 
+MARGIN = 4.0
+"""Own choice: cells around a source that a box is offered to have at least."""
 SEEN = 9
 """Own choice: points along each edge of a side, and times of a sequence, at which a field is looked for."""
 BOUSSINESQ = 0.1
@@ -100,9 +102,13 @@ def _source(spec: WorldSpec, name: str, member: str, entity: Entity, physics: Ga
         )
     box, low, high = initial_box(entity), grid.corner, grid.corner + cell * np.array(grid.shape)
     if box is not None and ((box[0] < low - 1e-9).any() or (box[1] > high + 1e-9).any()):
+        around = MARGIN * cell
+        low_to, high_to = np.minimum(low, box[0] - around), np.maximum(high, box[1] + around)
+        center, size = (0.5 * (low_to + high_to)).round(4).tolist(), (high_to - low_to).round(4).tolist()
         yield Problem(
             place,
             f"the source {member!r} {told_box(*box)} reaches out of the box of its gas {told_box(low, high)}; widen or move the domain",
+            replaced(place, {"center": center, "size": size, "sides": list(spec.simulation.gas[name].settings.domain.sides)}),
         )
 
 

@@ -69,6 +69,13 @@ def test_the_audit_names_what_is_wrong(edit: tuple[str, Any], said: str) -> None
     assert any(said in problem for problem in found.evidence["problems"]), found.evidence["problems"]
 
 
+def test_a_box_is_offered_that_holds_the_source() -> None:
+    moved = ("/entities/smoke/pose", {"position": [0.38, 0, 0.05]})
+    (patch,) = (c.patch for c in row(changed(moved), "gases").corrections if c.patch)
+    (domain,) = (op["value"] for op in patch)
+    assert row(changed(moved, (f"{AIR}/domain", domain)), "gases").status == "pass"
+
+
 def test_a_box_is_whole_cells_about_the_middle_of_its_domain() -> None:
     spec = changed((f"{AIR}/domain/size", [0.82, 0.8, 1.18]))
     grid = grid_of(spec.simulation.gas["air"], 0.05)

@@ -42,6 +42,13 @@ _WATCHED = {
 """Words of the camera and of light, by language: only beside one of them is a number of `/shots` or `/look` meant. Reviewed by hand."""
 
 
+_HEIGHT = {
+    "en": "high tall height", "de": "hoch hohe hoher hohes hohen höhe", "fr": "haut haute hauts hautes hauteur", "es": "alto alta altos altas altura",
+    "it": "alto alta alti alte altezza", "pt": "alto alta altos altas altura", "nl": "hoog hoge hoogte", "ru": "высотой высота высоты", "zh": "高", "ja": "高さ 高い",
+}  # fmt: skip
+"""Words of height by language. Reviewed by hand."""
+
+
 def quantity_problems(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
     """Problems of one claim of a quantity."""
     place, wanted = f"/claims/{name}/by", quantity_said(spec, name)
@@ -69,6 +76,7 @@ def quantity_problems(spec: WorldSpec, document: Any, name: str, claim: Claim) -
             yield Problem(place, text)
             continue
         yield from _one_sided(spec, name, pointer, wanted)
+        yield from _height(spec, name, pointer)
 
 
 def in_unit(spec: WorldSpec, pointer: str, value: float, wanted: Quantity) -> float:
@@ -84,6 +92,19 @@ def _other_dimension(document: Any, pointer: str, wanted: Quantity) -> str | Non
     """What the number at a pointer is where it is no quantity of the wanted dimension."""
     have = dimension_at(document, pointer)
     return None if have is None or have == wanted.dimension else have
+
+
+def _height(spec: WorldSpec, name: str, pointer: str) -> Iterator[Problem]:
+    """A height that is judged by a level extent of a body that stands upright as it is described."""
+    keys = pointer.strip("/").split("/")
+    if keys[0] != "entities" or keys[1] not in spec.entities or keys[-2:-1] != ["size"] or keys[-1] == "2":
+        return
+    pose, words = spec.entities[keys[1]].pose, _HEIGHT.get(language_of(spec.prompt) or "", "").split()
+    quote = spec.claims[name].quote
+    said = [folded(u.text) for u in units_of(quote)]
+    if pose.euler is None and pose.quaternion is None and any(w in said or (not w.isascii() and w in quote) for w in words):
+        upright = "/".join(["", *keys[:-1], "2"])
+        yield Problem(f"/claims/{name}/by", f"{quote!r} says how high, and {pointer} is a level extent; name {upright}")
 
 
 # ---------------------------------------------------------------- sides

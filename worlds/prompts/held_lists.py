@@ -57,11 +57,11 @@ NEGATIONS: dict[str, tuple[str, ...]] = {
 """Words that deny."""
 
 ORDERS: dict[str, tuple[str, ...]] = {
-    "en": _listed("""then, after, before, afterwards, afterward, finally, eventually, until, till, while, whilst, meanwhile, later
+    "en": _listed("""then, after, before, afterwards, afterward, finally, eventually, until, till, while, whilst, meanwhile, later, thereafter, whereupon
         subsequently, simultaneously, as soon as, at the same time, at first, at last, first, next, last, one after another
         one after the other, one by one, one at a time, in turn, beforehand, at once, in the end"""),
     "de": _listed("""dann, danach, davor, zuvor, zuerst, zunächst, erst, schließlich, nachdem, bevor, ehe, während, sobald, anschließend
-        daraufhin, endlich, nacheinander, gleichzeitig, zugleich, zuletzt, später, vorher, nachher, bis, nach und nach, am ende, am schluss
+        daraufhin, woraufhin, endlich, nacheinander, gleichzeitig, zugleich, zuletzt, später, vorher, nachher, bis, nach und nach, am ende, am schluss
         der reihe nach, einer nach dem anderen, eine nach der anderen, eins nach dem anderen, hintereinander, solange"""),
     "fr": _listed("""puis, ensuite, après, avant, enfin, finalement, d'abord, pendant que, tandis que, jusqu'à ce que, dès que, aussitôt que
         en même temps, l'un après l'autre, l'une après l'autre, un à un, une à une, simultanément, plus tard, à la fin, successivement
@@ -71,10 +71,10 @@ ORDERS: dict[str, tuple[str, ...]] = {
         más tarde, a continuación, enseguida, sucesivamente, previamente"""),
     "it": _listed("""poi, dopo, prima, infine, successivamente, mentre, finché, finché non, fino a quando, non appena, alla fine, all'inizio
         contemporaneamente, allo stesso tempo, nello stesso momento, uno dopo l'altro, una dopo l'altra, uno alla volta, una alla volta
-        per primo, per prima, per ultimo, per ultima, più tardi, in seguito, dapprima"""),
+        dopodiché, per primo, per prima, per ultimo, per ultima, più tardi, in seguito, dapprima"""),
     "pt": _listed("""depois, antes, então, em seguida, finalmente, por fim, por último, enquanto, até que, assim que, logo que
         ao mesmo tempo, um a um, uma a uma, um após o outro, uma após a outra, um por um, no início, no final, mais tarde, primeiro"""),
-    "nl": _listed("""dan, daarna, vervolgens, erna, ervoor, daarvoor, voordat, nadat, eerst, tenslotte, ten slotte, uiteindelijk, terwijl
+    "nl": _listed("""dan, daarna, vervolgens, erna, ervoor, daarvoor, voordat, nadat, waarna, eerst, tenslotte, ten slotte, uiteindelijk, terwijl
         totdat, zodra, tegelijk, tegelijkertijd, later, eindelijk, tot slot, achtereenvolgens, één voor één, een voor een
         de ene na de andere, de een na de ander, om de beurt, ondertussen, intussen, als eerste, als laatste, na elkaar"""),
     "ru": _listed("""потом, затем, после, прежде, прежде чем, перед тем как, до того как, после того как, пока, пока не, сначала, сперва

@@ -83,6 +83,7 @@ QUANTITIES: dict[str, tuple[str, str, str, str]] = {
     "of a solver": (_SHELF, "/entities/shelf/dimensions/size/2", "/simulation/solvers/rigid/settings/skin", "a setting of a solver"),
     "of another dimension": (_SHELF, "/entities/shelf/dimensions/size/2", "/materials/stone/density", "30 cm high' is a length [m], and /materials/stone/density is a density"),
     "of an angle": (_SHELF, "/entities/shelf/dimensions/size/2", "/story/beats/roll/predicate/min", "is a angle"),
+    "along another axis": (_SHELF, "/entities/shelf/dimensions/size/2", "/entities/shelf/dimensions/size/1", "says how high, and /entities/shelf/dimensions/size/1 is a level extent"),
     "before another noun": (f"A {BALL} {ROLLS} on a [30 cm](quantity %s) {SHELF}.", "/entities/shelf/dimensions/size/2", "/entities/ball/dimensions/size/2", "'30 cm' stands before 'shelf' (shelf) and is judged by a number of ball"),
 }  # fmt: skip
 

@@ -43,7 +43,7 @@ def _short(pointer: str) -> str:
 
 
 def _counts(spec: WorldSpec, name: str, noun: Noun) -> list[str]:
-    """What a count names and its noun does not."""
+    """Units that a count names and its noun does not."""
     counted, named = counted_of(spec, name), targets_of(spec.claims, noun.claim)
     bodies = {p.split("/")[2] for p in named if p.startswith("/entities/")}
     left = [u for u in counted.units if u not in named and not any(u.startswith(f"{p}/") for p in named)]

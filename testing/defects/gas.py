@@ -112,7 +112,7 @@ BROKEN = (
     Mechanism("grow", "soot comes from nowhere", True, _breaks(changes.grow, "soot"), 2e-4, 0.9, "1"),
     Mechanism("forge", "the record of soot is too large", True, _breaks(changes.forge, "records"), 2e-4, 0.5, "1"),
     Mechanism("slip", "soot is told to have left, and nothing flowed out", True, _breaks(changes.slip, "escape"), 0.1, 0.9, "1"),
-    Mechanism("withhold", "heat is lost from a frame on", True, _breaks(changes.withhold, "heat"), 3e-3, 0.9, "1"),
+    Mechanism("withhold", "heat is lost from a frame on", True, _breaks(changes.withhold, "heat"), 3e-4, 0.9, "1"),
     Mechanism(
         "vent_heat", "heat is told to have left, and nothing flowed out", True, _breaks(changes.vent_heat, "escape_heat"), 0.12, 0.9, "1"
     ),

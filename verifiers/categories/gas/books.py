@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
-from .bounds import BOOKS, EMITTED, HEAT
+from .bounds import BOOKS, EMITTED
 from .questions import BOOKS as ASKED
 from .rows import kept_within, recomputed
 
@@ -66,9 +66,9 @@ class Books:
         return {
             "emitted": self._emitted(given, came),
             "records": self._records({"soot_mass": (soot, scale_soot), "heat": (heat, scale_heat)}),
-            "soot": self._balance("soot", "kg", soot, came["soot"], box.record("escaped_soot"), scale_soot, BOOKS),
+            "soot": self._balance("soot", "kg", soot, came["soot"], box.record("escaped_soot"), scale_soot),
             "heat": self._balance(
-                "heat", "J", heat, came["heat"], box.record("escaped_heat") + box.record("lost_heat"), scale_heat, HEAT
+                "heat", "J", heat, came["heat"], box.record("escaped_heat") + box.record("lost_heat"), scale_heat
             ),
         }
 
@@ -99,7 +99,7 @@ class Books:
 
         return kept_within(off[worst], BOOKS, "1", told, recomputed(self.box))
 
-    def _balance(self, name: str, unit: str, inside: F64, came: F64, left: F64, scale: float, bound: float) -> Finding:
+    def _balance(self, name: str, unit: str, inside: F64, came: F64, left: F64, scale: float) -> Finding:
         missing = inside[0] - came[0] + left[0] + came - left - inside
         off = np.abs(missing) / scale
 
@@ -113,7 +113,7 @@ class Books:
             )
 
         evidence = {f"inside_{unit}": float(inside[-1]), f"came_{unit}": float(came[-1]), f"left_{unit}": float(left[-1])}
-        return kept_within(off, bound, "1", told, recomputed(self.box), evidence)
+        return kept_within(off, BOOKS, "1", told, recomputed(self.box), evidence)
 
 
 def _scale(inside: F64, given: F64) -> float:

@@ -2,8 +2,6 @@
 
 BOOKS = 1e-4
 """[1] Of what was emitted: fields are kept in single precision, and sums in double."""
-HEAT = 1e-3
-"""[1] Of what was emitted: the projection leaves a divergence of up to 1e-5 per cell and step, which counts as heat."""
 EMITTED = 1e-3
 """[1] Of what the drivers let out until then: a step may begin before a driver does and end after it."""
 ESCAPE = 0.05

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 
-__all__ = ["Cells", "GasFrame", "Mask"]
+__all__ = ["WHOLE", "Cells", "GasFrame", "Mask"]
 
+WHOLE = 0.999
+"""[1] Room of a cell that no body cuts; the rest is rounding of bodies whose sides are those of cells."""
 Cells: TypeAlias = NDArray[np.float32]
 Mask: TypeAlias = NDArray[np.bool_]
 
@@ -51,6 +54,6 @@ class GasFrame:
         grid = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in self.soot.shape), indexing="ij"), axis=-1)
         return np.asarray(self.corner + self.cell * grid)
 
-    def place(self, cell: tuple[int, ...]) -> list[float]:
+    def place(self, cell: Sequence[Any]) -> list[float]:
         """Middle of a cell [m], to the millimetre."""
         return [round(float(c), 3) for c in self.corner + self.cell * (np.array(cell) + 0.5)]

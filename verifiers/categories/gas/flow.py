@@ -7,7 +7,7 @@ of nothing. It is looked at where all these cells are open and nothing emits or 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ....worlds.arrays import F64
 from ....worlds.fields import fields_of
 from ...rows.findings import Finding
 from .bounds import DIVERGENT, EMITTED, ENERGY, PROJECTED
+from .cells import WHOLE
 from .outflow import outflow
 from .questions import FLOW
 from .rows import kept_within, recomputed
@@ -36,7 +37,7 @@ AMBIENT = 0.5
 """[K] Gas nearer to the ambient temperature neither heats nor cools what is about it."""
 
 
-def mirrored(velocity: F64, sides: tuple[str, ...]) -> F64:
+def mirrored(velocity: Any, sides: tuple[str, ...]) -> F64:
     """Velocities with one more cell beyond each side: mirrored at closed ones, which nothing passes; NaN beyond open ones."""
     found = np.pad(np.asarray(velocity, dtype=np.float64), ((1, 1), (1, 1), (1, 1), (0, 0)), mode="edge")
     for side, kind in enumerate(sides):
@@ -90,7 +91,7 @@ class Flow:
 
         box = self.box
         net = net_outflow(mirrored(now.velocity, box.sides), box.cell)
-        free = (now.room > 1.0 - 1e-6) & (box.bodies.depth(now) == -np.inf)
+        free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf)
         whole = minimum_filter(free, size=5, mode="nearest") & np.isfinite(net)
         calm = whole & ~np.any([s.cells(now.centers, 2.0 * box.cell) for s in box.sources], axis=0)
         if self._heats:

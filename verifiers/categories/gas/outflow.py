@@ -6,7 +6,7 @@ the outermost two cells. How far it is from that of the outermost cell alone is 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class Outflow(NamedTuple):
     """Energy of motion that flows in [W]."""
 
 
-def layer(array: F64, side: int, depth: int = 0) -> F64:
+def layer(array: Any, side: int, depth: int = 0) -> F64:
     """Cells of an array along a side; `depth` cells inward."""
     axis = side // 2
     return np.asarray(np.take(array, -1 - depth if side % 2 else depth, axis=axis), dtype=np.float64)

@@ -15,6 +15,7 @@ from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
 from .bodies import depth_in
 from .bounds import ACROSS, CUT, THIN
+from .cells import WHOLE
 from .outflow import NAMES, layer
 from .questions import PLACES
 from .rows import finer, kept_within, larger_box, recomputed
@@ -52,7 +53,7 @@ class Places:
         depth = self.box.bodies.depth(now)
         self._inside(now, depth)
         reach = HALF_DIAGONAL * self.box.cell
-        wrong = ((depth > reach) & now.open) | ((depth == -np.inf) & (now.room < 1.0 - 1e-6))
+        wrong = ((depth > reach) & now.open) | ((depth == -np.inf) & (now.room < WHOLE))
         self.wrong.append(float(wrong.sum()))
         if wrong.any():
             self.where["room", now.index] = now.place(np.unravel_index(int(wrong.argmax()), wrong.shape))

@@ -44,7 +44,7 @@ BOOKS = by_name(
         "heat in the box, what left it and what was given off is what was emitted, at every frame",
         "largest heat that is missing or too much, over what was emitted",
         "1",
-        "HEAT",
+        "BOOKS",
     ),
 )
 ESCAPES = by_name(

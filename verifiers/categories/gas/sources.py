@@ -34,12 +34,12 @@ class Source:
     @property
     def lower(self) -> F64:
         """Least corner of its box [m]."""
-        return np.min([p.lower for p in self.parts], axis=0)
+        return np.asarray(np.min([p.lower for p in self.parts], axis=0), dtype=np.float64)
 
     @property
     def upper(self) -> F64:
         """Greatest corner of its box [m]."""
-        return np.max([p.upper for p in self.parts], axis=0)
+        return np.asarray(np.max([p.upper for p in self.parts], axis=0), dtype=np.float64)
 
     def outlet(self, corner: F64, cell: float, room: NDArray[np.float32]) -> F64:
         """Middle of what it lets out on cells, by the points of it that lie in each and the room there [m]."""

@@ -59,7 +59,7 @@ def _wider(values: F64, axis: int, walls: Mask, beyond: tuple[float, ...]) -> F6
     ends = [np.full_like(np.take(values, [0], axis=axis), b) for b in beyond]
     from_low = np.concatenate([ends[0], np.where(walls, -np.inf, low)], axis=axis)
     from_high = np.concatenate([np.where(walls, -np.inf, high), ends[1]], axis=axis)
-    return np.maximum(values, np.maximum(from_low, from_high))
+    return np.asarray(np.maximum(values, np.maximum(from_low, from_high)))
 
 
 class Transport:
@@ -95,8 +95,8 @@ class Transport:
         most = max((box.physics(s.entity).soot_density for s in box.sources), default=0.0)
         scale = max(most, float(before.soot.max()), TINY)
         upper, lower = before.soot.astype(np.float64), -before.soot.astype(np.float64)
-        for cells, soot in lit:
-            upper, lower = (np.where(cells, np.maximum(a, s), a) for a, s in ((upper, soot), (lower, -soot)))
+        for cells, source in lit:
+            upper, lower = (np.where(cells, np.maximum(a, s), a) for a, s in ((upper, source), (lower, -source)))
         highest = within_reach(upper, way, walls, (0.0,) * 6)
         lowest = -within_reach(lower, way, walls, tuple(0.0 if s == "open" else -np.inf for s in box.sides))
         soot = np.where(now.open, now.soot, np.nan).astype(np.float64)

@@ -88,7 +88,7 @@ def test_centre_mass_and_momentum_of_an_entity_are_finite_and_belong_together(ju
     centers, fastest = owner.centers(candidate, entity), owner.fastest(candidate, entity)
     assert (mass.shape, centers.shape, velocity.shape) == ((count,), (count, 3), (count, 3))
     assert np.isfinite(centers).all()
-    assert (mass > 0).all()
+    assert (mass[1:] > 0).all(), "what is let out begins with nothing"
     assert np.allclose(owner.momentum(candidate, entity), mass[:, None] * velocity)
     assert (np.linalg.norm(velocity, axis=1) <= fastest * (1 + 1e-3) + 1e-6).all(), (
         "its centre is not faster than its fastest point"
@@ -108,7 +108,8 @@ def test_impulses_by_origin_add_up_to_the_change_of_momentum(judged: tuple[Judge
     assert total[moving] == pytest.approx(np.diff(momentum, axis=0)[moving], abs=1e-9 * max(1.0, np.abs(momentum).max()))
     pull = given.get(Origin("gravity", ""), given[Origin("unlisted", "")]).impulse
     if heavy:
-        weight = float(owner.mass(candidate, entity)[0] * 9.81 / candidate.spec.simulation.fps)
+        mass = owner.mass(candidate, entity)
+        weight = float(0.5 * (mass[1:] + mass[:-1]).max() * 9.81 / candidate.spec.simulation.fps)
         assert np.linalg.norm(pull, axis=1).max() == pytest.approx(weight, rel=0.05)
     passed = sum(float(np.abs(one.impulse).sum()) for origin, one in given.items() if origin.kind != "unlisted")
     if judge.name in TOLD_APART:
@@ -136,6 +137,9 @@ def test_an_outline_surrounds_the_centre(judged: tuple[Judge, Candidate, str]) -
     owner = judge_of(candidate.spec, entity)
     for frame in (0, candidate.last_frame):
         outline, center = owner.outline(candidate, entity, frame), owner.centers(candidate, entity)[frame]
+        if frame == 0 and owner.mass(candidate, entity)[0] == 0.0:
+            assert len(outline.faces) == 0, "what is let out is not seen before it comes"
+            continue
         assert len(outline.faces) > 0
         assert outline.faces.max() < len(outline.vertices)
         low, high = outline.vertices.min(axis=0), outline.vertices.max(axis=0)

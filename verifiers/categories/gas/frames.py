@@ -98,7 +98,9 @@ class GasBox:
 
     def lightness(self, frame: GasFrame) -> F64:
         """Of all cells, in double precision; 0 where a cell has no room."""
-        return np.where(frame.open, self.lightness_at(np.maximum(frame.temperature.astype(np.float64), 1e-3)), 0.0)
+        # As frames hold it, or its rounding would count as heat in every cell.
+        ambient, known = float(np.float32(self.ambient)), np.maximum(frame.temperature.astype(np.float64), 1e-3)
+        return np.where(frame.open, 1.0 - ambient / known if self.expands else known / ambient - 1.0, 0.0)
 
     def soot_mass(self, frame: GasFrame) -> float:
         """Soot in the box [kg]."""

@@ -61,6 +61,20 @@ class GasJudge(Loose):
             mass = box.volume * (amount * frame.room)[held]
             yield Sample(frame.centers[held], frame.velocity[held].astype(np.float64), mass)
 
+    def centers(self, candidate: Candidate, entity: str) -> F64:
+        """Middle of the soot [m], shape (frames, 3); of its source before any came."""
+        found = super().centers(candidate, entity)
+        if candidate.stage == "static":
+            return found
+        box = box_of(candidate, self.held(candidate, entity)[0])
+        source = next(s for s in box.sources if s.entity == entity)
+        come = np.maximum.accumulate(np.isfinite(found).all(axis=1))
+        return np.where(come[:, None], found, 0.5 * (source.lower + source.upper))
+
+    def velocities(self, candidate: Candidate, entity: str) -> F64:
+        """Mean velocity of the soot [m/s], shape (frames, 3); none where there is none."""
+        return np.nan_to_num(super().velocities(candidate, entity))
+
     def amount(self, candidate: Candidate, entity: str) -> str:
         """Gas that its sources let out by the last frame, and the share of its soot that is in the box."""
         solver = next((n for n, s in self.instances(candidate.spec).items() if entity in s.members), None)

@@ -103,7 +103,8 @@ def compare(name: str, now: dict[str, World]) -> list[str]:
 
 def _elsewhere(name: str) -> dict[str, World]:
     path = PROCESSORS / f"{name}.json"
-    return json.loads(path.read_text()) if path.exists() else {}
+    found: dict[str, World] = json.loads(path.read_text()) if path.exists() else {}
+    return found
 
 
 def rounded_otherwise(name: str, now: dict[str, World]) -> dict[str, World]:
@@ -112,8 +113,8 @@ def rounded_otherwise(name: str, now: dict[str, World]) -> dict[str, World]:
     for world, rows in now.items():
         old = {str(row[0]): row for row in kept.get(world, [])}
         for row in rows:
-            seen = [old.get(str(row[0])), *known.get(world, [])]
-            if seen[0] and _equal(seen[0], row, JUDGED) and not any(_equal(one, row) for one in seen):
+            same = old.get(str(row[0]))
+            if same and _equal(same, row, JUDGED) and not any(_equal(one, row) for one in (same, *known.get(world, []))):
                 known.setdefault(world, []).append(row)
     return known
 

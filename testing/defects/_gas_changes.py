@@ -186,7 +186,7 @@ def hurry(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Gen
 def whirl(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
     """A wheel of air, free of divergence, turns out of nothing."""
     if frame >= FIRST:
-        _, nx, ny = data["gas_velocity"].shape[2], *data["gas_velocity"].shape[:2]
+        nx, ny = data["gas_velocity"].shape[:2]
         x, y = (np.arange(n) + 0.5 - 0.5 * n for n in (nx, ny))
         psi = np.exp(-(x[:, None] ** 2 + y[None, :] ** 2) / 9.0)
         data["gas_velocity"][..., 0] += (magnitude * psi * -y[None, :])[..., None].astype(np.float32)

@@ -13,7 +13,7 @@ from ..worlds.built import BuiltPart
 from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.spec import Shot
-from .categories.gas.boxes import extents_of
+from .categories.registry import layers_of
 
 if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
@@ -95,8 +95,7 @@ def focus_bounds(candidate: Candidate) -> Bounds:
                     np.clip(places.min(0) - radius, reach.low, reach.high), np.clip(places.max(0) + radius, reach.low, reach.high)
                 )
             )
-    if candidate.gas_caches:
-        boxes_all += [Bounds(low, high) for low, high in candidate.memo(extents_of, lambda: extents_of(candidate))]
+    boxes_all += [Bounds(low, high) for layer in layers_of(candidate).loose for low, high in layer.extents()]
     low = _union(boxes_all).low
     low[2] = max(low[2], start.low[2])
     return Bounds(low, _union(boxes_all).high)

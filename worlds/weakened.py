@@ -293,7 +293,7 @@ def claim_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], prompt: str
 
 
 def _marked_otherwise(told: str, claim: Mapping[str, Any], now: Iterable[Mapping[str, Any]], prompt: str) -> Iterator[str]:
-    """What less is asked of words whose claim is gone: nothing where claims of its type now cover them all and name all that it named."""
+    """Lines on words whose claim is gone; none where claims of its type now cover them all and name all that it named."""
     words = _letters(claim, prompt)
     over = [c for c in now if not c.get("waived") and words & _letters(c, prompt)]
     left = words.difference(*(_letters(c, prompt) for c in over))

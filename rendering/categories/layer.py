@@ -51,6 +51,10 @@ class Layer:
         self.entities: tuple[str, ...] = tuple(entities)
         """Ids, which pictures draw."""
 
+    def extents(self) -> list[tuple[F64, F64]]:
+        """Corners (3,) of boxes that an automatic camera frames beside the bodies and their paths [m]."""
+        return []
+
     def meshes(self, entity: str, frame: int) -> list[TriangleMesh]:
         """Meshes of an entity in the world at a frame, for plans and sections."""
         parts = self.candidate.built[entity].parts

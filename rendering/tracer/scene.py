@@ -29,8 +29,6 @@ PATH_DEPTH = 5
 GLASS_DEPTH = 9
 FOG_DEPTH, FOG_ROULETTE = 32, 12
 """The same where there is gas, of which each scattering is a segment, and from where on paths of little weight are ended."""
-LOOSE_SHAPES = ("liquid", "drops", "foam", "grains", "gas", *GLOWS)
-"""Kinds of shapes of loose matter; a shape is named after its kind and its entity."""
 RAYS_PER_PASS = 4_000_000
 """Camera rays per launch; bounds the memory of the vectorised variants."""
 
@@ -100,7 +98,8 @@ class SceneRenderer:
         """Load the scene with the loose matter of a frame but of the entity left out, and the tracer that knows it."""
         mi = self.mi
         made = [(layer, layer.traced(mi, frame)) for layer in self._loose]
-        away = {f"{kind}-{without}" for kind in LOOSE_SHAPES}
+        # A shape of loose matter is named after its kind and its entity.
+        away = {name for _, one in made for name in (*one.shapes, *one.clear, *one.fogs) if name.partition("-")[2] == without}
         shapes = {name: shape for _, one in made for name, shape in one.shapes.items() if name not in away}
         clear = {name: absorbed for _, one in made for name, absorbed in one.clear.items() if name not in away}
         self._fogs: dict[str, Fog] = {name: fog for _, one in made for name, fog in one.fogs.items() if name not in away}

@@ -13,7 +13,7 @@ from ..grids.columns import vec6i
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["Box", "beside", "carry", "correct", "extrapolate", "fastest", "index_of", "is_cell", "place_of", "sample"]
+__all__ = ["Box", "beside", "carry", "correct", "index_of", "is_cell", "place_of", "sample"]
 
 vec8 = wp.types.vector(length=8, dtype=wp.float32)
 
@@ -332,15 +332,6 @@ def blown_in(box: Box, at: wp.vec3i, axis: wp.int32):
     return speed
 
 
-@wp.kernel
-def extrapolate(
-    first: wp.int32, ratio: float, now: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3)
-):
-    """Velocity half a step ahead: now + ratio (now - before)."""
-    c = first + wp.tid()
-    out[c] = now[c] + ratio * (now[c] - before[c])
-
-
 @wp.func
 def start_speed(box: Box, carrier: wp.array(dtype=wp.vec3), c: wp.int32, at: wp.vec3i, axis: wp.int32):
     """Velocity at the centre of an element's lower face, also beside the sides of the box."""
@@ -400,14 +391,3 @@ def correct(
                 back = sample(box, once, axis, held(box, ahead))
                 v[axis] = wp.clamp(v[axis] + 0.5 * (source[c][axis] - back), low[c][axis], high[c][axis])
     out[c] = v
-
-
-@wp.kernel
-def fastest(first: wp.int32, total: int, block: int, field: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.float64)):
-    """Largest component of blocks of elements."""
-    b = first + wp.tid()
-    top = float(0.0)
-    for c in range(b * block, wp.min((b + 1) * block, total)):
-        v = field[c]
-        top = wp.max(top, wp.max(wp.abs(v[0]), wp.max(wp.abs(v[1]), wp.abs(v[2]))))
-    out[b] = wp.float64(top)

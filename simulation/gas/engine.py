@@ -250,14 +250,14 @@ class Gas(GasFields):
             first = self._project("velocity/middle")
             self._transport("velocity/middle", seconds, held)
             reflected = [1.0, self._face("velocity/middle"), self._face("velocity/raw"), self._face("velocity/back")]
-            self.run(boxes.extrapolate, self.elements, reflected)
+            self.run(forces.extrapolate, self.elements, reflected)
             self._carry("velocity/back", "velocity/middle", half, "velocity")
             self._push("velocity", half)
             iterations, capped = first.iterations, first.capped
         else:
             ratio = 0.5 * seconds / self._last if self._last > 0.0 else 0.0
             ahead = [ratio, self._face("velocity"), self._face("velocity/before"), self._face("velocity/middle")]
-            self.run(boxes.extrapolate, self.elements, ahead)
+            self.run(forces.extrapolate, self.elements, ahead)
             warp().copy(self._face("velocity/before"), self._face("velocity"), count=self.elements)
             self._carry("velocity", "velocity/middle", seconds, "velocity/raw")
             self.run.swap("velocity", "velocity/raw")
@@ -359,7 +359,7 @@ class Gas(GasFields):
     def _fastest(self, name: str) -> float:
         many = -(-self.elements // self.run.block)
         out = self.run.array("fastest", many, warp().float64)
-        self.run(boxes.fastest, many, [self.elements, self.run.block, self._face(name), out], grain=16)
+        self.run(transport.fastest, many, [self.elements, self.run.block, self._face(name), out], grain=16)
         return float(self.run.read(out, many).max())
 
     def _totals(self) -> F64:

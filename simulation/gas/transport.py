@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...geometry.launch import warp
-from . import box_kernels as boxes
 from . import transport_kernels as kernels
 
 if TYPE_CHECKING:
@@ -100,7 +99,7 @@ class Transport:
                     self.border.count(axis, flow, [self._array(n) for n in names[1:]])
                     for name in names:
                         run.swap(name, f"{name}/next")
-                run(boxes.fastest, many, [self.elements, run.block, self._array("left"), most], grain=16)
+                run(kernels.fastest, many, [self.elements, run.block, self._array("left"), most], grain=16)
                 if float(run.read(most, many).max()) < SPENT:
                     break
         self._crush(room)

@@ -17,6 +17,7 @@ from worldagent.construction import build_entity
 from worldagent.server.skill_files import SKILLS
 from worldagent.testing.defects import _liquid_resolution as liquid_resolution
 from worldagent.testing.defects import _liquid_scenes as liquid_scenes
+from worldagent.testing.defects._gas_scenes import scene as gas_scene
 from worldagent.testing.defects.suites import CHECKS, suite_of
 from worldagent.testing.worlds.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.tools import TOOLS
@@ -29,7 +30,7 @@ from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.predicates import Contact, Displacement, Reaches, Tilts, Topples
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Beat, Bond, BoxRegion, Breakable, BrickPattern, Story
+from worldagent.worlds.spec import Beat, Bond, BoxRegion, Breakable, BrickPattern, CameraKey, Shot, Story
 
 TABLE: list[Entry] = [entry for _, _, entry in entries()]
 EASIER = {"story", "limits"}
@@ -185,8 +186,17 @@ def _seeps(folder: Path) -> Candidate:
     return liquid_resolution.slot(folder, 0.004, np.random.default_rng(3)).candidate
 
 
+def _fades(folder: Path) -> Candidate:
+    """Smoke that the picture does not hold."""
+    base = gas_scene("hot")
+    spec = base.spec.model_copy(deep=True)
+    key = CameraKey(frame=0, position=(0, -2, 0.3), target=(0, 0, 9.0), fov_deg=40)
+    spec.shots["side"] = Shot(frames=(0, base.last_frame), covers=[], intent="smoke", keys={"a": key})
+    return Candidate(base.folder, spec, base.built, base.stage, base.caches)
+
+
 OWN = {
-    "category": [(_clings, category.check), (_dribbles, category.check), (_seeps, category.check)],
+    "category": [(_fades, category.check), (_clings, category.check), (_dribbles, category.check), (_seeps, category.check)],
     "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
     "causal": [(_motion, causal.check), (_pauses, causal.check), (_motion, counterfactual.check)],
     "contact": [(_pressed, contact.check), (_squeezed, contact.check)],

@@ -89,7 +89,7 @@ def in_unit(spec: WorldSpec, pointer: str, value: float, wanted: Quantity) -> fl
 
 
 def _other_dimension(document: Any, pointer: str, wanted: Quantity) -> str | None:
-    """What the number at a pointer is where it is no quantity of the wanted dimension."""
+    """Dimension of the number at a pointer, where it is not the wanted one."""
     have = dimension_at(document, pointer)
     return None if have is None or have == wanted.dimension else have
 

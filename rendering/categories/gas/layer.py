@@ -15,7 +15,7 @@ from ....worlds.built import TriangleMesh
 from ....worlds.candidate import Candidate
 from ..layer import Daylight, TracedShapes, VolumeLayer
 from ..particles.splat import unseen
-from .boxes import THICK, GasBox, Sights, gases_of, marched
+from .boxes import THICK, GasBox, Sights, extents_of, gases_of, marched
 from .medium import fogs_of
 from .shading import emitted, source_of
 
@@ -35,6 +35,10 @@ class GasLayer(VolumeLayer):
         self.gases = gases_of(candidate)
         super().__init__(candidate, [gas.entity for gas in self.gases])
         self._kept: tuple[int, dict[str, GasBox]] | None = None
+
+    def extents(self) -> list[tuple[F64, F64]]:
+        """Corners (3,) of the boxes of what is seen of the gases [m]."""
+        return self.candidate.memo(extents_of, lambda: extents_of(self.candidate))
 
     def at(self, frame: int) -> dict[str, GasBox]:
         """Boxes of the gases of which something is seen at a frame, by entity."""

@@ -8,7 +8,7 @@ from .box_kernels import Box, along, beside, count_of, has_face, index_of, is_ce
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["buoy", "confine", "curl", "extrapolate", "density_of", "face_density", "middle", "spread"]
+__all__ = ["buoy", "confine", "curl", "density_of", "extrapolate", "face_density", "middle", "spread"]
 
 
 @wp.func

@@ -57,4 +57,8 @@ def test_a_recorded_world_is_accepted(name: str, agent_of: Any, tmp_path: Path) 
         assert {rows[f"beat:{n}"] for n in spec["story"]["beats"]} == {"pass"}
         assert {rows[i] for i in JUDGED[name]} == {"pass"}
         assert agent.call("bake_sim", world="w")["passed"]
-        assert agent.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
+        told = agent.call("run_checks", world="w", scope="acceptance")
+        if told["next"].startswith("call run_checks(scope='full')"):  # A busy machine: plates took longer than a tenth of the bake.
+            agent.call("run_checks", world="w", scope="full")
+            told = agent.call("run_checks", world="w", scope="acceptance")
+        assert told["verdict"] == "accepted", told["open_rows"]

@@ -160,10 +160,10 @@ def _replay_start(solver: Solver, cache: Cache) -> dict[str, object]:
 
 
 def positions_of(data: Mapping[str, Any]) -> str:
-    """Name of the channel that tells where the things of an instance are."""
+    """Name of the channel that tells where the things of an instance are, or how they move where cells hold them."""
     if len(data.get("position", ())):
         return "position"
-    return next((n for n in ("vertex/position", "particle/position") if n in data), "position")
+    return next((n for n in ("vertex/position", "particle/position", "gas_velocity") if n in data), "position")
 
 
 def _apart(cache: Cache, frame: int, data: Mapping[str, Any]) -> float | None:

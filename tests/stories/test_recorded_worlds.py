@@ -58,7 +58,9 @@ def test_a_recorded_world_is_accepted(name: str, agent_of: Any, tmp_path: Path) 
         assert {rows[i] for i in JUDGED[name]} == {"pass"}
         assert agent.call("bake_sim", world="w")["passed"]
         told = agent.call("run_checks", world="w", scope="acceptance")
-        if told["next"].startswith("call run_checks(scope='full')"):  # A busy machine: plates took longer than a tenth of the bake.
+        if told["next"].startswith(
+            "call run_checks(scope='full')"
+        ):  # A busy machine: plates took longer than a tenth of the bake.
             agent.call("run_checks", world="w", scope="full")
             told = agent.call("run_checks", world="w", scope="acceptance")
         assert told["verdict"] == "accepted", told["open_rows"]

@@ -135,7 +135,7 @@ FIELDS: tuple[Parameter, ...] = (
 
 _QUESTION = (
     "kind entity entities a b on other joint beat region zone terrain field water liquid target pin by over measure when frames axis normal "
-    "quantity relation margin point center base direction size radius ends_in relative_to"
+    "quantity relation margin point start end center base direction size radius ends_in relative_to"
 )
 """Fields of predicates that say what is asked, of whom, where and when."""
 _HOLDERS = ("predicate", "hold", "goal", "of")

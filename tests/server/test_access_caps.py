@@ -33,7 +33,7 @@ THROUGH_A_TOOL: dict[str, tuple[str, dict[str, Any]]] = {
         [
             "spec_values", "spec_depth", "entities", "bodies", "parts", "frames", "steps", "body_steps", "rerun_body_steps", "width",
             "height", "samples", "cells", "triangles", "cache_bytes", "worlds", "workspace_bytes", "particles", "particle_steps", "vertices",
-            "vertex_steps",
+            "vertex_steps", "cell_steps",
         ],
         CREATE,
     ),

@@ -12,11 +12,11 @@ from worldagent.simulation.surfaces import map_wet_solids
 from worldagent.testing.defects import _liquid_scenes as scenes
 from worldagent.testing.worlds.liquid_worlds import Flow, pool_in_tank
 from worldagent.verifiers.predicates import evaluate
-from worldagent.workflow.bundles import _beside
 from worldagent.workflow.wetness import wetness
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.cache import read_container, write_container
 from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.categories.derived import DERIVED
 from worldagent.worlds.categories.liquid.wet import WetMap
 from worldagent.worlds.errors import EvidenceError, RefusedError
 from worldagent.worlds.predicates import WetArea
@@ -114,7 +114,7 @@ def test_a_bundle_holds_them(tmp_path: Path) -> None:
     """What they are made of is digested with the caches, so a bundle without them would be one of another run."""
     candidate = still().candidate(tmp_path)
     folder = made(candidate).files.folder
-    held = set(_beside(candidate.caches["water"]))
+    held = {path for made in DERIVED for path in made(candidate.caches["water"]).present()}
     assert set(folder.iterdir()) <= held
     assert len(held) == 4 + 4, "index, digests, note and places; a file per frame"
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
@@ -203,7 +204,7 @@ def _union(name: str) -> dict[str, Any]:
     for kind in sorted(own, key=lambda k: len(json.dumps(own[k])), reverse=True):
         if len(json.dumps(found)) < LONGEST:
             break
-        own[kind] = {**{k: v.split(". ")[0] for k, v in own[kind].items() if k == "about"}, "part": kinds[kind]}
+        own[kind] = {**{k: re.split(r"[.:;] ", v)[0] for k, v in own[kind].items() if k == "about"}, "part": kinds[kind]}
     return found
 
 

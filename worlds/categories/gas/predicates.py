@@ -33,7 +33,7 @@ class GasTemperatureIn(Band):
 
 
 class PlumeHeight(Band):
-    """Height of a plume [m]: over `base`, below which 95 % of the soot in its box is."""
+    """Height over `base` [m] below which 95 % of its soot is."""
 
     kind: Literal["plume_height"] = "plume_height"
     entity: Subject = Field(description="the gas")
@@ -61,7 +61,7 @@ class GasArrives(SpecModel):
 
 
 class LightThrough(Band):
-    """Share of light that passes through a gas along a straight line, 0..1: exp(-optical depth), by the extinction of soot, of drops (water) or of dust (minerals)."""
+    """Share of light that passes a gas along a line, 0..1."""
 
     kind: Literal["light_through"] = "light_through"
     entity: Subject = Field(description="the gas")

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "df3afb5ddbb7ffaac822380aa1e9cc5f8dace9bc0795b74efd60d23b3b04c441"
+SCHEMA = "0530cf2126e0d05647edaee5bfa2ca1e54c9bfbeee19242439134925e6d22f75"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -8,18 +8,42 @@ import shutil
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 __all__ = ["bake"]
 
 ENV_BLENDER = "WORLDAGENT_BLENDER"
+_HEAD = """
+import bpy, json, sys, time
+kind, res, first, last, folder = sys.argv[sys.argv.index("--") + 1:]
+bpy.ops.wm.read_factory_settings(use_empty=True)
+scene = bpy.context.scene
+scene.frame_start, scene.frame_end, scene.render.fps = 1, int(last), 24
+bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.5, 0.5, 0.5))
+domain = bpy.context.object
+settings = domain.modifiers.new("fluid", "FLUID")
+settings.fluid_type = "DOMAIN"
+settings = settings.domain_settings
+settings.domain_type = kind
+settings.resolution_max, settings.cache_directory, settings.cache_type = int(res), folder, "ALL"
+settings.cache_frame_start, settings.cache_frame_end = 1, int(last)
+"""
+"""A unit cube as domain; a script adds what is in it and how it is solved."""
+_TAIL = """
+start, cpu = time.perf_counter(), time.process_time()
+with bpy.context.temp_override(object=domain, active_object=domain):
+    bpy.ops.fluid.bake_all()
+figures = {"wall": time.perf_counter() - start, "cpu": time.process_time() - cpu, "version": bpy.app.version_string}
+print("PEER" + json.dumps({**figures, "cfl": settings.cfl_condition, "most_steps": settings.timesteps_max}))
+"""
 
 
-def bake(script: str, resolution: int, frames: int) -> dict[str, Any]:
-    """Figures that a script prints after the word PEER, or the reason why there are none.
+def bake(script: str, kind: Literal["GAS", "LIQUID"], resolution: int, frames: int) -> dict[str, Any]:
+    """Seconds by the clock and of the processor that a bake takes, with version and settings, or the reason why there are none.
 
     Args:
-        script: Python for Blender; its arguments after -- are resolution, first and last frame, and a folder for the cache.
+        script: Python for Blender between the making of a unit cube `domain` with its `settings` and the bake.
+        kind: of the domain.
         resolution: cells along the domain's longest side.
         frames: to bake.
     """
@@ -28,8 +52,8 @@ def bake(script: str, resolution: int, frames: int) -> dict[str, Any]:
         return {"reason": f"blender is not installed; ${ENV_BLENDER} may name it (Debian package blender 3.4.1)"}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "peer.py"
-        path.write_text(script)
-        command = [blender, "-b", "-P", str(path), "--", str(resolution), "1", str(frames), str(Path(folder) / "cache")]
+        path.write_text(_HEAD + script + _TAIL)
+        command = [blender, "-b", "-P", str(path), "--", kind, str(resolution), "1", str(frames), str(Path(folder) / "cache")]
         ended = subprocess.run(command, capture_output=True, text=True, check=False)
     for line in ended.stdout.splitlines():
         if line.startswith("PEER"):

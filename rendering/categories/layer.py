@@ -146,7 +146,7 @@ class Daylight(NamedTuple):
     ground: F64
     """Of one that faces down."""
     share: Callable[[F64], Any]
-    """What bodies leave of sunlight at points (n, 3), shape (n,)."""
+    """Share of sunlight that bodies leave at points (n, 3), shape (n,)."""
 
 
 class VolumeLayer(LooseLayer):

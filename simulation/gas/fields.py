@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +29,7 @@ PACKED = (*MOTION, "state", "clock", "ratio", *(f"solids/{name}" for name in OF_
 """Names of what `GasFields.pack` returns."""
 
 
-class GasFields:
+class GasFields(ABC):
     """Velocities, amounts, temperatures and pressures of a gas in its box."""
 
     run: Runner
@@ -42,8 +43,9 @@ class GasFields:
     _moves: bool
     _turned = False
 
+    @abstractmethod
     def _stand(self, solids: Solids) -> None:
-        raise NotImplementedError
+        """Take the open shares of solids."""
 
     @property
     def velocity(self) -> NDArray[np.float32]:

@@ -63,7 +63,7 @@ class Obstacles:
 
     @property
     def moves(self) -> bool:
-        """Whether any of them may move."""
+        """True where any of them may move."""
         return bool(self._moving)
 
     def at(self, bodies: BodyState, ahead: float) -> Solids:

@@ -80,6 +80,24 @@ def flux(
     return moved
 
 
+@wp.func
+def gained(
+    box: Box, axis: int, c: wp.int32, at: wp.vec3i, low_through: float, high_through: float, amount: wp.array(dtype=wp.vec4),
+    volume: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """Amounts that a cell gains through its faces along an axis, by the volumes that pass the lower and the upper one."""
+    below = beside(box, at, axis, -1)
+    above = beside(box, at, axis, 1)
+    below_at = at
+    if below >= 0:
+        below_at = place_of(box, below)
+    above_at = at
+    if above >= 0:
+        above_at = place_of(box, above)
+    came = flux(box, axis, below, c, below_at, at, low_through, amount, volume, opening)
+    return came - flux(box, axis, c, above, at, above_at, high_through, amount, volume, opening)
+
+
 @wp.kernel
 def start(
     first: wp.int32, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4), amount: wp.array(dtype=wp.vec4),
@@ -104,17 +122,7 @@ def sweep(
         up = upper(box, at, axis)
         low_through = cells * velocity[c][axis] * opening[c][axis]
         high_through = cells * velocity[up][axis] * opening[up][axis]
-        below = beside(box, at, axis, -1)
-        above = beside(box, at, axis, 1)
-        below_at = at
-        if below >= 0:
-            below_at = place_of(box, below)
-        above_at = at
-        if above >= 0:
-            above_at = place_of(box, above)
-        came = flux(box, axis, below, c, below_at, at, low_through, amount, volume, opening)
-        went = flux(box, axis, c, above, at, above_at, high_through, amount, volume, opening)
-        amount_after[c] = amount[c] + came - went
+        amount_after[c] = amount[c] + gained(box, axis, c, at, low_through, high_through, amount, volume, opening)
         volume_after[c] = volume[c] + low_through - high_through
 
 
@@ -181,15 +189,7 @@ def sweep_limited(
         up = upper(box, at, axis)
         above = beside(box, at, axis, 1)
         high_through = allowed(box, axis, up, c, above, left, volume)
-        below_at = at
-        if below >= 0:
-            below_at = place_of(box, below)
-        above_at = at
-        if above >= 0:
-            above_at = place_of(box, above)
-        came = flux(box, axis, below, c, below_at, at, low_through, amount, volume, opening)
-        went = flux(box, axis, c, above, at, above_at, high_through, amount, volume, opening)
-        amount_after[c] = amount[c] + came - went
+        amount_after[c] = amount[c] + gained(box, axis, c, at, low_through, high_through, amount, volume, opening)
         volume_after[c] = volume[c] + low_through - high_through
 
 

@@ -47,7 +47,7 @@ class GasBox(NamedTuple):
 
     @property
     def hot(self) -> bool:
-        """Whether any of it glows."""
+        """True where any of it glows."""
         return bool((self.temperature > COLD).any())
 
     @property
@@ -57,7 +57,7 @@ class GasBox(NamedTuple):
 
     @property
     def centers(self) -> F64:
-        """Of all cells [m], shape (nx, ny, nz, 3)."""
+        """Centres of all cells [m], shape (nx, ny, nz, 3)."""
         axes = [self.low[k] + self.cell * (np.arange(n) + 0.5) for k, n in enumerate(self.sigma.shape)]
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 

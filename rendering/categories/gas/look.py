@@ -1,4 +1,4 @@
-"""How light fares in a gas: what it takes out of a ray, and what share of that it scatters.
+"""Light in a gas: the extinction of a ray, and the share of it that is scattered.
 
 References:
     Single-scattering albedo of soot: T. C. Bond, R. W. Bergstrom, Aerosol Science and Technology 40 (2006) 27, doi:10.1080/02786820500421521.
@@ -27,7 +27,7 @@ MOST_ALBEDO = 0.999
 
 
 class GasLook(NamedTuple):
-    """How light fares in a gas."""
+    """Extinction and albedo of a gas."""
 
     extinction: float
     """Per mass of what it carries [m^2/kg]."""

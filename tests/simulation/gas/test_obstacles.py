@@ -7,38 +7,20 @@ import pytest
 from worldagent.simulation.bodies import resting
 from worldagent.simulation.boundaries import Boundary, Surround
 from worldagent.simulation.gas.obstacles import Obstacles
+from worldagent.tests.physics.test_flip import box_mesh
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import BuiltBody, TriangleMesh
 from worldagent.worlds.categories.gas.facts import Grid
 
 GRID = Grid((16, 16, 16), 0.1, np.zeros(3))
 HERE = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
-FACES = [
-    (0, 1, 3),
-    (0, 3, 2),
-    (4, 6, 7),
-    (4, 7, 5),
-    (0, 4, 5),
-    (0, 5, 1),
-    (2, 3, 7),
-    (2, 7, 6),
-    (0, 2, 6),
-    (0, 6, 4),
-    (1, 5, 7),
-    (1, 7, 3),
-]
 MIDDLE = (0.83, 0.77, 0.85)
 """Of the bodies [m]: no face of theirs lies in one of the cells'."""
 
 
-def box(half: tuple[float, float, float]) -> TriangleMesh:
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
-    return TriangleMesh(corners * np.array(half), np.array(FACES, dtype=np.int32))
-
-
 def obstacles(half: tuple[float, float, float], *, moves: bool) -> tuple[Obstacles, Surround]:
     """A box of half sizes [m] in the middle."""
-    mesh, at = box(half), np.array(MIDDLE)
+    mesh, at = box_mesh((2 * half[0], 2 * half[1], 2 * half[2])), np.array(MIDDLE)
     mesh = mesh if moves else TriangleMesh(mesh.vertices + at, mesh.faces)
     body = BuiltBody("b", HERE, 1.0, np.zeros(3), np.eye(3), 1.0)
     place = RigidPose(at, HERE.quaternion) if moves else HERE

@@ -51,7 +51,7 @@ class Bodies:
 
     @cached_property
     def moving(self) -> bool:
-        """Whether one of them moves."""
+        """True where one of them moves."""
         return not all(p.still for p in self.pieces)
 
     def depth(self, frame: GasFrame) -> F64:

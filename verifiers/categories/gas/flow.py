@@ -80,7 +80,7 @@ class Flow:
         self.short: list[float] = []
         self.judged = 0
         self.struck: list[bool] = []
-        """Whether a source begins or ends within the interval before each frame: its push moves all air at once."""
+        """True where a source begins or ends within the interval before a frame: its push moves all air at once."""
         self.kinetic: list[tuple[float, float]] = []
         """Least and most [J]: without cells that bodies cut, and as if they were whole."""
         self.given: list[float] = []
@@ -106,7 +106,7 @@ class Flow:
 
     @property
     def _heats(self) -> bool:
-        """Whether gas heats or cools what is about it."""
+        """True where gas heats or cools the air about it."""
         return bool(self.box.expands and self.box.settings.diffusivity > 0.0) or bool(self.box.record("lost_heat").any())
 
     def _outflow(self, now: GasFrame, net: F64, whole: Mask, source: Source) -> float:

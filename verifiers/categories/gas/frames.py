@@ -97,7 +97,7 @@ class GasBox:
         return 1.0 - self.ambient / temperature if self.expands else temperature / self.ambient - 1.0
 
     def lightness(self, frame: GasFrame) -> F64:
-        """Of all cells, in double precision; 0 where a cell has no room."""
+        """Values of all cells, in double precision; 0 where a cell has no room."""
         # As frames hold it, or its rounding would count as heat in every cell.
         ambient, known = float(np.float32(self.ambient)), np.maximum(frame.temperature.astype(np.float64), 1e-3)
         return np.where(frame.open, 1.0 - ambient / known if self.expands else known / ambient - 1.0, 0.0)

@@ -70,7 +70,7 @@ class Source:
         return float(sum(d.rate for d in self.drivers if d.start <= time and (d.end is None or time < d.end)))
 
     def changes(self, start: float, end: float) -> bool:
-        """Whether its rate changes within [start, end) seconds."""
+        """True where its rate changes within [start, end) seconds."""
         return any(start <= t < end for d in self.drivers for t in (d.start, d.end) if t is not None)
 
     def emitted(self, time: float) -> float:

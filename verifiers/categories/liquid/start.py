@@ -29,7 +29,7 @@ __all__ = ["STARTS"]
 
 
 def _placed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether every liquid's middle is that of its declared volume."""
+    """True where every liquid's middle is that of its declared volume."""
     liquid, frame = liquid_of(candidate, solver), liquid_of(candidate, solver).read(0)
     bound = LIQUID_MIDDLE * liquid.spacing
     worst, culprit, told = -1.0, liquid.members[0], {}
@@ -55,7 +55,7 @@ def _placed(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def _started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether every particle has its declared velocity, in a current at most that of its fastest place."""
+    """True where every particle has its declared velocity, in a current at most that of its fastest place."""
     if candidate.spec.simulation.preroll > 0:
         return Finding("not_applicable", "its velocity is declared for the begin of the preroll, which no frame holds")
     liquid = liquid_of(candidate, solver)
@@ -75,7 +75,7 @@ def _started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def _in_currents(liquid: Liquid, member: str, physics: LiquidPhysics, points: F64) -> NDArray[np.bool_]:
-    """Whether each point may lie in a declared current, as seen from above."""
+    """True for each point that may lie in a declared current, as seen from above."""
     pose, found = pose_of(liquid.candidate.spec.entities[member].pose), np.zeros(len(points), dtype=bool)
     for current in physics.currents.values():
         line = pose.apply(np.array(current.line, dtype=np.float64))[:, :2]

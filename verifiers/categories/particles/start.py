@@ -32,7 +32,7 @@ GRAIN_POINTS = 8000
 
 
 def _amounts(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether there are as many particles as declared: in number, or by the share of the volume that grains take."""
+    """True where there are as many particles as declared: in number, or by the share of the volume that grains take."""
     swarm = swarm_of(candidate, solver)
     if candidate.spec.simulation.preroll > 0 and not swarm.granular:
         return Finding("not_applicable", "particles come and go during the preroll, which no frame holds")
@@ -73,7 +73,7 @@ def _grains(swarm: Swarm, row: int) -> float:
 
 
 def _free(swarm: Swarm, points: F64, radius: float, before: list[str]) -> NDArray[np.bool_]:
-    """Whether each point is at least a radius outside every solid, and outside the volumes of the members before."""
+    """True for each point that is at least a radius outside every solid, and outside the volumes of the members before."""
     candidate, free = swarm.candidate, np.ones(len(points), dtype=bool)
     if not len(points):
         return free
@@ -93,7 +93,7 @@ def _free(swarm: Swarm, points: F64, radius: float, before: list[str]) -> NDArra
 
 
 def _started(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Whether every particle has its declared velocity."""
+    """True where every particle has its declared velocity."""
     if candidate.spec.simulation.preroll > 0:
         return Finding("not_applicable", "declared velocities are added to what the preroll left, which no frame holds")
     swarm = swarm_of(candidate, solver)

@@ -71,3 +71,11 @@ def test_only_what_is_measured_is_kept_of_another_processor(tmp_path: Path, monk
     golden.write("scale", golden.rounded_otherwise("scale", {"w": [other]}), tmp_path / "processors")
     assert golden.compare("scale", {"w": [other]}) == []
     assert len(golden.compare("scale", {"w": [failing]})) == 2
+
+
+@pytest.mark.parametrize(("measured", "bound", "told"), [(0.2549, 0.5, 0), (0.256, 0.5, 1), (0.2549, 0.0, 1), (0.2549, 0.51, 1)])
+def test_a_number_may_differ_by_a_share_of_its_bound(measured: float, bound: float, told: int) -> None:
+    """By 0.01 of 0.5; not where nothing is allowed, and the bound itself never."""
+    was = ["scale:cube", "pass", 0.25, bound if bound == 0.0 else 0.5, "m", None, None]
+    now = ["scale:cube", "pass", measured, bound, "m", None, None]
+    assert len(list(golden.differences({"w": [was]}, {"w": [now]}, share=0.01))) == told

@@ -150,7 +150,7 @@ def test_a_file_of_stems_that_was_changed_is_refused(place: tuple[WorldFolder, S
     file = next(folder.assets.glob("*-stems-*.npy"))
     whole = file.read_bytes()
     file.write_bytes(whole[:-1] + bytes([whole[-1] ^ 1]))
-    with pytest.raises(InputError, match=r"/entities/ground/parts/stems/shape: file of stems .* has digest"):
+    with pytest.raises(InputError, match=r"/entities/ground/parts/stems/shape: file 'land-stems-.*' has digest"):
         build_entity(spec, "ground", folder.assets)
     file.unlink()
     with pytest.raises(InputError, match="is missing"):

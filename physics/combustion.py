@@ -16,10 +16,31 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-__all__ = ["FUELS", "HEAT_RATIO", "OXYGEN_SHARE", "Fuel", "greatest_power"]
+import numpy as np
+
+from .arrays import F64
+from .substances import AIR_HEAT_CAPACITY, air_density
+
+__all__ = [
+    "FUELS",
+    "HEAT_RATIO",
+    "OXYGEN_SHARE",
+    "SOOT_ABSORPTION",
+    "SOOT_SOLID",
+    "Fuel",
+    "greatest_power",
+    "longest_burning",
+    "soot_power",
+]
 
 OXYGEN_SHARE = 0.2314
 """Mass of oxygen in a mass of dry air."""
+SOOT_ABSORPTION = 1500.0
+"""Absorption coefficient of soot per share of volume and temperature [1/(m K)]: 1200 to 1800 for soot of most fuels (de Ris 1979)."""
+SOOT_SOLID = 1800.0
+"""Density of soot itself [kg/m^3]."""
+STEFAN_BOLTZMANN = 5.670374419e-8
+"""[W/(m^2 K^4)] (CODATA 2018)."""
 OXYGEN_PARTS = 0.2095
 """Moles of oxygen in a mole of dry air."""
 HEAT_RATIO = 1.4
@@ -81,3 +102,18 @@ FUELS: Mapping[str, Fuel] = {
 def greatest_power(cell: float) -> float:
     """Most heat per volume that a cell of a size [m] releases [W/m^3]: 200 kW/m^2 of flame sheet, and 2500 kW/m^3 (FDS)."""
     return 2.0e5 / cell + 2.5e6
+
+
+BURNING_SHARE = 0.5
+"""Own choice: most volume that burning makes per volume in a step."""
+
+
+def longest_burning(cell: float, ambient: float) -> float:
+    """Longest step [s] in which no cell of a size [m] in air of a temperature [K] makes more than a share of its volume by burning."""
+    return BURNING_SHARE * air_density(ambient) * AIR_HEAT_CAPACITY * ambient / greatest_power(cell)
+
+
+def soot_power(soot: F64, temperature: F64) -> F64:
+    """Power that thin soot [kg/m^3] of a temperature [K] radiates per volume [W/m^3]: 4 kappa sigma T^4."""
+    kappa = SOOT_ABSORPTION / SOOT_SOLID * soot * temperature
+    return np.asarray(4.0 * kappa * STEFAN_BOLTZMANN * temperature**4)

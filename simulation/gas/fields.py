@@ -91,8 +91,8 @@ class GasFields(ABC):
 
     @property
     def power(self) -> NDArray[np.float32]:
-        """(nx, ny, nz) heat that fire released per volume in the last step [W/m^3]."""
-        return self._padded("gas/power", warp().vec2, 2)[tuple(slice(0, n) for n in self.shape)][..., 0]
+        """(nx, ny, nz, 2) heat that fire released, and what was radiated, per volume in the last step [W/m^3]."""
+        return self._padded("gas/power", warp().vec2, 2)[tuple(slice(0, n) for n in self.shape)]
 
     def pack(self) -> dict[str, Any]:
         """Everything that the next step depends on but sources and the air beyond open sides; of solids, those that move."""

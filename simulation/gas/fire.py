@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...geometry.launch import warp
-from ...physics.combustion import greatest_power
+from ...physics.combustion import SOOT_ABSORPTION, SOOT_SOLID, greatest_power, longest_burning
 from . import fire_kernels as kernels
 
 if TYPE_CHECKING:
@@ -16,16 +16,10 @@ if TYPE_CHECKING:
     from ..grids.runner import Runner
     from .regions import Regions
 
-__all__ = ["SOOT_SOLID", "Fire"]
+__all__ = ["Fire"]
 
 FUEL_DIFFUSIVITY = 2.1e-5
 """Of methane in air at room temperature [m^2/s]; only cells of a few millimetres notice."""
-SOOT_ABSORPTION = 1500.0
-"""Absorption coefficient of soot per share of volume and temperature [1/(m K)]: 1200 to 1800 for soot of most fuels (de Ris 1979)."""
-SOOT_SOLID = 1800.0
-"""Density of soot itself [kg/m^3]."""
-SHARE = 0.5
-"""Own choice: most volume that burning makes per volume in a step."""
 
 
 class Fire:
@@ -52,12 +46,14 @@ class Fire:
         flame.mixing = min(times)
         flame.ambient, flame.density, flame.capacity = air
         flame.absorption = SOOT_ABSORPTION / SOOT_SOLID
-        self.longest = SHARE * math.prod(air) / flame.greatest
-        """Longest step: no cell makes more than a share of its volume [s]."""
+        self.longest = longest_burning(cell, air[0])
+        """Longest step [s]."""
         self.spark = run.upload("gas/spark", np.zeros(elements, np.float32), wp.float32)
         self.power = run.upload("gas/power", np.zeros((elements, 2), np.float32), wp.vec2)
         """Released and radiated in the last step [W/m^3]."""
         self._sums = wp.zeros((2, -(-elements // run.block)), dtype=wp.float64, device=run.device)
+        self.last = (0.0, 0.0)
+        """Released and radiated in the last step [J]."""
         self.released = 0.0
         """Heat of all fuel that has burnt [J]."""
         self.radiated = 0.0
@@ -71,5 +67,6 @@ class Fire:
         many = -(-self.elements // run.block)
         run(kernels.heats, many, [self.elements, run.block, room, self.power, self._sums], grain=16)
         made, lost = self._sums.numpy().sum(axis=1) * seconds * self.cell**3
-        self.released += float(made)
-        self.radiated += float(lost)
+        self.last = (float(made), float(lost))
+        self.released += self.last[0]
+        self.radiated += self.last[1]

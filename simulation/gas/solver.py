@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...physics.substances import AIR_HEAT_CAPACITY
 from ...worlds.arrays import F64
-from ...worlds.categories.gas.facts import SOURCE_SHARE, emissions_of, gas_of, grid_of
+from ...worlds.categories.gas.facts import SOURCE_SHARE, emissions_of, fuel_of, gas_of, grid_of, ignitions_of, lit
 from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
 from ...worlds.fields import fields_of
@@ -16,7 +17,7 @@ from ..boundaries import BodyState, Surround, surround_of
 from ..coupled_solver import CoupledSolver, motion_records
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
-from .engine import LIGHTNESS, PACKED, SOOT, Gas
+from .engine import FUEL, LIGHTNESS, PACKED, PRODUCT, SOOT, Gas
 from .obstacles import Obstacles
 from .settings import GasSettings
 from .solids import corners_of
@@ -30,6 +31,17 @@ __all__ = ["SolverGas"]
 
 VOLUME = 4
 """Place of the volume in what a border counts, after the four amounts."""
+
+
+FIRE_SUMS = (
+    "emitted_fuel",
+    "escaped_fuel",
+    "escaped_product",
+    "burnt_fuel",
+    "released_heat",
+    "made_soot",
+)
+"""Sums of a gas that burns."""
 
 
 class SolverGas(CoupledSolver):
@@ -58,17 +70,22 @@ class SolverGas(CoupledSolver):
         self._surround = surround_of(spec, self.built, domain_box(instance), 2.0 * self.grid.cell)
         self.obstacles = Obstacles(self._surround, self.grid)
         settings = instance.settings
+        self.fuel = fuel_of(self.physics)
         known = {n: getattr(settings, n) for n in GasSettings.__dataclass_fields__ if hasattr(settings, n)}
         self.engine = Gas(
-            self.grid.shape, self.grid.cell, settings.domain.sides, GasSettings(**known),
+            self.grid.shape, self.grid.cell, settings.domain.sides, GasSettings(**known, fuel=self.fuel),
             gravity=spec.simulation.gravity, solids=self.obstacles.start, moves=self.obstacles.moves, device=settings.device,
         )  # fmt: skip
         ambient = settings.ambient_temperature
         light = 1.0 - ambient / self.physics.temperature if settings.expands else self.physics.temperature / ambient - 1.0
-        self.content = np.array([light, self.physics.soot_density, 0.0, 0.0])
+        burns = 0.0 if self.fuel is None else self.physics.fuel_share * self.engine.density * (1.0 - light)
+        self.content = np.array([light, self.physics.soot_density, burns, 0.0])
         self.unit = np.array([self.engine.density * AIR_HEAT_CAPACITY * ambient, 1.0])
         """Heat of a unit of lightness and soot of a unit of soot, per volume."""
         self.emissions = {k: d for k, d in emissions_of(spec, self.name).items() if k not in self._done.without}
+        self.ignitions = {k: d for k, d in ignitions_of(spec, self.name).items() if k not in self._done.without}
+        self._lit = {k: lit(d, middles) for k, d in self.ignitions.items()}
+        self._sparks: tuple[str, ...] = ()
         self.fields = fields_of(spec, member, self._done.without)
         self._last_room = self.obstacles.start.room
         self._outer = self.grid.corner + self.grid.cell * self.engine.outer
@@ -118,6 +135,7 @@ class SolverGas(CoupledSolver):
             return StepReport.still(limit, self.surround)
         if self.fields:
             self._blow(time + 0.5 * limit)
+        self._ignite(time + 0.5 * limit)
         solids = self._move(bodies, limit)
         volume = sum(_made(d, time, time + limit) for d in self.emissions.values()) if self.share.any() else 0.0
         self.engine.emit(self.share * (volume / limit), self.content.tolist())
@@ -136,7 +154,23 @@ class SolverGas(CoupledSolver):
         ledger["escaped_soot"] += float(out[SOOT])
         ledger["volume_emitted"] += volume
         ledger["volume_escaped"] += float(out[VOLUME])
+        if self.engine.fire is not None and self.fuel is not None:
+            released, radiated = self.engine.fire.last
+            ledger["emitted_fuel"] += volume * float(self.content[FUEL])
+            ledger["escaped_fuel"] += float(out[FUEL])
+            ledger["escaped_product"] += float(out[PRODUCT])
+            ledger["burnt_fuel"] += released / self.fuel.heat
+            ledger["released_heat"] += released
+            ledger["made_soot"] += self.fuel.soot * released / self.fuel.heat
+            ledger["lost_heat"] += radiated
         return StepReport.still(limit, self.surround)
+
+    def _ignite(self, time: float) -> None:
+        """Light where ignitions do at a time."""
+        now = tuple(k for k, d in self.ignitions.items() if d.start <= time and (d.end is None or time < d.end))
+        if now != self._sparks:
+            self._sparks = now
+            self.engine.ignite(np.any([self._lit[k] for k in now], axis=0) if now else np.zeros(self.grid.shape))
 
     def _move(self, bodies: BodyState, seconds: float) -> Solids | None:
         """Where the bodies are after a step, if any moves; gas is then made in cells alone whose room stays."""
@@ -155,7 +189,7 @@ class SolverGas(CoupledSolver):
     def open_ledger(self) -> dict[str, Any]:
         """Sums since frame 0."""
         sums = ("emitted_soot", "escaped_soot", "emitted_heat", "escaped_heat", "lost_heat", "volume_emitted", "volume_escaped")
-        return dict.fromkeys(sums, 0.0)
+        return dict.fromkeys((*sums, *(FIRE_SUMS if self.fuel is not None else ())), 0.0)
 
     def open_tally(self) -> dict[str, Any]:
         """Sums of a frame."""
@@ -205,7 +239,9 @@ class SolverGas(CoupledSolver):
             "iterations": tally["iterations"],
             "capped": tally["capped"],
         }
+        burning = {} if self.fuel is None else self._burning(state)
         return {
+            **burning,
             "gas_corner": self.grid.corner,
             "gas_soot": state[..., SOOT].copy(),
             "gas_temperature": engine.temperature.astype(np.float32),
@@ -214,9 +250,21 @@ class SolverGas(CoupledSolver):
             **{f"record/{name}": np.float64(value) for name, value in records.items()},
         }
 
+    def _burning(self, state: NDArray[np.float32]) -> dict[str, Any]:
+        """Channels and records of the fire at the end of a frame."""
+        released, radiated = np.moveaxis(self.engine.power, -1, 0)
+        fuel = float(self.engine.totals()[FUEL]) * self.grid.cell**3
+        return {
+            "gas_fuel": state[..., FUEL].copy(),
+            "gas_product": state[..., PRODUCT].copy(),
+            "gas_released": released.copy(),
+            "gas_radiated": radiated.copy(),
+            "record/fuel_mass": np.float64(fuel),
+        }
+
     def driver_names(self) -> tuple[str, ...]:
-        """Its emissions."""
-        return tuple(self.emissions)
+        """Its emissions and ignitions."""
+        return (*self.emissions, *self.ignitions)
 
 
 def _made(driver: EmissionDriver, start: float, end: float) -> float:

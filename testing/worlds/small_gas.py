@@ -1,11 +1,15 @@
-"""A small world with gas: smoke that rises past a plate in a room of a metre."""
+"""Small worlds with gas: smoke or a fire under a plate in a room of a metre."""
 
 from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["SMOKE_PROMPT", "smoke_spec", "stirred_spec"]
+from ...physics.combustion import FUELS
+from ...physics.substances import air_density
 
+__all__ = ["FIRE_PROMPT", "SMOKE_PROMPT", "fire_spec", "smoke_spec", "stirred_spec"]
+
+FIRE_PROMPT = "A fire burns in a bowl on the floor under a plate, and it goes out."
 SMOKE_PROMPT = "Smoke rises from a bowl on the floor and spreads under a plate."
 WIDE, HIGH = 0.8, 1.2
 """Of the room [m]."""
@@ -89,5 +93,30 @@ def stirred_spec(*, frames: int = 25, **changes: Any) -> dict[str, Any]:
     spec["simulation"]["drivers"] |= {
         "push": {"kind": "path", "entity": "plate", "keys": keys},
         "wind": {"kind": "field", "field": wind, "rise": 0.1},
+    }
+    return spec
+
+
+def fire_spec(
+    *, frames: int = 37, resolution: float = 0.05, power: float = 2.0e4, fuel: str = "wood", **changes: Any
+) -> dict[str, Any]:
+    """The same room with a fire in the bowl, lit for the first tenth of a second, whose fuel ends a third before the last frame.
+
+    Args:
+        frames: at 24 per second.
+        resolution: of the gas [m].
+        power: of all fuel that comes [W].
+        fuel: what burns.
+    """
+    spec = smoke_spec(frames=frames, resolution=resolution, **changes)
+    own = FUELS[fuel]
+    hot = {"category": "gas", "temperature": 500.0, "soot_density": 0.0, "resolution": resolution, "fuel": fuel}
+    spec["title"] = "fire under a plate"
+    spec["entities"]["smoke"] |= {"role": "fire in a bowl", "physics": hot}
+    rate = power / own.heat / air_density(500.0)
+    last = round(2 * (frames - 1) / 3) / 24
+    spec["simulation"]["drivers"] = {
+        "fire": {"kind": "emission", "entity": "smoke", "rate": rate, "end": last},
+        "spark": {"kind": "ignition", "entity": "smoke", "center": [0, 0, 0.1], "radius": 0.15, "end": 0.1},
     }
     return spec

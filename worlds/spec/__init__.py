@@ -4,7 +4,7 @@ from ..categories.cloth.models import ClothInstance, ClothPhysics, ClothPin, Clo
 from ..categories.domains import SidedDomain
 from ..categories.elastic.models import ElasticPhysics, Pin
 from ..categories.fracture.models import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
-from ..categories.gas.models import EmissionDriver, GasInstance, GasPhysics, GasSettings
+from ..categories.gas.models import EmissionDriver, GasInstance, GasPhysics, GasSettings, IgnitionDriver
 from ..categories.liquid.models import (
     Current,
     DfsphInstance,
@@ -147,6 +147,7 @@ __all__ = [
     "GlassPattern",
     "HeightField",
     "HingeJoint",
+    "IgnitionDriver",
     "InflowDriver",
     "Interacts",
     "Joint",

@@ -29,15 +29,16 @@ TINY = 1e-12
 
 
 def declared(box: GasBox) -> dict[str, F64]:
-    """Volume [m^3], soot [kg] and heat [J] that drivers let out since frame 0, each shape (frames,)."""
+    """Volume [m^3], soot [kg], heat [J] and tracer [kg] that drivers let out since frame 0, each shape (frames,)."""
     times = box.duration * np.arange(box.frames)
-    found = {name: np.zeros(box.frames) for name in ("volume", "soot", "heat")}
+    found = {name: np.zeros(box.frames) for name in ("volume", "soot", "heat", "tracer")}
     for source in box.sources:
         volume = np.array([source.emitted(t) for t in times])
         physics = box.physics(source.entity)
         found["volume"] += volume
         found["soot"] += volume * physics.soot_density
         found["heat"] += volume * box.joule * float(box.lightness_at(physics.temperature))
+        found["tracer"] += volume * box.source_tracer(source.entity)
     return found
 
 
@@ -61,16 +62,23 @@ class Books:
         box = self.box
         soot, heat = np.array(self.soot), np.array(self.heat)
         given = declared(box)
-        scale_soot, scale_heat = (_scale(a, given[n]) for a, n in ((soot, "soot"), (heat, "heat")))
+        made, burnt = box.burnt("made_soot"), self._burnt()
+        scale_soot, scale_heat = (_scale(a, given[n] + m) for a, n, m in ((soot, "soot", made), (heat, "heat", burnt)))
         came = {n: box.record(r) for n, r in (("volume", "volume_emitted"), ("soot", "emitted_soot"), ("heat", "emitted_heat"))}
         return {
             "emitted": self._emitted(given, came),
             "records": self._records({"soot_mass": (soot, scale_soot), "heat": (heat, scale_heat)}),
-            "soot": self._balance("soot", "kg", soot, came["soot"], box.record("escaped_soot"), scale_soot),
+            "soot": self._balance("soot", "kg", soot, came["soot"] + made, box.record("escaped_soot"), scale_soot),
             "heat": self._balance(
-                "heat", "J", heat, came["heat"], box.record("escaped_heat") + box.record("lost_heat"), scale_heat
+                "heat", "J", heat, came["heat"] + burnt, box.record("escaped_heat") + box.record("lost_heat"), scale_heat
             ),
         }
+
+    def _burnt(self) -> F64:
+        """Heat that burning has added since frame 0 [J], shape (frames,)."""
+        box = self.box
+        soot = 0.0 if box.combustion is None else box.combustion.soot_heat
+        return box.burnt("released_heat") + soot * box.burnt("made_soot")
 
     def _emitted(self, given: dict[str, F64], came: dict[str, F64]) -> Finding:
         units = {"volume": "m^3", "soot": "kg", "heat": "J"}

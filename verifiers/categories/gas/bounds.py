@@ -25,6 +25,15 @@ PROJECTED = 1e-4
 ENERGY = 0.1
 """[1] Own choice: of the energy in play, by which motion may exceed what buoyancy, sources and inflow give; velocities at the middles of
 cells are means of those of their faces."""
+BURNT = 1e-3
+"""[1] Of the fuel that was emitted: single precision of the cells, summed over all steps."""
+RELEASED = 0.05
+"""[1] Own choice: of all heat, by which the power of the frames may differ from what is recorded, beyond half its change between two frames:
+flames flicker between them."""
+FLAMES = 1e-3
+"""[1] Own choice: share of the heat of a frame that may be released where no flame can be."""
+RADIATED = 0.02
+"""[1] Own choice: of the greatest power of a cell, that may be radiated by nothing or kept that is radiated."""
 CUT = 0.05
 """[1] Own choice: optical depth across the smoke at an open side from which on one sees it end there; an eye sees a contrast of 0.02 to 0.05."""
 CROPPED = 0.5

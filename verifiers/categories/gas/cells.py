@@ -12,12 +12,26 @@ from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 
-__all__ = ["WHOLE", "Cells", "GasFrame", "Mask"]
+__all__ = ["WHOLE", "Cells", "FireCells", "GasFrame", "Mask"]
 
 WHOLE = 0.999
 """[1] Room of a cell that no body cuts; the rest is rounding of bodies whose sides are those of cells."""
 Cells: TypeAlias = NDArray[np.float32]
 Mask: TypeAlias = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class FireCells:
+    """What burns in all cells of one frame; arrays are (nx, ny, nz)."""
+
+    fuel: Cells
+    """[kg/m^3] Not burnt yet."""
+    product: Cells
+    """[kg/m^3]"""
+    released: Cells
+    """[W/m^3] In the last step before the frame."""
+    radiated: Cells
+    """[W/m^3] The same."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +51,8 @@ class GasFrame:
     """At the middles of cells [m/s], shape (nx, ny, nz, 3)."""
     room: Cells
     """[1] Open share of a cell."""
+    fire: FireCells | None = None
+    """None of a gas without fuel."""
 
     @cached_property
     def open(self) -> Mask:

@@ -14,6 +14,7 @@ from ..container import rows_about
 from .books import Books
 from .escapes import Escapes
 from .fate import Fate
+from .fires import Fires
 from .flow import Flow
 from .frames import box_of
 from .limits import Limits
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["WATCHES", "category_rows", "numerical_rows"]
 
-WATCHES: tuple[type[Watch], ...] = (Numbers, Books, Escapes, Transport, Limits, Flow, Places, Fate)
+WATCHES: tuple[type[Watch], ...] = (Numbers, Books, Escapes, Transport, Limits, Flow, Places, Fires, Fate)
 """All families, in the order of their rows."""
 
 

@@ -43,8 +43,10 @@ class Escapes:
         """Findings on the two questions by name."""
         given = declared(self.box)
         return {
-            "escape": self._judged(0, "soot", "kg", self.box.record("escaped_soot"), given["soot"]),
-            "escape_heat": self._judged(1, "heat", "J", self.box.record("escaped_heat"), given["heat"]),
+            "escape": self._judged(0, self.box.carries, "kg", self.box.escaped_tracer(), given["tracer"]),
+            "escape_heat": self._judged(
+                1, "heat", "J", self.box.record("escaped_heat"), given["heat"] + self.box.burnt("released_heat")
+            ),
         }
 
     def _judged(self, n: int, name: str, unit: str, recorded: F64, given: F64) -> Finding:

@@ -107,7 +107,7 @@ def fills(scope: Scope, p: VesselEvent) -> Outcome:
     if isinstance(box, str):
         return no_gas(scope, p.entity, "1", box)
     vessel = vessel_of(scope.candidate, p.other, box.up)
-    least = FILLED * float(box.physics(p.entity).soot_density)
+    least = FILLED * box.dark(p.entity)
     share = np.zeros(scope.length)
     for i, index in enumerate(range(scope.frames[0], scope.frames[1] + 1)):
         frame = box.read(index)

@@ -62,6 +62,14 @@ def net_outflow(velocity: F64, cell: float) -> F64:
     return total
 
 
+def blurred(values: F64) -> F64:
+    """Means of inner cells and their neighbours, weighted 1, 2, 1 along each axis, shape (nx - 2, ny - 2, nz - 2)."""
+    for axis in range(3):
+        low, middle, high = (_part(values, axis, k) for k in range(3))
+        values = 0.25 * (low + 2.0 * middle + high)
+    return values
+
+
 def _part(array: F64, axis: int, start: int) -> F64:
     """All but two cells along an axis, from one on."""
     count = array.shape[axis] - 2
@@ -90,7 +98,7 @@ class Flow:
         from scipy.ndimage import minimum_filter
 
         box = self.box
-        net = net_outflow(mirrored(now.velocity, box.sides), box.cell)
+        net = net_outflow(mirrored(now.velocity, box.sides), box.cell) - self._asked(now)
         free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf)
         whole = minimum_filter(free, size=5, mode="nearest") & np.isfinite(net)
         calm = whole & ~np.any([s.cells(now.centers, 2.0 * box.cell) for s in box.sources], axis=0)
@@ -104,10 +112,15 @@ class Flow:
         self.short.append(max([0.0, *(self._outflow(now, net, whole, s) for s in box.sources)]))
         self._work(now)
 
+    def _asked(self, now: GasFrame) -> F64:
+        """Net outflow that the heat of fire asks for [1/s], weighted as `net_outflow` is."""
+        return blurred(np.pad(self.box.heating(now) / self.box.joule, 1, mode="edge"))
+
     @property
     def _heats(self) -> bool:
-        """True where gas heats or cools the air about it."""
-        return bool(self.box.expands and self.box.settings.diffusivity > 0.0) or bool(self.box.record("lost_heat").any())
+        """True where gas heats or cools the air about it, by what no frame tells."""
+        lost = self.box.combustion is None and bool(self.box.record("lost_heat").any())
+        return bool(self.box.expands and self.box.settings.diffusivity > 0.0) or lost
 
     def _outflow(self, now: GasFrame, net: F64, whole: Mask, source: Source) -> float:
         """Difference of the outflow of a box about a source from its rate, over that; 0 where bodies or other sources are about it."""
@@ -135,7 +148,18 @@ class Flow:
             near = source.cells(now.centers, box.cell)
             blown = float(now.speed[near].max(initial=0.0))
             power += box.air * blown**2 * source.rate(max(0.0, time - 0.5 * box.duration))
+        power += self._spread(now)
         self.given.append(power + outflow(box, now).inward)
+
+    def _spread(self, now: GasFrame) -> float:
+        """Power of gas that fire makes swell or shrink, at the pressure of the fastest gas about it [W]."""
+        from scipy.ndimage import maximum_filter
+
+        box = self.box
+        if box.combustion is None:
+            return 0.0
+        made = np.abs(box.heating(now)) / box.joule * now.room * box.volume
+        return float(box.air * np.sum(made * np.square(maximum_filter(now.speed, size=3).astype(np.float64))))
 
     def findings(self) -> dict[str, Finding]:
         """Findings on the four questions by name."""

@@ -11,11 +11,12 @@ import numpy as np
 from ....physics.gases import mass_extinction
 from ....physics.substances import AIR_HEAT_CAPACITY, air_density
 from ....worlds.arrays import F64
-from ....worlds.categories.gas.facts import grid_of
+from ....worlds.categories.gas.facts import fuel_of, grid_of
 from ....worlds.errors import EvidenceError, NotFiniteError
 from ...rows.findings import cache_of
 from .bodies import Bodies
-from .cells import GasFrame
+from .cells import FireCells, GasFrame
+from .combustion import Combustion
 from .sources import Source, sources_of
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["GasBox", "box_of"]
 
+FIRE = {"gas_fuel": 0, "gas_product": 0, "gas_released": 0, "gas_radiated": 0}
 CHANNELS = {"gas_soot": 0, "gas_temperature": 0, "gas_room": 0, "gas_velocity": 3}
 """Fields, and the components of each value; 0: a number."""
 KEPT_CELLS = 8_000_000
@@ -58,6 +60,10 @@ class GasBox:
         self.expands = bool(self.settings.expands)
         self.air = air_density(self.ambient)
         """Density of the ambient air [kg/m^3]."""
+        own = self.physics(self.members[0])
+        fuel = fuel_of(own)
+        self.combustion = None if fuel is None else Combustion(fuel, own.fuel_share, own.temperature, self.ambient, self.air)
+        """What may burn."""
         self._kept: dict[int, GasFrame] = {}
         self._room = KEPT_CELLS
 
@@ -75,6 +81,11 @@ class GasBox:
         """The bodies among the cells."""
         corners = np.array([self.read(k).corner for k in range(self.frames)])
         return Bodies(self.candidate, self.frames, corners.min(axis=0) - self.cell, corners.max(axis=0) + self.size + self.cell)
+
+    @property
+    def carries(self) -> str:
+        """What `tracer` is."""
+        return "soot" if self.combustion is None else "fuel, burnt or not,"
 
     @property
     def volume(self) -> float:
@@ -110,6 +121,48 @@ class GasBox:
         """Enthalpy above that of ambient air in the box [J]."""
         return self.joule * self.volume * float(np.sum(self.lightness(frame) * frame.room))
 
+    def tracer(self, frame: GasFrame) -> F64:
+        """What flow alone moves [kg/m^3]: soot, or fuel burnt or not."""
+        if self.combustion is None or frame.fire is None:
+            return frame.soot.astype(np.float64)
+        return self.combustion.atoms(frame.fire)
+
+    def concentration(self, frame: GasFrame) -> F64:
+        """What neither flow nor burning raises: soot [kg/m^3], or the mass of fuel, burnt or not, in a mass of gas."""
+        found = self.tracer(frame)
+        return found if self.combustion is None else np.where(frame.open, found / self.density(frame), 0.0)
+
+    def source_tracer(self, member: str) -> float:
+        """`tracer` of what a source lets out [kg/m^3]."""
+        physics = self.physics(member)
+        if self.combustion is None:
+            return float(physics.soot_density)
+        return self.combustion.share * self.air * (1.0 - float(self.lightness_at(physics.temperature)))
+
+    def source_concentration(self, member: str) -> float:
+        """`concentration` of what a source lets out."""
+        return float(self.physics(member).soot_density) if self.combustion is None else self.combustion.share
+
+    def dark(self, member: str) -> float:
+        """Soot of a source [kg/m^3], and of a fire what burning adds at most."""
+        return float(self.physics(member).soot_density) + (0.0 if self.combustion is None else self.combustion.sootiest)
+
+    def heating(self, frame: GasFrame) -> F64:
+        """Heat that fire gives to the gas, less what is radiated [W/m^3]."""
+        if frame.fire is None:
+            return np.zeros(self.shape)
+        return frame.fire.released.astype(np.float64) - frame.fire.radiated.astype(np.float64)
+
+    def burnt(self, name: str) -> F64:
+        """Record of a fire over the frames, shape (frames,); 0 of a gas without fuel."""
+        return np.zeros(self.frames) if self.combustion is None else self.record(name)
+
+    def escaped_tracer(self) -> F64:
+        """`tracer` that is recorded to have left through open sides since frame 0 [kg], shape (frames,)."""
+        if self.combustion is None:
+            return self.record("escaped_soot")
+        return self.record("escaped_fuel") + self.record("escaped_product") / self.combustion.product
+
     def density(self, frame: GasFrame) -> F64:
         """Of the gas that moves [kg/m^3]."""
         return self.air * (1.0 - self.lightness(frame)) if self.expands else np.full(frame.soot.shape, self.air)
@@ -129,8 +182,9 @@ class GasBox:
         return self._kept[index]
 
     def _read(self, index: int) -> GasFrame:
-        data = self.cache.read(index, ("gas_corner", *CHANNELS))
-        for name, width in CHANNELS.items():
+        fields = CHANNELS if self.combustion is None else {**CHANNELS, **FIRE}
+        data = self.cache.read(index, ("gas_corner", *fields))
+        for name, width in fields.items():
             wanted = (*self.shape, width) if width else self.shape
             if data[name].shape != wanted:
                 raise EvidenceError(
@@ -138,8 +192,10 @@ class GasBox:
                 )
             if not np.isfinite(data[name]).all():
                 raise NotFiniteError(f"{name} is not finite at frame {index}; see numerical:finite")
+        fire = None if self.combustion is None else FireCells(*(data[n] for n in FIRE))
         return GasFrame(
-            index, self.cell, np.asarray(data["gas_corner"], dtype=np.float64), *(data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room"))
+            index, self.cell, np.asarray(data["gas_corner"], dtype=np.float64),
+            *(data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room")), fire,
         )  # fmt: skip
 
     def steps(self) -> Iterator[tuple[GasFrame, GasFrame | None]]:

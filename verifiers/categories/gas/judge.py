@@ -53,7 +53,7 @@ class GasJudge(Loose):
     def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
         """Cells with the soot that they hold at every frame; of clear gas, with the air that it displaces."""
         box = box_of(candidate, solver)
-        clear = box.physics(box.members[row]).soot_density <= 0.0
+        clear = box.dark(box.members[row]) <= 0.0
         for index in range(box.frames):
             frame = box.read(index)
             amount = box.air * np.abs(box.lightness(frame)) if clear else frame.soot.astype(np.float64)

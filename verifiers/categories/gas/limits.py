@@ -1,4 +1,4 @@
-"""Bounds that no gas leaves without fire: temperatures between those of air and sources, soot between none and that of a source (R100)."""
+"""Bounds that no gas leaves: temperatures between those of air, sources and flames, soot between none and what sources and fire make (R100)."""
 
 from __future__ import annotations
 
@@ -30,9 +30,13 @@ class Limits:
 
     def __init__(self, box: GasBox) -> None:
         self.box = box
-        light = [0.0, *(float(box.lightness_at(box.physics(m).temperature)) for m in box.members)]
-        self.light = (min(light), max(light))
-        self.most = max(float(box.physics(m).soot_density) for m in box.members)
+        known = [box.ambient, *(float(box.physics(m).temperature) for m in box.members)]
+        if box.combustion is not None:
+            known.append(box.combustion.hottest)
+        self.bounds = (min(known), max(known))
+        """Least and greatest temperature that can be [K]."""
+        self.light = (float(box.lightness_at(self.bounds[0])), float(box.lightness_at(self.bounds[1])))
+        self.most = max(box.dark(m) for m in box.members)
         self.start = 0.0
         self.warm: list[float] = []
         self.thick: list[float] = []
@@ -60,7 +64,7 @@ class Limits:
     def findings(self) -> dict[str, Finding]:
         """Findings on the two questions by name."""
         box, warm, thick = self.box, np.array(self.warm), np.array(self.thick)
-        low, high = box.ambient, max([box.ambient, *(box.physics(m).temperature for m in box.members)])
+        low, high = self.bounds
 
         def heat(frame: int | None) -> str:
             head = f"temperatures lie between {self.range[0]:.5g} K and {self.range[1]:.5g} K"

@@ -1,4 +1,4 @@
-"""Soot and heat that the velocities of a frame carry through the open sides of the box.
+"""Soot, or fuel burnt or not, and heat that the velocities of a frame carry through the open sides of the box.
 
 A side's speed is not in a frame: the velocity at the middle of a cell is the mean of those of its faces, so that of the side follows from
 the outermost two cells. How far it is from that of the outermost cell alone is left open, as `doubt`.
@@ -23,7 +23,7 @@ NAMES = ("-x", "+x", "-y", "+y", "-z", "+z")
 
 
 class Outflow(NamedTuple):
-    """Per quantity, soot [kg/s] and heat [W], and of motion [W]."""
+    """Per quantity, tracer [kg/s] and heat [W], and of motion [W]."""
 
     rate: F64
     """Shape (2,)."""
@@ -45,7 +45,7 @@ def layer(array: Any, side: int, depth: int = 0) -> F64:
 
 def outflow(box: GasBox, frame: GasFrame) -> Outflow:
     """Flow through the open sides at a frame."""
-    light, area = box.lightness(frame), box.cell**2
+    light, traced, area = box.lightness(frame), box.tracer(frame), box.cell**2
     centers, density = frame.centers, box.density(frame)
     rate, doubt, moment, sides, inward = np.zeros(2), np.zeros(2), np.zeros((2, 3)), np.zeros((6, 2)), 0.0
     for side in (s for s in range(6) if box.sides[s] == "open"):
@@ -55,7 +55,7 @@ def outflow(box: GasBox, frame: GasFrame) -> Outflow:
         out = np.where(layer(frame.room, side, 1) > 0.0, near + 0.5 * (near - far), near)
         place = layer(centers, side)
         place[..., axis] += 0.5 * sign * box.cell
-        for n, amount in enumerate((layer(frame.soot, side), box.joule * layer(light, side))):
+        for n, amount in enumerate((layer(traced, side), box.joule * layer(light, side))):
             through = np.maximum(out, 0.0) * amount * room * area
             sides[side, n] = through.sum()
             doubt[n] += abs(float(through.sum() - (np.maximum(near, 0.0) * amount * room * area).sum()))

@@ -61,7 +61,7 @@ class Places:
 
     def _inside(self, now: GasFrame, depth: F64) -> None:
         box = self.box
-        most = max([TINY, *(float(box.physics(m).soot_density) for m in box.members)])
+        most = max([TINY, *(box.dark(m) for m in box.members)])
         span = max([TINY, *(abs(float(box.lightness_at(box.physics(m).temperature))) for m in box.members)])
         light = np.abs(box.lightness_at(np.maximum(now.temperature, 1e-3)))
         share = np.where(~now.open | (depth > HALF_DIAGONAL * box.cell), np.maximum(np.abs(now.soot) / most, light / span), 0.0)

@@ -187,7 +187,7 @@ def gas_arrives(scope: Scope, predicate: SpecModel) -> Outcome:
     found = _measured(scope, p.entity, measure)
     assert not isinstance(found, str)
     value = np.maximum.accumulate(found)
-    least = p.min_density if p.min_density is not None else ARRIVED * float(box.physics(p.entity).soot_density)
+    least = p.min_density if p.min_density is not None else ARRIVED * box.dark(p.entity)
     if least <= 0.0:
         raise EvidenceError(
             f"{p.entity!r} carries no soot by which it could be told; give it soot_density, or ask gas_temperature_in"

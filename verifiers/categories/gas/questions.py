@@ -6,7 +6,7 @@ from ...rows.questions import Question, by_name
 from ..questions import COUNTERS, FINITE, ITERATIONS, SPEED
 from .bounds import ACROSS, CUT
 
-__all__ = ["BOOKS", "ESCAPES", "FATE", "FLOW", "LIMITS", "NUMBERS", "PLACES", "QUESTIONS", "TRANSPORT"]
+__all__ = ["BOOKS", "ESCAPES", "FATE", "FIRES", "FLOW", "LIMITS", "NUMBERS", "PLACES", "QUESTIONS", "TRANSPORT"]
 
 
 def _asked(
@@ -89,14 +89,14 @@ TRANSPORT = by_name(
 LIMITS = by_name(
     _asked(
         "temperature",
-        "without fire no gas is colder than the ambient air or hotter than a source",
+        "no gas is colder than the ambient air or hotter than a source or the hottest flame",
         "largest excess or lack over the excess of the hottest source",
         "1",
         "WARM",
     ),
     _asked(
         "dense",
-        "soot is never negative and never denser than at a source",
+        "soot is never negative and never denser than at a source, or than burning leaves it",
         "largest excess or lack over the soot at a source",
         "1",
         "SEEP",
@@ -105,7 +105,7 @@ LIMITS = by_name(
 FLOW = by_name(
     _asked(
         "divergence",
-        "where nothing emits or heats, as much flows into a cell as out of it",
+        "where nothing emits, as much flows into a cell as out of it, but for the room that fire makes",
         "largest net outflow of a cell and its neighbours per cell, over the largest speed",
         "1",
         "DIVERGENT",
@@ -169,6 +169,58 @@ PLACES = by_name(
     ),
 )
 
+FIRES = by_name(
+    _asked(
+        "fuel",
+        "fuel in the box and what left it, burnt or not, is what was emitted, at every frame",
+        "largest fuel that is missing or too much, over what was emitted",
+        "1",
+        "BOOKS",
+    ),
+    _asked(
+        "burnt",
+        "heat and soot are those of the fuel that is neither in the box nor left it",
+        "largest difference in fuel, over what was emitted",
+        "1",
+        "BURNT",
+    ),
+    _asked(
+        "released",
+        "recorded heat of flames and light is that of the cells that burn at the frames",
+        "difference beyond what lies between frames, over all heat",
+        "1",
+        "RELEASED",
+    ),
+    _asked(
+        "flames",
+        "flames are where fuel is, and heat or a spark, and give no more than flames do",
+        "share of the heat that is released elsewhere",
+        "1",
+        "FLAMES",
+    ),
+    _asked(
+        "lit",
+        "what burns was reached by a spark or by gas that was hot enough a frame ago",
+        "share of the heat that is released elsewhere",
+        "1",
+        "FLAMES",
+    ),
+    _asked(
+        "oxygen",
+        "fuel and products in a cell are part of its gas",
+        "largest excess or lack over the gas of the cell",
+        "1",
+        "SEEP",
+    ),
+    _asked(
+        "radiated",
+        "what is radiated is the share that flames radiate, or what hot soot does",
+        "largest excess or lack over the greatest power of a cell",
+        "1",
+        "RADIATED",
+    ),
+)
+
 FATE = by_name(
     _asked(
         "fate",
@@ -180,4 +232,4 @@ FATE = by_name(
     ),
 )
 
-QUESTIONS = tuple(q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FATE) for q in group.values())
+QUESTIONS = tuple(q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, FATE) for q in group.values())

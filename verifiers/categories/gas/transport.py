@@ -14,9 +14,10 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ...rows.findings import Finding
-from .bounds import COURSE, REACH, SEEP
+from .bounds import COURSE, SEEP
 from .outflow import outflow
 from .questions import TRANSPORT
+from .reach import reach_of, within_reach
 from .rows import kept_within, recomputed
 
 if TYPE_CHECKING:
@@ -32,34 +33,6 @@ __all__ = ["Transport"]
 TINY = 1e-12
 OUTLET = 0.25
 """[cells] How well points in a source tell where on the cells the middle of what it lets out is."""
-
-
-def within_reach(values: F64, way: F64, walls: tuple[Mask, Mask, Mask], beyond: tuple[float, ...]) -> F64:
-    """Greatest value within the reach of every cell, by ways through open faces.
-
-    Args:
-        values: (nx, ny, nz).
-        way: (nx, ny, nz) reach of each cell, in cells along each axis.
-        walls: faces between neighbours that nothing passes, along each axis.
-        beyond: value beyond each of the six sides.
-    """
-    grown = values.copy()
-    for step in range(1, min(int(np.ceil(float(way.max(initial=0.0)))), max(values.shape)) + 1):
-        wider = grown.copy()
-        for axis in range(3):
-            wider = _wider(wider, axis, walls[axis], beyond[2 * axis : 2 * axis + 2])
-        grown = np.where(way >= step, wider, grown)
-    return grown
-
-
-def _wider(values: F64, axis: int, walls: Mask, beyond: tuple[float, ...]) -> F64:
-    """Greatest value of every cell and its two neighbours along an axis."""
-    count = values.shape[axis]
-    low, high = (np.take(values, range(k, k + count - 1), axis=axis) for k in (0, 1))
-    ends = [np.full_like(np.take(values, [0], axis=axis), b) for b in beyond]
-    from_low = np.concatenate([ends[0], np.where(walls, -np.inf, low)], axis=axis)
-    from_high = np.concatenate([np.where(walls, -np.inf, high), ends[1]], axis=axis)
-    return np.asarray(np.maximum(values, np.maximum(from_low, from_high)))
 
 
 class Transport:
@@ -84,22 +57,16 @@ class Transport:
         self.flow = flow
 
     def _reached(self, now: GasFrame, before: GasFrame) -> None:
-        from scipy.ndimage import maximum_filter
-
-        box = self.box
-        speed = np.maximum(now.speed, before.speed)
-        far = min(int(np.ceil(float(speed.max()) * box.duration / box.cell)) + 1, max(box.shape))
-        way = maximum_filter(speed, size=2 * far + 1, mode="nearest") * (box.duration / box.cell) + REACH
-        walls = _walls(now, before, box.bodies.blocked(now), box.bodies.blocked(before))
+        box, (way, walls) = self.box, reach_of(self.box, now, before)
         lit = _emitting(box, now)
-        most = max((box.physics(s.entity).soot_density for s in box.sources), default=0.0)
-        scale = max(most, float(before.soot.max()), TINY)
-        upper, lower = before.soot.astype(np.float64), -before.soot.astype(np.float64)
+        most = max((box.source_concentration(s.entity) for s in box.sources), default=0.0)
+        upper = box.concentration(before)
+        scale, lower = max(most, float(upper.max()), TINY), -upper
         for cells, source in lit:
             upper, lower = (np.where(cells, np.maximum(a, s), a) for a, s in ((upper, source), (lower, -source)))
         highest = within_reach(upper, way, walls, (0.0,) * 6)
         lowest = -within_reach(lower, way, walls, tuple(0.0 if s == "open" else -np.inf for s in box.sides))
-        soot = np.where(now.open, now.soot, np.nan).astype(np.float64)
+        soot = np.where(now.open, box.concentration(now), np.nan)
         for name, kept, excess in (("continuity", self.over, soot - highest), ("gaps", self.under, lowest - soot)):
             excess = np.where(np.isfinite(excess), excess, 0.0)
             kept.append(max(0.0, float(excess.max())) / scale)
@@ -108,23 +75,33 @@ class Transport:
 
     def _carried(self, n: int, now: GasFrame, before: GasFrame, flow: Outflow, last: Outflow) -> float:
         """Difference of the way of the middle over that of the velocities."""
-        box, step = self.box, self.box.duration
+        box, step, middle = self.box, self.box.duration, now.corner + 0.5 * self.box.size
         (new, new_rate, new_path), (old, old_rate, old_path) = (_moments(box, f, n) for f in (now, before))
         came, loose = np.zeros(3), 0.0
         times = step * np.array([before.index, now.index])
         for source in box.sources:
             volume = source.emitted(times[1]) - source.emitted(times[0])
             physics = box.physics(source.entity)
-            content = physics.soot_density if n == 0 else box.joule * float(box.lightness_at(physics.temperature))
-            came += volume * content * source.outlet(now.corner, box.cell, now.room)
+            content = box.source_tracer(source.entity) if n == 0 else box.joule * float(box.lightness_at(physics.temperature))
+            came += volume * content * (source.outlet(now.corner, box.cell, now.room) - middle)
             loose += abs(volume * content) * OUTLET * box.cell
-        predicted = 0.5 * step * (new_rate + old_rate) + came - 0.5 * step * (flow.moment[n] + last.moment[n])
+        hot = self._heated(now, before) if n == 1 else (np.zeros(3), 0.0)
+        came, loose = came + hot[0], loose + hot[1]
+        predicted = 0.5 * step * (new_rate + old_rate) + came - 0.5 * step * (_about(flow, n, middle) + _about(last, n, middle))
         doubt = loose + 0.5 * step * float(np.linalg.norm(new_rate - old_rate))
         reach = float(np.linalg.norm(0.5 * box.size))
         doubt += 0.5 * step * reach * float(abs(flow.rate[n] - last.rate[n]) + flow.doubt[n] + last.doubt[n])
         path = 0.5 * step * (new_path + old_path)
         self.parts = (new - old, predicted, doubt, path)
         return max(0.0, float(np.linalg.norm(new - old - predicted)) - doubt) / max(path, TINY)
+
+    def _heated(self, now: GasFrame, before: GasFrame) -> tuple[F64, float]:
+        """Moment of the heat that fire gave over a frame by its power at both ends [J m], and how far that may be off."""
+        box, middle = self.box, now.corner + 0.5 * self.box.size
+        (new, old) = (box.heating(f) * f.room * box.volume for f in (now, before))
+        arm = now.centers - middle
+        gave = 0.5 * box.duration * np.tensordot(new + old, arm, axes=3)
+        return gave, 0.5 * box.duration * float(np.linalg.norm(np.tensordot(new - old, arm, axes=3)))
 
     def findings(self) -> dict[str, Finding]:
         """Findings on the three questions by name."""
@@ -155,29 +132,24 @@ class Transport:
         }
 
 
-def _walls(now: GasFrame, before: GasFrame, *blocked: tuple[Mask, Mask, Mask]) -> tuple[Mask, Mask, Mask]:
-    """Faces between neighbours that nothing passed over the frame: in bodies at both ends of it, or beside a cell that stayed closed."""
-    shut = ~(now.open | before.open)
-    found = []
-    for axis in range(3):
-        count = shut.shape[axis] - 1
-        low, high = (np.take(shut, range(k, k + count), axis=axis) for k in (0, 1))
-        found.append(low | high | (blocked[0][axis] & blocked[1][axis]))
-    return found[0], found[1], found[2]
-
-
 def _emitting(box: GasBox, now: GasFrame) -> list[tuple[Mask, float]]:
     """Cells about every source that let gas out over the frame, with its soot."""
     end = box.duration * now.index
     return [
-        (source.cells(now.centers, box.cell), float(box.physics(source.entity).soot_density))
+        (source.cells(now.centers, box.cell), box.source_concentration(source.entity))
         for source in box.sources
         if source.emitted(end) > source.emitted(end - box.duration)
     ]
 
 
+def _about(flow: Outflow, n: int, middle: F64) -> F64:
+    """Moment of what leaves about a place [kg m/s or W m]."""
+    return np.asarray(flow.moment[n] - flow.rate[n] * middle)
+
+
 def _moments(box: GasBox, frame: GasFrame, n: int) -> tuple[F64, F64, float]:
-    """First moment of soot or heat [kg m or J m], its rate by the velocities, and the length of the way that they carry in a second."""
-    amount: F64 = (frame.soot.astype(np.float64) if n == 0 else box.joule * box.lightness(frame)) * frame.room * box.volume
+    """First moment of tracer or heat about the middle of the box [kg m or J m], its rate by the velocities, and the length of the way that they carry in a second."""
+    amount: F64 = (box.tracer(frame) if n == 0 else box.joule * box.lightness(frame)) * frame.room * box.volume
     rate = np.tensordot(amount, frame.velocity.astype(np.float64), axes=3)
-    return np.tensordot(amount, frame.centers, axes=3), rate, float(np.sum(np.abs(amount) * frame.speed))
+    middle = frame.corner + 0.5 * box.size
+    return np.tensordot(amount, frame.centers - middle, axes=3), rate, float(np.sum(np.abs(amount) * frame.speed))

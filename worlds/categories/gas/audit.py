@@ -11,10 +11,10 @@ from ...extents import box_extent, initial_box
 from ...fields import Fields, acting_on, field_drivers
 from ...problems import Problem, removed, replaced
 from ..loose import ROUNDED, domain_box, told_box
-from .facts import LEAST_CELLS, LEAST_SOURCE, emissions_of, gas_of, grid_of
+from .facts import LEAST_CELLS, LEAST_SOURCE, emissions_of, fuel_of, gas_of, grid_of, ignitions_of
 
 if TYPE_CHECKING:
-    from ...spec import Entity, FieldDriver, GasInstance, GasPhysics, WorldSpec
+    from ...spec import Entity, FieldDriver, GasInstance, GasPhysics, IgnitionDriver, WorldSpec
 
 __all__ = ["gas_problems"]
 
@@ -66,6 +66,7 @@ def _instance(spec: WorldSpec, name: str, instance: GasInstance) -> Iterator[Pro
         return
     member, entity, physics = held
     yield from _source(spec, name, member, entity, physics)
+    yield from _burning(spec, name, member, physics, instance)
     yield from _blown(spec, member, instance)
     settings, hot = instance.settings, physics.temperature / instance.settings.ambient_temperature - 1.0
     if not settings.expands and abs(hot) > BOUSSINESQ:
@@ -112,13 +113,51 @@ def _source(spec: WorldSpec, name: str, member: str, entity: Entity, physics: Ga
         )
 
 
+def _burning(spec: WorldSpec, name: str, member: str, physics: GasPhysics, instance: GasInstance) -> Iterator[Problem]:
+    """Problems of a gas that may burn: it expands, and something lights it."""
+    fuel = fuel_of(physics)
+    if fuel is None:
+        return
+    if not instance.settings.expands:
+        place = f"/simulation/solvers/{name}/settings/expands"
+        yield Problem(place, f"{member!r} burns, and hot gas is light: let it expand", replaced(place, True))
+    if physics.temperature < fuel.ignition and not ignitions_of(spec, name):
+        source = initial_box(spec.entities[member])
+        middle = [0.0, 0.0, 0.0] if source is None else (0.5 * (source[0] + source[1])).round(4).tolist()
+        value = {"kind": "ignition", "entity": member, "center": middle, "radius": round(2.0 * physics.resolution, 6), "end": 1.0}
+        text = (
+            f"nothing lights {member!r}: it comes with {physics.temperature:g} K and burns by itself from {fuel.ignition:g} K on; add a driver "
+            "of kind 'ignition', or leave out fuel where it does not burn"
+        )
+        yield Problem("/simulation/drivers", text, {"op": "add", "path": f"/simulation/drivers/{member}-spark", "value": value})
+
+
+def _ignition(spec: WorldSpec, key: str, driver: IgnitionDriver, entity: Entity | None) -> Iterator[Problem]:
+    """Problems of one ignition."""
+    place = f"/simulation/drivers/{key}"
+    if entity is None:
+        return
+    if entity.physics.category != "gas" or entity.physics.fuel is None:
+        yield Problem(f"{place}/entity", f"ignition {key!r} lights {driver.entity!r}, which is no gas with a fuel; name one")
+        return
+    if not driver.start < (spec.simulation.frames - 1) / spec.simulation.fps:
+        yield Problem(f"{place}/start", f"ignition {key!r} starts at {driver.start:g} s, after the last frame")
+    for name, instance in spec.simulation.gas.items():
+        low, high = domain_box(instance)
+        if driver.entity in instance.members and not ((low <= driver.center) & (high >= driver.center)).all():
+            text = f"ignition {key!r} is at {list(driver.center)}, outside the box of the gas of {name!r} {told_box(low, high)}; move it into the gas"
+            yield Problem(f"{place}/center", text)
+
+
 def _drivers(spec: WorldSpec) -> Iterator[Problem]:
     emitting = set()
     for key, driver in spec.simulation.drivers.items():
         place = f"/simulation/drivers/{key}"
         entity = spec.entities.get(getattr(driver, "entity", "") or "")
         gas = entity is not None and entity.physics.category == "gas"
-        if driver.kind == "emission":
+        if driver.kind == "ignition":
+            yield from _ignition(spec, key, driver, entity)
+        elif driver.kind == "emission":
             emitting.add(driver.entity)
             if entity is not None and not gas:
                 yield Problem(f"{place}/entity", f"emission {key!r} makes {driver.entity!r}, which is no gas; name a gas")
@@ -127,7 +166,7 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
         elif gas:
             yield Problem(
                 place,
-                f"driver {driver.kind!r} cannot act on a gas; use emission, a field (wind), or a solid that moves it",
+                f"driver {driver.kind!r} cannot act on a gas; use emission, ignition, a field (wind), or a solid that moves it",
                 removed(place),
             )
     for name, entity in spec.entities.items():

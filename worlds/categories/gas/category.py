@@ -1,15 +1,15 @@
-"""Gases: smoke, steam, hot air."""
+"""Gases: smoke, steam, hot air, fire."""
 
 from __future__ import annotations
 
-from ...parameters import PHYSICS, SETTINGS, GroupInfo, parameters
+from ...parameters import DRIVER, PHYSICS, SETTINGS, GroupInfo, parameters
 from ..caps import GAS_CAPS
 from ..category import Audit, CategorySpec
 from ..shared import DOMAIN, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import gas_problems
-from .channels import CHANNELS, DIMENSIONS
+from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import gas_counts, gas_seconds
-from .models import EmissionDriver, GasInstance, GasPhysics
+from .models import EmissionDriver, GasInstance, GasPhysics, IgnitionDriver
 from .predicates import PREDICATES
 
 __all__ = ["GAS"]
@@ -17,18 +17,22 @@ __all__ = ["GAS"]
 GAS = CategorySpec(
     name="gas",
     shape=GasPhysics.shape,
-    covers="smoke, steam and hot air on a grid, which solids stand in the way of and wind blows; it pushes nothing",
+    covers="smoke, steam, hot air and fire on a grid, which solids stand in the way of and wind blows; it pushes nothing",
     physics=GasPhysics,
     instances=(GasInstance,),
-    drivers=(EmissionDriver,),
+    drivers=(EmissionDriver, IgnitionDriver),
     predicates=PREDICATES,
-    asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through or gas_clears of it; it rises, drifts, spreads, fills",
+    asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through, heat_release or gas_clears of it; it burns, rises, drifts, spreads, fills",
     meets=("rises", "drifts"),
     groups=(GroupInfo("gas", "solver", "viscosity, conduction, confinement and ambient temperature of gases"),),
     parameters=(
         *TEMPERATURE,
         *RESOLUTION,
         *parameters(PHYSICS, "soot_density", "initial_state", "repair", "how dark and heavy it is at its source", physical=True),
+        *parameters(
+            PHYSICS, "fuel fuel_share", "initial_state", "repair", "what burns, and how hot; rows hold its heat", physical=True
+        ),
+        *parameters(DRIVER, "center radius", "drivers", "repair", "drivers stand in the register"),
         *DOMAIN,
         *SIDES,
         *STEPS,
@@ -46,6 +50,7 @@ GAS = CategorySpec(
     ),
     channels=CHANNELS,
     dimensions=DIMENSIONS,
+    writers=writers,
     knobs={"gas": ("resolution",)},
     caps=GAS_CAPS,
     estimate=gas_counts,

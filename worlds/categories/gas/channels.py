@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from ...channel import Channel, quantity
 from ..shared_channels import MOTION
+from .facts import gas_of
 
-__all__ = ["CHANNELS", "DIMENSIONS"]
+if TYPE_CHECKING:
+    from ...spec import WorldSpec
+
+__all__ = ["CHANNELS", "DIMENSIONS", "writers"]
 
 DIMENSIONS: Mapping[str, str] = {
     "cells x": "cells of the gas's box along x",
@@ -36,5 +41,25 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
         quantity("iterations", "1", "most iterations of the pressure solves in a step of the frame", total="max", sign="+"),
         quantity("capped", "1", "steps of the frame that ended at the iteration cap", sign="+"),
     ),
+    "gas fire": (
+        Channel("gas_fuel", "f4", BOX, "kg/m^3", "fuel that has not burnt"),
+        Channel("gas_product", "f4", BOX, "kg/m^3", "what fuel and its air have become, without soot"),
+        Channel("gas_released", "f4", BOX, "W/m^3", "heat that burning released in the last step of the frame", sign="+"),
+        Channel("gas_radiated", "f4", BOX, "W/m^3", "of it, and of hot soot, what was radiated in that step", sign="+"),
+        quantity("fuel_mass", "kg", "fuel in the box that has not burnt"),
+        quantity("emitted_fuel", "kg", "made by emissions since frame 0", sign="+"),
+        quantity("escaped_fuel", "kg", "carried out unburnt through open sides since frame 0"),
+        quantity("escaped_product", "kg", "products carried out through open sides since frame 0"),
+        quantity("burnt_fuel", "kg", "burnt since frame 0", sign="+"),
+        quantity("released_heat", "J", "by what has burnt since frame 0", sign="+"),
+        quantity("made_soot", "kg", "by what has burnt since frame 0", sign="+"),
+    ),
 }  # fmt: skip
 """By kind of writer."""
+
+
+def writers(spec: WorldSpec, name: str) -> Iterator[str]:
+    """Whether the gas of an instance burns."""
+    held = gas_of(spec, name) if name in spec.simulation.gas else None
+    if held is not None and held[2].fuel is not None:
+        yield "gas fire"

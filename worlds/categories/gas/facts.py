@@ -6,13 +6,15 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ....physics.combustion import FUELS, Fuel, longest_burning
 from ...arrays import F64
 from ...extents import initial_volume
 from ..loose import domain_box
 
 if TYPE_CHECKING:
-    from ...spec import EmissionDriver, Entity, GasInstance, GasPhysics, WorldSpec
+    from ...spec import EmissionDriver, Entity, GasInstance, GasPhysics, IgnitionDriver, WorldSpec
 
 __all__ = [
     "LEAST_CELLS",
@@ -20,10 +22,13 @@ __all__ = [
     "SOURCE_SHARE",
     "Grid",
     "emissions_of",
+    "fuel_of",
     "gas_counts",
     "gas_of",
     "gas_seconds",
     "grid_of",
+    "ignitions_of",
+    "lit",
 ]
 
 LEAST_SOURCE = 2.0
@@ -36,6 +41,8 @@ CACHE_BYTES_PER_CELL = 28
 """Soot, temperature, velocity and room in 32 bits, half of it kept after compression, and what checkpoints hold [bytes]."""
 CELL_STEPS = 2.0e5
 """Per second on two cores of the development machine, schemes alike within a factor of two; an estimate before anything was measured."""
+FLAME = 1200.0
+"""Own choice: temperature of flames, for estimates [K]."""
 FALL = 0.5
 """Own choice: share of the speed that unhindered hot gas would reach over the height of its box, for estimates."""
 
@@ -77,16 +84,37 @@ def emissions_of(spec: WorldSpec, name: str) -> dict[str, EmissionDriver]:
     return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "emission" and d.entity in members}
 
 
+def ignitions_of(spec: WorldSpec, name: str) -> dict[str, IgnitionDriver]:
+    """Ignitions of the gas of an instance, by driver id."""
+    members = spec.simulation.gas[name].members
+    return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "ignition" and d.entity in members}
+
+
+def fuel_of(physics: GasPhysics) -> Fuel | None:
+    """What burns of a gas."""
+    return None if physics.fuel is None else FUELS[physics.fuel]
+
+
+def lit(driver: IgnitionDriver, middles: F64) -> NDArray[np.bool_]:
+    """Cells that an ignition lights: those in its ball, and the nearest; (..., 3) middles [m] -> (...)."""
+    far = np.linalg.norm(middles - np.array(driver.center), axis=-1)
+    return np.asarray((far <= driver.radius) | (far == far.min()))
+
+
 def _steps(spec: WorldSpec, name: str, entity: Entity, physics: GasPhysics, grid: Grid) -> float:
     """Steps of a run: the fastest of its rise and what its source drives out decide."""
     plan, settings = spec.simulation, spec.simulation.gas[name].settings
     seconds = plan.preroll + (plan.frames - 1) / plan.fps
     lift = abs(1.0 - settings.ambient_temperature / physics.temperature) + physics.soot_density
-    rise = FALL * math.sqrt(2.0 * math.hypot(*plan.gravity) * lift * grid.shape[2] * grid.cell)
+    fuel = fuel_of(physics)
+    burning = 0.0 if fuel is None else 1.0 - settings.ambient_temperature / FLAME
+    rise = FALL * math.sqrt(2.0 * math.hypot(*plan.gravity) * max(lift, burning) * grid.shape[2] * grid.cell)
     rate = sum(d.rate for d in emissions_of(spec, name).values())
     volume = max(initial_volume(entity), grid.cell**3)
     blast = rate / volume ** (2.0 / 3.0)
     step = min(settings.max_step, settings.courant * grid.cell / max(rise, blast, 1e-9))
+    if fuel is not None:
+        step = min(step, longest_burning(grid.cell, settings.ambient_temperature))
     return seconds / float(min(step, SOURCE_SHARE * volume / max(rate, 1e-12)))
 
 

@@ -1,4 +1,4 @@
-"""Gas in specifications: the source that an entity is, the engine that moves it, what lets it out (R60, R61)."""
+"""Gas in specifications: the source that an entity is, the engine that moves it, what lets it out and what lights it (R60, R61)."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from ...matter import Instance, Matter, MatterShape, TimedDriver
-from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel
+from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
 from ..domains import SidedDomain
 
-__all__ = ["EmissionDriver", "GasInstance", "GasPhysics", "GasSettings"]
+__all__ = ["EmissionDriver", "GasInstance", "GasPhysics", "GasSettings", "IgnitionDriver"]
 
 
 class GasPhysics(Matter):
-    """Smoke, steam or hot air; the entity's parts are the room in which an emission makes it, no body.
+    """Smoke, steam, hot air or what burns; the entity's parts are the room in which an emission makes it, no body.
 
     Its material tells how it looks; its density is that of air at its temperature, and of its soot.
     """
@@ -26,6 +26,13 @@ class GasPhysics(Matter):
     # Own choice: half of the light is lost in 8 cm, at 8.7 m^2/g (Mulholland and Croarkin 2000, Fire and Materials 24, 227).
     soot_density: NonNegative = Field(
         default=1e-3, le=1.0, description="soot, droplets or dust in the gas at its source [kg/m^3]; 0: clear"
+    )
+    fuel: Literal["methane", "propane", "methanol", "heptane", "wood"] | None = Field(
+        default=None,
+        description="what burns of it in the air that it mixes with, once an ignition lights it or it is hot enough; wood: what hot wood gives off",
+    )
+    fuel_share: float = Field(
+        default=1.0, gt=0, le=1, description="mass of the fuel in a mass of the gas at its source; used with fuel"
     )
     resolution: Positive = Field(description="cell size [m]")
 
@@ -76,5 +83,16 @@ class EmissionDriver(TimedDriver):
     kind: Literal["emission"] = "emission"
     entity: EntityRef = Field(description="the gas")
     rate: Positive = Field(description="of gas at its source's temperature [m^3/s]")
+    start: NonNegative = 0.0
+    end: Positive | None = Field(default=None, description="[s]; default: to the end")
+
+
+class IgnitionDriver(TimedDriver):
+    """A spark or pilot flame: in a ball a gas with fuel burns whatever its temperature, during [start, end) seconds. It gives no heat itself."""
+
+    kind: Literal["ignition"] = "ignition"
+    entity: EntityRef = Field(description="the gas, which has a fuel")
+    center: Vec3 = Field(description="of the ball [m]")
+    radius: Positive = Field(le=10.0, description="of the ball [m]; the nearest cell counts in any case")
     start: NonNegative = 0.0
     end: Positive | None = Field(default=None, description="[s]; default: to the end")

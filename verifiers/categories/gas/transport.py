@@ -101,7 +101,12 @@ class Transport:
         (new, old) = (box.heating(f) * f.room * box.volume for f in (now, before))
         arm = now.centers - middle
         gave = 0.5 * box.duration * np.tensordot(new + old, arm, axes=3)
-        return gave, 0.5 * box.duration * float(np.linalg.norm(np.tensordot(new - old, arm, axes=3)))
+        doubt = 0.5 * box.duration * float(np.linalg.norm(np.tensordot(new - old, arm, axes=3)))
+        if box.combustion is not None:
+            recorded = box.record("released_heat") - box.record("lost_heat")
+            flickers = recorded[now.index] - recorded[before.index] - 0.5 * box.duration * float((new + old).sum())
+            doubt += abs(flickers) * float(np.linalg.norm(0.5 * box.size))
+        return gave, doubt
 
     def findings(self) -> dict[str, Finding]:
         """Findings on the three questions by name."""

@@ -8,7 +8,7 @@ from typing import Any
 from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
 from ..worlds.simulated_worlds import simulate
-from ..worlds.small_gas import SMOKE_PROMPT, smoke_spec
+from ..worlds.small_gas import SMOKE_PROMPT, fire_spec, smoke_spec
 from ._kept import kept_folder
 
 __all__ = ["CELL", "FRAMES", "KINDS", "SOLVER", "SOOT", "scene", "scene_spec"]
@@ -31,13 +31,50 @@ PULL = {
         "b": {"time": 0.4, "pose": {"position": [0.0, 0.0, 0.3]}},
     },
 }
-KINDS = ("room", "hot", "vent", "block", "maccormack", "near", "puff", "curled", "cold", "wind", "gust", "drawer")
+KINDS = (
+    "room",
+    "hot",
+    "vent",
+    "block",
+    "maccormack",
+    "near",
+    "puff",
+    "curled",
+    "cold",
+    "wind",
+    "gust",
+    "drawer",
+    "fire",
+    "burner",
+    "ember",
+    "puffed",
+)
 """A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
-fog; wind through the box; wind that begins later; a plate that is pulled through the smoke."""
+fog; wind through the box; wind that begins later; a plate that is pulled through the smoke; wood gas that burns; methane that burns; propane hot enough to burn by itself; a fire
+whose fuel ends."""
+
+FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propane", 3.0e4), "puffed": ("heptane", 6.0e4)}
+"""Fuel and power [W] of the kinds that burn."""
+
+
+def _fire(kind: str) -> dict[str, Any]:
+    fuel, power = FIRES[kind]
+    spec = fire_spec(frames=FRAMES, resolution=CELL, fuel=fuel, power=power)
+    spec["simulation"]["solvers"][SOLVER]["settings"]["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
+    spec["entities"]["plate"]["pose"]["position"] = [0.05, 0.0, 0.4]
+    drivers, physics = spec["simulation"]["drivers"], spec["entities"]["smoke"]["physics"]
+    if kind == "ember":
+        physics["temperature"] = 900.0
+        del drivers["spark"]
+    if kind != "puffed":
+        del drivers["fire"]["end"]
+    return spec
 
 
 def scene_spec(kind: str) -> dict[str, Any]:
     """Specification of a kind, without its prompt."""
+    if kind in FIRES:
+        return _fire(kind)
     spec = smoke_spec(frames=FRAMES, resolution=CELL, rate=0.006)
     plate, driver = spec["entities"]["plate"], spec["simulation"]["drivers"]["fire"]
     physics, settings = spec["entities"]["smoke"]["physics"], spec["simulation"]["solvers"][SOLVER]["settings"]

@@ -19,6 +19,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
 from ..worlds.small_gas import SMOKE_PROMPT
 from ..worlds.small_worlds import build_all
+from . import _fire_changes as fires
 from . import _gas_changes as changes
 from ._gas_changes import Change
 from ._gas_scenes import KINDS, SOLVER, scene, scene_spec
@@ -100,6 +101,16 @@ def _narrow(document: dict[str, Any], magnitude: float) -> None:
     document["entities"]["smoke"]["parts"]["source"]["shape"] = {"kind": "cylinder", "radius": 0.5 * magnitude, "height": 0.1}
 
 
+def _far_spark(document: dict[str, Any], magnitude: float) -> None:
+    """The spark is far from the fuel."""
+    document["simulation"]["drivers"]["spark"] |= {"center": [0.35, 0.35, 0.6 - magnitude], "radius": 0.04}
+
+
+def _lean(document: dict[str, Any], magnitude: float) -> None:
+    """Less of the gas is fuel than burnt."""
+    document["entities"]["smoke"]["physics"]["fuel_share"] = 1.0 - magnitude
+
+
 def _looks(kinds: tuple[str, ...], change: Change = changes.still) -> Build:
     def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
         return World(_edited(scene(kinds[int(rng.integers(len(kinds)))]), folder, change, magnitude, rng))
@@ -107,6 +118,7 @@ def _looks(kinds: tuple[str, ...], change: Change = changes.still) -> Build:
     return build
 
 
+BURNING = ("fire", "burner")
 BROKEN = (
     Mechanism("fade", "soot is lost from a frame on", True, _breaks(changes.fade, "soot"), 2e-4, 0.9, "1"),
     Mechanism("grow", "soot comes from nowhere", True, _breaks(changes.grow, "soot"), 2e-4, 0.9, "1"),
@@ -144,6 +156,19 @@ BROKEN = (
     Mechanism(
         "seep", "soot in a closed cell", True, _breaks(changes.seep, "inside", kinds=("block",)), 2e-3, 1.0, "1", 1e-3
     ),
+    Mechanism("embezzle", "fuel is lost, burnt or not", True, _breaks(fires.embezzle, "fuel", kinds=BURNING), 2e-4, 0.9, "1"),
+    Mechanism("lean", "more fuel came than the source has", True, _told(_lean, "fuel", kind="burner"), 2e-3, 0.9, "1"),
+    Mechanism("flatter", "more heat than the fuel that burnt has", True, _breaks(fires.flatter, "burnt", kinds=BURNING), 0.01, 1.0, "1"),
+    Mechanism("smother", "more soot than the fuel makes", True, _breaks(fires.smother, "burnt", kinds=BURNING), 0.01, 0.3, "1"),
+    Mechanism("dim", "flames weaker than is told", True, _breaks(fires.dim, "released", kinds=BURNING), 0.5, 0.95, "1"),
+    Mechanism("ghost", "flames in cold air without fuel", True, _breaks(fires.ghost, "flames", kinds=BURNING), 5e-3, 1.0, "1", 1e-3),
+    Mechanism("blast", "a cell burns harder than flames do", True, _breaks(fires.blast, "flames", kinds=BURNING), 0.01, 3.0, "1"),
+    Mechanism("leap", "fire where no hot gas came", True, _breaks(fires.leap, "lit", kinds=BURNING), 0.05, 1.0, "1", 1e-3),
+    Mechanism("far_spark", "the spark was somewhere else", True, _told(_far_spark, "lit", "flames", kind="burner"), 0.05, 0.15, "m"),
+    Mechanism("stuff", "more products than gas", True, _breaks(fires.stuff, "oxygen", kinds=BURNING), 0.03, 3.0, "1", 0.02),
+    Mechanism("gloom", "flames radiate too little", True, _breaks(fires.gloom, "radiated", kinds=BURNING), 0.05, 1.0, "1", 0.02),
+    Mechanism("glare", "cold air radiates", True, _breaks(fires.glare, "radiated", kinds=BURNING), 0.05, 1.0, "1", 0.02),
+    Mechanism("hellish", "gas hotter than any flame", True, _breaks(fires.forge, "temperature", kinds=BURNING), 1.0, 2000.0, "K"),
     Mechanism(
         "blank", "numbers that are none", True, _breaks(changes.blank, "numerical:finite"), 1.0, 500.0, "numbers", check="numerical"
     ),

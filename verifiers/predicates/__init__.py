@@ -17,6 +17,7 @@ from ..categories.elastic import predicates as elastic
 from ..categories.fracture import events as fracture_events
 from ..categories.fracture import predicates as fracture
 from ..categories.gas import events as gas_events
+from ..categories.gas import flames
 from ..categories.gas import predicates as gas
 from ..categories.gas.judge import GasJudge
 from ..categories.liquid import floating, splashing
@@ -87,6 +88,9 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "gas_arrives": gas.gas_arrives,
     "light_through": gas.light_through,
     "gas_clears": gas.gas_clears,
+    "heat_release": flames.heat_release,
+    "burns": flames.burns,
+    "goes_out": flames.goes_out,
     "broken": fracture.broken,
     "breach": fracture.breach,
     "debris": fracture.debris,

@@ -18,7 +18,16 @@ from ..categories.elastic.predicates import Deflection, Strain
 from ..categories.event import FlowEvent, SpreadEvent, VesselEvent
 from ..categories.fracture.events import FractureEvent
 from ..categories.fracture.predicates import Breach, Broken, Debris
-from ..categories.gas.predicates import GasArrives, GasClears, GasDensityIn, GasTemperatureIn, LightThrough, PlumeHeight
+from ..categories.gas.predicates import (
+    FireEvent,
+    GasArrives,
+    GasClears,
+    GasDensityIn,
+    GasTemperatureIn,
+    HeatRelease,
+    LightThrough,
+    PlumeHeight,
+)
 from ..categories.liquid.events import BuoyancyEvent, SplashEvent
 from ..categories.liquid.predicates import (
     LiquidArrives,
@@ -340,6 +349,8 @@ Atom = (
     | GasArrives
     | LightThrough
     | GasClears
+    | HeatRelease
+    | FireEvent
     | Broken
     | Breach
     | Debris

@@ -38,6 +38,8 @@ STANDS_FOR: dict[str, frozenset[str]] = {
     "breach": frozenset(("breaks",)),
     "contact": frozenset(("hits", "lands", "pushes", "pulls", "rests_against", "bounces", "jams")),
     "splash_height": frozenset(("splashes",)),
+    "heat_release": frozenset(("burns",)),
+    "goes_out": frozenset(("stops",)),
     "gas_arrives": frozenset(("flows", "spreads", "drifts", "fills", "rises")),
     "liquid_arrives": frozenset(("flows", "pours", "fills", "overflows", "leaks", "splashes", "spreads")),
     "liquid_flux_through": frozenset(("flows", "pours", "overflows", "leaks")),

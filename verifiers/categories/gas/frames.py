@@ -195,7 +195,7 @@ class GasBox:
         fire = None if self.combustion is None else FireCells(*(data[n] for n in FIRE))
         return GasFrame(
             index, self.cell, np.asarray(data["gas_corner"], dtype=np.float64),
-            *(data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room")), fire,
+            *(data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room")), fire=fire,
         )  # fmt: skip
 
     def steps(self) -> Iterator[tuple[GasFrame, GasFrame | None]]:

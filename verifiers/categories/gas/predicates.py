@@ -26,10 +26,12 @@ if TYPE_CHECKING:
     from .frames import GasBox
 
 __all__ = [
+    "banded",
     "gas_arrives",
     "gas_clears",
     "gas_density_in",
     "gas_temperature_in",
+    "inside",
     "light_through",
     "moved_gas",
     "no_gas",
@@ -100,9 +102,10 @@ def _measured(scope: Scope, entity: str, measure: Measure) -> F64 | str:
     return np.array([measure(box, box.read(k)) for k in range(scope.frames[0], scope.frames[1] + 1)])
 
 
-def _banded(
+def banded(
     scope: Scope, p: Any, unit: str, what: str, measure: Measure, detail: Callable[[float], dict[str, float]] = lambda v: {}
 ) -> Outcome:
+    """Outcome of a predicate whose measure has to be within bounds at some frames."""
     value = _measured(scope, p.entity, measure)
     if isinstance(value, str):
         return no_gas(scope, p.entity, unit, value)
@@ -130,7 +133,7 @@ def gas_density_in(scope: Scope, predicate: SpecModel) -> Outcome:
             return float((soot * (room > 0.0)).max())
         return float((soot * room).sum() / max(float(room.sum()), TINY))
 
-    return _banded(scope, p, "kg/m^3", f"{p.measure} soot of {p.entity} in {p.region}", measure)
+    return banded(scope, p, "kg/m^3", f"{p.measure} soot of {p.entity} in {p.region}", measure)
 
 
 def gas_temperature_in(scope: Scope, predicate: SpecModel) -> Outcome:
@@ -146,7 +149,7 @@ def gas_temperature_in(scope: Scope, predicate: SpecModel) -> Outcome:
             return float(np.average(known, weights=frame.room[there]))
         return float(known.min() if p.measure == "lowest" else known.max())
 
-    return _banded(scope, p, "K", f"{p.measure} temperature of {p.entity}" + (f" in {p.region}" if p.region else ""), measure)
+    return banded(scope, p, "K", f"{p.measure} temperature of {p.entity}" + (f" in {p.region}" if p.region else ""), measure)
 
 
 def plume_height(scope: Scope, predicate: SpecModel) -> Outcome:
@@ -156,7 +159,7 @@ def plume_height(scope: Scope, predicate: SpecModel) -> Outcome:
     def measure(box: GasBox, frame: GasFrame) -> float:
         return top_of(box, frame) - p.base
 
-    return _banded(scope, p, "m", f"height of {p.entity} over z = {p.base:g}", measure)
+    return banded(scope, p, "m", f"height of {p.entity} over z = {p.base:g}", measure)
 
 
 def top_of(box: GasBox, frame: GasFrame) -> float:
@@ -230,7 +233,7 @@ def light_through(scope: Scope, predicate: SpecModel) -> Outcome:
         depth = -float(np.log(max(share, TINY)))
         return {"optical_depth": depth, **({"visibility_m": SIGN_DEPTH * length / depth} if depth > 1e-6 else {})}
 
-    return _banded(
+    return banded(
         scope, p, "1", f"light that passes {p.entity} from {list(p.start)} to {list(p.end)}",
         lambda box, frame: float(np.exp(-optical_depth(box, frame, start, end))), detail,
     )  # fmt: skip

@@ -21,6 +21,7 @@ def gas_lines(spec: WorldSpec) -> list[dict[str, str]]:
             physics = spec.entities[member].physics
             if physics.category == "gas":
                 found += _of_gas(member, physics.temperature, physics.resolution, instance)
+                found += _of_fire(member, physics.fuel, instance)
         found += _of_box(name, instance)
     return [{"what": what, "effect": effect} for what, effect in found]
 
@@ -50,6 +51,32 @@ def _of_gas(member: str, temperature: float, cell: float, instance: GasInstance)
         what = f"the density of {member!r} differs in buoyancy alone (Boussinesq)"
         found.append((what, f"{apart:.0%} of its volume and inertia are neglected at its source"))
     return found
+
+
+def _of_fire(member: str, fuel: str | None, instance: GasInstance) -> list[tuple[str, str]]:
+    """Simplification and effect of each line about what burns."""
+    if fuel is None:
+        return []
+    wood = [(f"{member!r} is the gas that hot wood gives off, at the declared rate", "no wood heats, chars or loses mass")]
+    return [
+        *(wood if fuel == "wood" else []),
+        (
+            f"{fuel} of {member!r} burns in one step as fast as it mixes with air (eddy dissipation)",
+            "no flame is finer than a cell, no chemistry slows it, and it always burns fully",
+        ),
+        (
+            f"light of the flames of {member!r} leaves the box at once",
+            "thick soot takes none of it up again, and it heats no surface and lights nothing",
+        ),
+        (
+            f"all gas of {member!r} has the heat capacity and weight of air, and walls take no heat",
+            "flames are up to a fifth too hot",
+        ),
+        (
+            f"an ignition of {member!r} gives no heat",
+            "the energy of a spark or pilot flame is left out",
+        ),
+    ]
 
 
 def _of_box(name: str, instance: GasInstance) -> list[tuple[str, str]]:

@@ -8,8 +8,19 @@ from pydantic import Field, model_validator
 
 from ...predicate_base import BAND, Band, PredicateInfo, Subject, When
 from ...vocabulary import EntityRef, Finite, Positive, RegionRef, SpecModel, Vec3
+from ..event import MatterEvent
 
-__all__ = ["PREDICATES", "GasArrives", "GasClears", "GasDensityIn", "GasTemperatureIn", "LightThrough", "PlumeHeight"]
+__all__ = [
+    "PREDICATES",
+    "FireEvent",
+    "GasArrives",
+    "GasClears",
+    "GasDensityIn",
+    "GasTemperatureIn",
+    "HeatRelease",
+    "LightThrough",
+    "PlumeHeight",
+]
 
 
 class GasDensityIn(Band):
@@ -76,6 +87,21 @@ class LightThrough(Band):
         return self
 
 
+class HeatRelease(Band):
+    """Power of the flames of a gas [W]."""
+
+    kind: Literal["heat_release"] = "heat_release"
+    entity: Subject = Field(description="the gas, which has a fuel")
+    region: RegionRef | None = Field(default=None, description="default: all of its box")
+    when: When = "eventually"
+
+
+class FireEvent(MatterEvent):
+    """A gas burns, or its fire goes out."""
+
+    kind: Literal["burns", "goes_out"]
+
+
 class GasClears(SpecModel):
     """A gas clears away, or goes out: little is left of the most that was there."""
 
@@ -110,5 +136,28 @@ PREDICATES = (
         event=True,
         gloss="Of the most of its soot that was there at a frame before, no more than `max_share` is left, and an eye saw the most: an optical depth of 0.05.",
         source="own choice: what was never seen does not clear; Koschmieder's contrast of 0.02 to 0.05",
+    ),
+    PredicateInfo("heat_release", "W", (*_GAS, "gas_released"), BAND),
+    PredicateInfo(
+        "burns",
+        "W",
+        (*_GAS, "gas_released"),
+        {"min": "up"},
+        frames="narrower",
+        matter="entity",
+        event=True,
+        gloss="Its flames give at least 10 W at every frame of 0.2 s.",
+        source="own choice: a tenth of what a candle gives (80 W: Hamins, Bundy and Dillon 2005, doi:10.1007/s10694-005-1289-1); a flash is no fire",
+    ),
+    PredicateInfo(
+        "goes_out",
+        "1",
+        (*_GAS, "gas_released"),
+        {"min": "up"},
+        frames="narrower",
+        matter="entity",
+        event=True,
+        gloss="It burns within the interval, and then its flames give no more than 0.01 of the most that they gave, to the last frame of the world.",
+        source="own choice: the share at which no flame is seen beside what was there",
     ),
 )

@@ -1,0 +1,92 @@
+"""Evaluators of predicates about fire: its power, that it burns, that it goes out (R28, R100)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....worlds.arrays import F64
+from ....worlds.categories.gas.predicates import FireEvent, HeatRelease
+from ...predicates.conditions import Condition, happens
+from ...predicates.outcome import Outcome
+from .bounds import FIRE_OUT, FIRE_POWER, FIRE_TIME
+from .predicates import banded, inside, moved_gas, no_gas
+
+if TYPE_CHECKING:
+    from ....worlds.spec import SpecModel
+    from ...predicates.scope import Scope
+    from .cells import GasFrame
+    from .frames import GasBox
+
+__all__ = ["burns", "goes_out", "heat_release"]
+
+
+def heat_release(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: power of the flames in a region [W]."""
+    assert isinstance(predicate, HeatRelease)
+    p, candidate = predicate, scope.candidate
+
+    def measure(box: GasBox, frame: GasFrame) -> float:
+        if frame.fire is None:
+            return 0.0
+        there = inside(candidate, p.region, box, frame)
+        return box.volume * float(np.sum((frame.fire.released * frame.room)[there], dtype=np.float64))
+
+    return banded(scope, p, "W", f"power of the flames of {p.entity}" + (f" in {p.region}" if p.region else ""), measure)
+
+
+def burns(scope: Scope, p: FireEvent) -> Outcome:
+    """Measured: least power of its flames over 0.2 s [W]."""
+    box = _burning(scope, p.entity)
+    if isinstance(box, str):
+        return no_gas(scope, p.entity, "W", box)
+    power = _power(box, scope.frames[0], scope.frames[1])
+    condition = Condition("least power of its flames over 0.2 s", _kept(box, power), max(FIRE_POWER, p.min or 0.0), "W")
+    return happens(scope, p.entity, (condition,))
+
+
+def goes_out(scope: Scope, p: FireEvent) -> Outcome:
+    """Measured: share of the power of its flames that is gone for good."""
+    box = _burning(scope, p.entity)
+    if isinstance(box, str):
+        return no_gas(scope, p.entity, "1", box)
+    first, last = scope.frames
+    power = _power(box, first, box.frames - 1)
+    most = np.maximum.accumulate(power)
+    # From each frame on to the end of the world.
+    yet = np.maximum.accumulate(power[::-1])[::-1]
+    count = last - first + 1
+    burnt = np.maximum.accumulate(_kept(box, power))[:count]
+    gone = 1.0 - yet[:count] / np.maximum(most[:count], FIRE_POWER)
+    conditions = (
+        Condition("share of its power that is gone for good", gone, max(1.0 - FIRE_OUT, p.min or 0.0)),
+        Condition("least power of its flames over 0.2 s before", burnt, FIRE_POWER, "W"),
+    )
+    return happens(scope, p.entity, conditions)
+
+
+def _burning(scope: Scope, entity: str) -> GasBox | str:
+    box = moved_gas(scope.candidate, entity)
+    if not isinstance(box, str) and box.combustion is None:
+        return f"{entity!r} has no fuel: nothing of it burns; give it one with /entities/{entity}/physics/fuel"
+    return box
+
+
+def _power(box: GasBox, first: int, last: int) -> F64:
+    """Of all flames at frames first..last [W]."""
+    found = []
+    for index in range(first, last + 1):
+        frame = box.read(index)
+        fire = frame.fire
+        found.append(0.0 if fire is None else box.volume * float(np.sum(fire.released * frame.room, dtype=np.float64)))
+    return np.array(found)
+
+
+def _kept(box: GasBox, power: F64) -> F64:
+    """Least power of the frames of the time `FIRE_TIME` up to each; 0 before."""
+    count = max(1, round(FIRE_TIME / box.duration)) + 1
+    if len(power) < count:
+        return np.zeros_like(power)
+    least = np.lib.stride_tricks.sliding_window_view(power, count).min(axis=1)
+    return np.concatenate([np.zeros(count - 1), least])

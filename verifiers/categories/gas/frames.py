@@ -193,10 +193,9 @@ class GasBox:
             if not np.isfinite(data[name]).all():
                 raise NotFiniteError(f"{name} is not finite at frame {index}; see numerical:finite")
         fire = None if self.combustion is None else FireCells(*(data[n] for n in FIRE))
-        return GasFrame(
-            index, self.cell, np.asarray(data["gas_corner"], dtype=np.float64),
-            *(data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room")), fire=fire,
-        )  # fmt: skip
+        corner = np.asarray(data["gas_corner"], dtype=np.float64)
+        soot, temperature, velocity, room = (data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room"))
+        return GasFrame(index, self.cell, corner, soot, temperature, velocity, room, fire)
 
     def steps(self) -> Iterator[tuple[GasFrame, GasFrame | None]]:
         """All frames in order, each with the one before."""

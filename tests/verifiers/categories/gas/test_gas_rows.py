@@ -14,7 +14,7 @@ from worldagent.verifiers.categories.gas.books import declared
 from worldagent.verifiers.categories.gas.check import WATCHES, category_rows, numerical_rows
 from worldagent.verifiers.categories.gas.flow import mirrored, net_outflow
 from worldagent.verifiers.categories.gas.frames import box_of
-from worldagent.verifiers.categories.gas.transport import within_reach
+from worldagent.verifiers.categories.gas.reach import within_reach
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 from typing import Any
 
 import pytest
@@ -42,6 +43,52 @@ def test_a_sound_gas_passes_with_and_without_wind() -> None:
     for spec in (changed(), changed(("/simulation/drivers/wind", WIND))):
         assert row(spec, "gases").status == "pass"
         assert row(spec, "ownership").status == "pass"
+
+
+SPARK = {"kind": "ignition", "entity": "smoke", "center": [0, 0, 0.1], "radius": 0.1}
+GAS = {"category": "gas", "temperature": 400.0, "resolution": 0.05, "fuel": "wood"}
+
+
+def burning(*edits: tuple[str, Any]) -> WorldSpec:
+    """The small world with a fire in the bowl, and other values at some pointers."""
+    return changed(("/entities/smoke/physics", dict(GAS)), ("/simulation/drivers/spark", dict(SPARK)), *edits)
+
+
+def test_a_gas_with_fuel_and_a_spark_passes_and_one_hot_enough_needs_none() -> None:
+    assert row(burning(), "gases").status == "pass"
+    hot = changed(("/entities/smoke/physics", {**GAS, "temperature": 700.0}))
+    assert row(hot, "gases").status == "pass"
+
+
+@pytest.mark.parametrize(
+    ("edit", "text"),
+    [
+        (
+            ("/simulation/drivers", {"fire": {"kind": "emission", "entity": "smoke", "rate": 0.004}}),
+            "nothing lights 'smoke'.*from 623 K",
+        ),
+        ((f"{AIR}/expands", False), "burns, and hot gas is light: let it expand"),
+        (("/entities/smoke/physics/fuel", None), "which is no gas with a fuel"),
+        (("/simulation/drivers/spark/start", 9.0), "'spark' starts at 9 s, after the last frame"),
+        (("/simulation/drivers/spark/center", [0, 0, 5]), "outside the box of the gas of 'air'"),
+    ],
+)
+def test_a_fire_that_cannot_be_is_told_with_the_way_out(edit: tuple[str, Any], text: str) -> None:
+    found = row(burning(edit), "gases")
+    assert found.status == "fail"
+    assert re.search(text, str(found.model_dump()))
+
+
+def test_the_spark_that_the_audit_offers_lights_it() -> None:
+    unlit = burning(("/simulation/drivers", {"fire": {"kind": "emission", "entity": "smoke", "rate": 0.004}}))
+    patch = next(c.patch[0] for c in row(unlit, "gases").corrections if c.patch)
+    mended = burning(
+        (
+            "/simulation/drivers",
+            {**{k: d.model_dump() for k, d in unlit.simulation.drivers.items()}, "smoke-spark": patch["value"]},
+        )
+    )
+    assert row(mended, "gases").status == "pass"
 
 
 WRONG = [

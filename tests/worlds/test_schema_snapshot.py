@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "0530cf2126e0d05647edaee5bfa2ca1e54c9bfbeee19242439134925e6d22f75"
+SCHEMA = "f9defa675d828eccadbc4051ebed2cb9b233e93ac29d292aea1323b8a74703d6"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

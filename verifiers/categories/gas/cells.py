@@ -22,7 +22,7 @@ Mask: TypeAlias = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class FireCells:
-    """What burns in all cells of one frame; arrays are (nx, ny, nz)."""
+    """Fire in all cells of one frame; arrays are (nx, ny, nz)."""
 
     fuel: Cells
     """[kg/m^3] Not burnt yet."""

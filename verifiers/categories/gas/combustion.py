@@ -1,4 +1,4 @@
-"""What the fuel of a gas may become: the amounts that burning leaves as they are, and the bounds of its flames (R100).
+"""A fuel in air: the amounts that burning leaves as they are, and the bounds of its flames (R100).
 
 References:
     K. McGrattan et al., Fire Dynamics Simulator Technical Reference Guide, NIST SP 1018-1, chapter Combustion: one step from fuel and air

@@ -45,7 +45,7 @@ POWERS = ("flames", "lit")
 
 
 class Fires:
-    """What burns in every frame."""
+    """Fire of every frame."""
 
     questions: ClassVar[Mapping[str, Question]] = FIRES
 

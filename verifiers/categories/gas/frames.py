@@ -84,7 +84,7 @@ class GasBox:
 
     @property
     def carries(self) -> str:
-        """What `tracer` is."""
+        """Word for `tracer`."""
         return "soot" if self.combustion is None else "fuel, burnt or not,"
 
     @property
@@ -122,13 +122,13 @@ class GasBox:
         return self.joule * self.volume * float(np.sum(self.lightness(frame) * frame.room))
 
     def tracer(self, frame: GasFrame) -> F64:
-        """What flow alone moves [kg/m^3]: soot, or fuel burnt or not."""
+        """Amount that flow alone moves [kg/m^3]: soot, or fuel burnt or not."""
         if self.combustion is None or frame.fire is None:
             return frame.soot.astype(np.float64)
         return self.combustion.atoms(frame.fire)
 
     def concentration(self, frame: GasFrame) -> F64:
-        """What neither flow nor burning raises: soot [kg/m^3], or the mass of fuel, burnt or not, in a mass of gas."""
+        """Amount that neither flow nor burning raises: soot [kg/m^3], or the mass of fuel, burnt or not, in a mass of gas."""
         found = self.tracer(frame)
         return found if self.combustion is None else np.where(frame.open, found / self.density(frame), 0.0)
 

@@ -91,7 +91,7 @@ def ignitions_of(spec: WorldSpec, name: str) -> dict[str, IgnitionDriver]:
 
 
 def fuel_of(physics: GasPhysics) -> Fuel | None:
-    """What burns of a gas."""
+    """Fuel of a gas; None of one that does not burn."""
     return None if physics.fuel is None else FUELS[physics.fuel]
 
 

@@ -41,6 +41,7 @@ BENCHMARKS: dict[str, str] = {
     "forest": "worldagent.bench.forest:run",
     "cloth": "worldagent.bench.cloth:run",
     "gas": "worldagent.bench.gas:run",
+    "gas-fire": "worldagent.bench.gas_fire:run",
     "gas-peer": "worldagent.bench.gas_peer:run",
 }
 """Benchmarks by name: `run()` returns the figures."""

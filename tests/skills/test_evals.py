@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from worldagent.bench import skill_building, skill_liquids, skill_repair, skill_settings
+from worldagent.bench import skill_building, skill_gas, skill_liquids, skill_repair, skill_settings
 from worldagent.bench.trial import Trial
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.testing.worlds.failing_worlds import try_patches
@@ -153,3 +153,20 @@ def test_a_vessel_of_thin_glass_is_resolved_by_the_rule_and_not_by_a_coarse_gues
 def test_drafts_of_the_skill_displace_the_weight_of_the_body(shape: str) -> None:
     for ratio in (0.15, 0.42, 0.5, 0.77):
         assert skill_liquids.submerged_share(shape, skill_liquids.start_draft(shape, ratio)) == pytest.approx(ratio, rel=0.03)
+
+
+# ---------------------------------------------------------------- gas
+
+
+def test_a_hotter_source_and_a_longer_run_get_a_higher_box_by_the_rule_and_the_same_without_it() -> None:
+    steam = skill_gas.Source("water", 0.02, 0.8, 373.0, 0.08, 0.5)
+    box = skill_gas.by_skill(steam)
+    assert box.cell == pytest.approx(0.04 / 3)
+    assert skill_gas.by_skill(steam._replace(seconds=2.0)).above > box.above
+    assert skill_gas.by_skill(steam._replace(temperature=600.0)).above > box.above
+    assert skill_gas.by_guess(steam._replace(seconds=2.0)) == skill_gas.by_guess(steam)
+
+
+def test_heavy_gas_is_told_no_rise() -> None:
+    mist = skill_gas.Source("water", 0.02, 0.8, 250.0, 0.005, 1.0)
+    assert skill_gas.by_skill(mist).above == pytest.approx(0.04)

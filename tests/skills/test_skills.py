@@ -14,6 +14,7 @@ from worldagent.simulation.liquid.resolved import LEAST_WALL
 from worldagent.verifiers.catalogue import QUESTIONS
 from worldagent.verifiers.categories.cloth.questions import CATEGORY, NUMERICAL
 from worldagent.verifiers.categories.elastic.questions import QUESTIONS as ASKED_OF_ELASTIC
+from worldagent.verifiers.categories.gas.questions import QUESTIONS as ASKED_OF_GAS
 from worldagent.verifiers.categories.liquid.check import WATCHES
 from worldagent.verifiers.categories.liquid.numerical import Numbers
 from worldagent.verifiers.diagnosis.table import TABLES
@@ -180,7 +181,7 @@ ROWS = {
     "robustness": ["robustness:r:b"],
     "category": [
         *(f"category:elastic:{n}:jelly" for n in ELASTIC),
-        *_of_instances("category:cloth:", "category:rigid:"),
+        *_of_instances("category:cloth:", "category:rigid:", "category:gas:"),
         *(f"category:liquid:{n}:water" for watch in WATCHES if watch is not Numbers for n in watch.questions),
     ],
     "contact": ["contact:a:b", "contact:through:a:b", "contact:scene"],
@@ -257,9 +258,25 @@ def test_the_skills_of_elastic_bodies_and_cloth_name_every_row_of_theirs() -> No
     assert named == [{q.id.rpartition(":")[2] for q in table} for table in (CATEGORY, NUMERICAL)]
 
 
+def test_the_skill_of_gas_names_every_row_of_it_and_those_that_are_mandatory_apart() -> None:
+    """Mandatory rows first, then those that tell of pictures."""
+    rows = (SKILLS / "gas" / "SKILL.md").read_text().split("## Rows", 1)[1]
+    named = [set(found.split(",")) for found in re.findall(r"\{([\w,]+)\}", rows)]
+    assert named == [{q.id.rpartition(":")[2] for q in ASKED_OF_GAS if q.mandatory is mandatory} for mandatory in (True, False)]
+
+
+def test_the_rule_for_boxes_of_gas_in_the_skill_is_its_data() -> None:
+    text = (SKILLS / "gas" / "SKILL.md").read_text()
+    rule = json.loads((SKILLS / "gas" / "box.json").read_text())
+    assert f"rise = {rule['rise']} (" in text
+    assert f"spreads by {rule['spread']} of that" in text
+    assert rule["below"] == 2
+    assert "two widths below it" in text
+
+
 def test_worlds_of_skills_are_found() -> None:
     assert {f"{p.parent.name}/{p.stem}" for p in WORLDS} >= {
-        "cloth/flag", "elastic-bodies/jelly", "fracture/breach", "particles/ash", "particles/collapse", "particles/dust",
+        "cloth/flag", "elastic-bodies/jelly", "fracture/breach", "gas/kettle", "particles/ash", "particles/collapse", "particles/dust",
         "particles/rain", "particles/sparks",
     }  # fmt: skip
 

@@ -19,7 +19,17 @@ from ...worlds.requirements import Check, RowClass
 
 __all__ = ["TABLES", "Cause", "Condition", "Entry", "PatchRule", "Probe", "entries", "table_schema"]
 
-TABLES = ("elastic-bodies", "cloth", "fracture", "particles", "liquids", "coupled-systems", "rigid-bodies", "outdoor-terrain")
+TABLES = (
+    "elastic-bodies",
+    "cloth",
+    "fracture",
+    "particles",
+    "gas",
+    "liquids",
+    "coupled-systems",
+    "rigid-bodies",
+    "outdoor-terrain",
+)
 """Skills whose diagnosis applies in this build."""
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from worldagent.testing.worlds.small_gas import SMOKE_PROMPT, smoke_spec
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.verifiers.diagnosis.cite import cite, diagnose
 from worldagent.verifiers.rows.corrections import WEAKER
@@ -329,6 +330,13 @@ def test_sparks_that_do_not_come_are_told_of_their_emitter() -> None:
     row = diagnose(_asked("sparks", "particles", "particle_count_in"), _soft_world(tap=tap))
     assert _patched(row) == {"/simulation/drivers/tap/rate"}
     assert not any("diameters" in c.cause for c in row.corrections)
+
+
+def test_smoke_that_does_not_rise_is_told_of_its_heat_and_its_emission() -> None:
+    row = diagnose(_asked("smoke", "gas", "rises", unit="m"), parse_spec({**smoke_spec(), "prompt": SMOKE_PROMPT}))
+    assert {c.skill for c in row.corrections} == {"skill://gas/diagnosis.json#gas-too-little"}
+    assert [c.group for c in row.corrections][:2] == ["initial_state", "drivers"]
+    assert "/simulation/drivers/fire/rate" in row.corrections[1].pointers
 
 
 def test_no_start_speed_is_suggested_of_what_has_no_part_in_the_row() -> None:

@@ -1,5 +1,5 @@
 """The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, planks splinter, a flag flutters, a jelly wobbles, sand
-topples a tile, dust falls, a kettle steams."""
+topples a tile, dust falls, a kettle steams, a chimney smokes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from worldagent.tests.stories.inline_jobs import run_jobs_inline
 
 CLOTH = tuple(f"category:cloth:{n}:sheets" for n in ("stretch", "self", "solids", "pins", "momentum", "energy"))
 BROKEN = tuple(f"category:fracture:{n}:wall" for n in ("bonded", "events", "cause", "standing"))
-GAS = ("soot", "heat", "escape", "carried", "divergence", "energy", "inside", "source", "cut", "fate")
+GAS = tuple(
+    f"category:gas:{n}:air" for n in ("soot", "heat", "escape", "carried", "divergence", "inside", "source", "cut", "fate")
+)
 JUDGED: dict[str, tuple[str, ...]] = {
     "cloth/flag": CLOTH,
     "elastic-bodies/jelly": (
@@ -34,7 +36,8 @@ JUDGED: dict[str, tuple[str, ...]] = {
         ),
         "category:liquid:exchange:liquid",
     ),
-    "gas/kettle": ("causal:boils:steams", "causal:without:boils:steams", *(f"category:gas:{n}:air" for n in GAS)),
+    "gas/chimney": (*(f"causal:{a}:over" for a in ("comes", "blows", "without:comes", "without:blows")), *GAS),
+    "gas/kettle": ("causal:boils:steams", "causal:without:boils:steams", "category:gas:energy:air", *GAS),
     "particles/collapse": ("causal:opens:collapses", "causal:collapses:topples"),
     "particles/sparks": ("causal:sprays:falls",),
     "particles/rain": ("causal:falls:lands",),

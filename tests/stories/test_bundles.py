@@ -97,6 +97,7 @@ def test_equal_content_gives_equal_bytes(copy: Path, tmp_path: Path) -> None:
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
 
 
+@pytest.mark.slow
 def test_without_caches_the_whole_motion_is_simulated_again(copy: Path, bundle: Path, tmp_path: Path) -> None:
     path = tmp_path / "small.zip"
     assert bundle_world(copy, out=path, with_caches=False)["verdict"] == "accepted"
@@ -135,6 +136,7 @@ def test_an_incomplete_candidate_is_bundled_with_its_diagnostics_and_never_accep
     assert _verify(forged(path, tmp_path / "claim.zip", claim))["verdict"] != "accepted"
 
 
+@pytest.mark.slow
 def test_history_owns_up_to_weakenings(accepted: Any, tmp_path: Path) -> None:
     accepted.edit(("/story/beats/fall/frames", [4, 26]))
     accepted.call("run_checks", world="w", scope="full")

@@ -112,6 +112,7 @@ def test_damage_to_what_is_derived_is_told(kind: str, agent: Any) -> None:
         path.write_bytes(before)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "how"), [("frame", "flip"), ("checkpoint", "half"), ("index", "empty")])
 def test_damage_to_a_bake_is_refused_and_baked_again(kind: str, how: str, agent: Any) -> None:
     _derived(kind, how, agent, SEED, steps=("bake_sim",))

@@ -133,6 +133,7 @@ def test_an_acceptance_beside_a_matrix_with_an_open_row_opens_no_film(accepted: 
     assert "beat:fall: fail" in accepted.refused("render_shot", world="w", kind="final")
 
 
+@pytest.mark.slow
 def test_an_edited_frame_is_found_refused_and_baked_again(accepted: Any) -> None:
     folder = accepted.workspace / "w"
     _forge_frame(folder, 30, digest=False)
@@ -194,6 +195,7 @@ def _replayed(folder: Path, seed: int, intervals: int = REPLAY_INTERVALS) -> Any
     return replay_row(candidate, seed, intervals, (), lambda *_: None)[0]
 
 
+@pytest.mark.slow
 def test_impulses_times_fifty_with_a_mended_digest_are_refused_at_every_acceptance(
     copy: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -214,6 +216,7 @@ def test_impulses_times_fifty_with_a_mended_digest_are_refused_at_every_acceptan
     assert run_inline("worldagent.workflow.jobs:accept", {"folder": str(copy)})["verdict"] == "accepted"
 
 
+@pytest.mark.slow
 def test_a_failed_replay_stays_with_the_cache_whatever_is_drawn_later(copy: Path) -> None:
     """The ledger is made to name the forged cache, seals and all: only simulating again tells, and only once is needed."""
     frame = _times_fifty(copy)
@@ -236,6 +239,7 @@ def test_a_failed_replay_stays_with_the_cache_whatever_is_drawn_later(copy: Path
     assert ledger.refuted(found["freeze"]) == []
 
 
+@pytest.mark.slow
 def test_a_record_of_the_bake_without_its_seals_has_every_interval_simulated_again(copy: Path) -> None:
     _sql(copy, "DELETE FROM refuted")
     assert _open(judge(copy, replay=False)).keys() == {"delivery:cache"}
@@ -256,6 +260,7 @@ def test_a_folder_without_its_ledger_is_unverified_unless_all_of_it_is_simulated
     assert not (copy / "ledger.sqlite").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frame", [0, 12, 24])
 def test_an_edited_checkpoint_is_found_by_replay(copy: Path, frame: int) -> None:
     path = _bake(copy) / "checkpoints" / f"{frame:06d}.bin"
@@ -267,6 +272,7 @@ def test_an_edited_checkpoint_is_found_by_replay(copy: Path, frame: int) -> None
     assert "delivery:replay" in _open(judge(copy))
 
 
+@pytest.mark.slow
 def test_a_checkpoint_that_is_none_is_an_error_of_the_engine_or_evidence(copy: Path) -> None:
     path = _bake(copy) / "checkpoints" / "000012.bin"
     path.write_bytes(b"nothing")

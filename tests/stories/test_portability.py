@@ -46,6 +46,7 @@ def test_a_copied_folder_is_verified_with_equal_digests_and_not_written_to(copy:
     assert verdict["cache_digest"].startswith(json.loads(loop.answers["bake"].content[0].text)["cache_digest"])
 
 
+@pytest.mark.slow
 def test_a_bundle_is_verified_by_the_command_alone(loop: Any, tmp_path: Path) -> None:
     (bundle,) = (loop.workspace / "w" / "acceptance").glob("*.zip")
     away = Path(shutil.copy(bundle, tmp_path / "proof.zip"))
@@ -72,6 +73,7 @@ def _values(rows: list[dict[str, Any]]) -> dict[str, Any]:
     return {r["id"]: (r["status"], r["measured"]) for r in rows if r["id"] != "delivery:replay"}
 
 
+@pytest.mark.slow
 def test_a_folder_without_caches_is_recomputed_to_the_same_verdicts(copy: Path, tmp_path: Path) -> None:
     from worldagent.worlds.ledger import Ledger
 

@@ -83,6 +83,7 @@ def test_a_model_that_sees_everything_is_in_the_verdict_and_asked_once(accepted:
     assert [(r["reader"], r["standing"]) for r in found["reviews"]] == [("model", "of this very bake")]
 
 
+@pytest.mark.slow
 def test_a_contradiction_closes_the_film_until_a_person_overrules_it(accepted: Any, named: Any) -> None:
     with serving(reading({FALLS: "contradicted", 1: "not shown"})) as fake:
         named(fake.url)
@@ -127,6 +128,7 @@ def test_an_answer_that_cannot_be_read_is_asked_for_once_more_and_then_leaves_no
     assert Ledger(accepted.workspace / "w" / "ledger.sqlite").reviews() == []
 
 
+@pytest.mark.slow
 def test_an_edit_of_a_look_makes_the_answers_stale_and_a_review_of_other_pictures_counts_no_more(
     accepted: Any, named: Any
 ) -> None:

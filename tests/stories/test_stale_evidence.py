@@ -98,6 +98,7 @@ def test_another_picture_shape_asks_for_the_shot_checks_again(accepted: Any) -> 
     assert "shots" in accepted.edit(("/look/width", 128))["stale"]
 
 
+@pytest.mark.slow
 def test_one_mass_after_acceptance_goes_round_the_loop_again(accepted: Any) -> None:
     before = accepted.call("inspect_world", world="w", part="acceptance")["acceptance"]
     data = accepted.edit(("/entities/b2/physics", {"category": "rigid", "mass": 0.05}))

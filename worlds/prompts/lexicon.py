@@ -39,7 +39,7 @@ STANDS_FOR: dict[str, frozenset[str]] = {
     "contact": frozenset(("hits", "lands", "pushes", "pulls", "rests_against", "bounces", "jams")),
     "splash_height": frozenset(("splashes",)),
     "heat_release": frozenset(("burns",)),
-    "goes_out": frozenset(("stops",)),
+    "goes_out": frozenset(("stops", "crosses")),
     "gas_arrives": frozenset(("flows", "spreads", "drifts", "fills", "rises")),
     "liquid_arrives": frozenset(("flows", "pours", "fills", "overflows", "leaks", "splashes", "spreads")),
     "liquid_flux_through": frozenset(("flows", "pours", "overflows", "leaks")),

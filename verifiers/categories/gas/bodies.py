@@ -58,6 +58,21 @@ class Bodies:
         """Depth of the middles of cells [m], (nx, ny, nz): positive in a body; minus infinity where no body's box cuts the cell; NaN between."""
         return self._made("depth", frame, self._depth)
 
+    def apart(self, frame: GasFrame, sides: tuple[str, ...]) -> Mask:
+        """False for cells along an open side beyond which a body's box cuts the next cell, (nx, ny, nz): it may close that side to them."""
+
+        def look(frame: GasFrame) -> F64:
+            found = np.ones(frame.room.shape)
+            for side in (s for s in range(6) if sides[s] == "open"):
+                axis, sign = side // 2, 1.0 if side % 2 else -1.0
+                beyond = np.take(frame.centers, -1 if side % 2 else 0, axis=axis) + sign * frame.cell * np.eye(3)[axis]
+                at: list[slice | int] = [slice(None)] * 3
+                at[axis] = -1 if side % 2 else 0
+                found[tuple(at)] *= self._points(beyond, frame, (0.5 - TOUCH) * frame.cell) == -np.inf
+            return found
+
+        return self._made("apart", frame, look) > 0.0
+
     def blocked(self, frame: GasFrame) -> tuple[Mask, Mask, Mask]:
         """Faces between neighbours along each axis whose middles are in a body, (nx - 1, ny, nz), (nx, ny - 1, nz), (nx, ny, nz - 1)."""
         centers = frame.centers

@@ -99,7 +99,7 @@ class Flow:
 
         box = self.box
         net = net_outflow(mirrored(now.velocity, box.sides), box.cell) - self._asked(now)
-        free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf)
+        free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf) & box.bodies.apart(now, box.sides)
         whole = minimum_filter(free, size=5, mode="nearest") & np.isfinite(net)
         calm = whole & ~np.any([s.cells(now.centers, 2.0 * box.cell) for s in box.sources], axis=0)
         if self._heats:

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.testing.defects._gas_scenes import FRAMES, SOLVER, SOOT, scene
+from worldagent.testing.defects._gas_scenes import FRAMES, SOLVER, SOOT, scene, scene_spec
 from worldagent.testing.worlds.simulated_worlds import edited
+from worldagent.testing.worlds.small_gas import SMOKE_PROMPT
+from worldagent.testing.worlds.small_worlds import build_all
 from worldagent.verifiers.categories.gas.books import declared
 from worldagent.verifiers.categories.gas.check import WATCHES, category_rows, numerical_rows
 from worldagent.verifiers.categories.gas.fires import Fires
@@ -18,6 +20,7 @@ from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.reach import within_reach
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
+from worldagent.worlds.spec import WorldSpec
 
 Frame = dict[str, Any]
 Forge = Callable[[Callable[[int, Frame], None]], dict[str, Row]]
@@ -159,3 +162,19 @@ def test_books_of_the_declared_source_are_those_of_its_drivers() -> None:
     assert given["heat"][-1] == pytest.approx(volume * 1.2041 * 1005.0 * 293.15 * (1 - 293.15 / 400.0), rel=1e-3)
     puff = declared(box_of(scene("puff"), SOLVER))
     assert puff["volume"][-1] == pytest.approx(0.006 * 0.15)
+
+
+@pytest.mark.parametrize(("beside", "status"), [(0.55, "pass"), (0.7, "fail")])
+def test_a_body_against_an_open_side_may_close_it_to_the_cells_there(tmp_path: Path, beside: float, status: str) -> None:
+    """Air that starts at the side of a cell, where a plate stands against it or half a cell off."""
+
+    def closed(k: int, data: Frame) -> None:
+        data["gas_velocity"][:] = 0.0
+        data["gas_velocity"][-1, 7:9, 7:9, 0] = 0.1
+
+    found = edited(scene("cold"), tmp_path, SOLVER, closed)
+    document = scene_spec("cold")
+    document["entities"]["plate"]["pose"]["position"] = [beside, 0.0, 0.4]
+    spec = WorldSpec.model_validate({"prompt": SMOKE_PROMPT, **document})
+    moved = Candidate(found.folder, spec, build_all(spec), found.stage, found.caches)
+    assert rows_of(moved)["divergence"].status == status

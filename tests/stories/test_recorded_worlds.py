@@ -1,5 +1,5 @@
 """The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, planks splinter, a flag flutters, a jelly wobbles, sand
-topples a tile, dust falls, a kettle steams, a chimney smokes."""
+topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out."""
 
 from __future__ import annotations
 
@@ -35,6 +35,11 @@ JUDGED: dict[str, tuple[str, ...]] = {
             for a, b in (("rolls", "crashes"), ("crashes", "splinters"), ("splinters", "fall"), ("fall", "float"))
         ),
         "category:liquid:exchange:liquid",
+    ),
+    "gas/bowl": (
+        *("causal:lit:burns", "causal:burns:out", "causal:without:lit:burns"),
+        *(f"category:gas:{n}:air" for n in ("fuel", "burnt", "released", "flames", "lit", "oxygen", "radiated")),
+        *(row for row in GAS if ":cut:" not in row),  # Its smoke goes on above the picture.
     ),
     "gas/chimney": (*(f"causal:{a}:over" for a in ("comes", "blows", "without:comes", "without:blows")), *GAS),
     "gas/kettle": ("causal:boils:steams", "causal:without:boils:steams", "category:gas:energy:air", *GAS),

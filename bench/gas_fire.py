@@ -1,7 +1,7 @@
 """Benchmark `gas-fire`: a methane burner in an open box, by cells; and how far another device is from figures saved before.
 
 `WORLDAGENT_DEVICE=cuda worldagent bench gas-fire` takes finer boxes too. `python -m worldagent.bench.gas_fire save FILE` keeps the sums of the
-coarsest box, `... compare FILE` prints by how much those of this device differ.
+coarsest box, `... compare FILE` prints the relative difference of this device.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def main(arguments: list[str]) -> int:
         return 0
     kept = json.loads(path.read_text())
     for name in ("released_J", "radiated_J", "burnt_kg", "hottest_K"):
-        print(f"{name}: {found[name]:.6g} here, {kept[name]:.6g} kept, {found[name] / kept[name] - 1.0:+.2%}")
+        print(f"{name}: {found[name]:.6g} here, {kept[name]:.6g} kept, {found[name] / kept[name] - 1.0:+.1e} of it")
     return 0
 
 

@@ -31,13 +31,13 @@ RELEASED = 0.05
 """[1] Own choice: of all heat, by which the power of the frames may differ from what is recorded, beyond half its change between two frames:
 flames flicker between them."""
 FIRE_POWER = 10.0
-"""[W] Own choice: a tenth of what a candle gives (80 W: Hamins, Bundy and Dillon 2005, doi:10.1007/s10694-005-1289-1)."""
+"""[W] Own choice: a tenth of what a candle gives (80 W: Hamins, Bundy and Dillon 2005, Journal of Fire Protection Engineering 15, 265)."""
 FIRE_TIME = 0.2
 """[s] Own choice: what flashes for less is no fire."""
 FIRE_OUT = 0.01
 """[1] Own choice: of the most that its flames gave, at which no flame is seen beside what was there."""
 FLAMES = 1e-3
-"""[1] Own choice: share of the heat of a frame that may be released where no flame can be."""
+"""[1] Own choice: of the greatest power of all flames at a frame of the run, that may be released where no flame can be."""
 RADIATED = 0.02
 """[1] Own choice: of the greatest power of a cell, that may be radiated by nothing or kept that is radiated."""
 CUT = 0.05

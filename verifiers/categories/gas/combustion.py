@@ -3,7 +3,7 @@
 References:
     K. McGrattan et al., Fire Dynamics Simulator Technical Reference Guide, NIST SP 1018-1, chapter Combustion: one step from fuel and air
     to products. What of a gas was fuel once is the mixture fraction, which burning leaves as it is (R. W. Bilger, Combustion Science and
-    Technology 13 (1976) 155, doi:10.1080/00102207608946734).
+    Technology 13 (1976) 155).
 """
 
 from __future__ import annotations

@@ -147,7 +147,7 @@ PREDICATES = (
         matter="entity",
         event=True,
         gloss="Its flames give at least 10 W at every frame of 0.2 s.",
-        source="own choice: a tenth of what a candle gives (80 W: Hamins, Bundy and Dillon 2005, doi:10.1007/s10694-005-1289-1); a flash is no fire",
+        source="own choice: a tenth of what a candle gives (80 W: Hamins, Bundy and Dillon 2005, Journal of Fire Protection Engineering 15, 265); a flash is no fire",
     ),
     PredicateInfo(
         "goes_out",

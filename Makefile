@@ -40,7 +40,7 @@ demo: setup
 	$(BIN)/worldagent demo $(DEMO_ARGS)
 
 test: setup
-	$(BIN)/python -m pytest -q -m "not slow" -n $(TEST_JOBS) --dist loadfile
+	$(BIN)/python -m pytest -q -m "not slow" -n $(TEST_JOBS) --dist loadfile $(TEST_ARGS)
 
 # The slice of the slow tests whose last pass is oldest, or the one that SLICE names; records the run in tests/slow/passes.json.
 slow: setup

@@ -45,6 +45,7 @@ def river_of(
     return apply_patch(spec, made), land, told
 
 
+@pytest.mark.slow
 def test_the_long_reach_agrees_with_the_mask_of_hydrology_within_one_cell(tmp_path: Path) -> None:
     spec, land, told = river_of(WorldFolder.at(tmp_path))
     course = Course(spec.entities["river"].model_dump(mode="json"))

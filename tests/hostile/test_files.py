@@ -155,7 +155,7 @@ def test_a_hostile_mesh_is_refused_in_words(assets: Path, name: str) -> None:
     assert len(mesh_digest(assets, f"m.{extension}")) == 64
 
 
-@pytest.mark.parametrize("extension", ["obj", "stl", "ply", "glb"])
+@pytest.mark.parametrize("extension", ["obj", *(pytest.param(e, marks=pytest.mark.slow) for e in ("stl", "ply", "glb"))])
 def test_a_good_mesh_is_read(assets: Path, extension: str) -> None:
     CUBE.export(assets / f"cube.{extension}")
     mesh, pieces = load_mesh(Mesh(file=f"cube.{extension}", scale=2.0), assets)
@@ -185,7 +185,7 @@ REFERENCES = {
 }
 
 
-@pytest.mark.parametrize("name", REFERENCES)
+@pytest.mark.parametrize("name", [n if k == 0 else pytest.param(n, marks=pytest.mark.slow) for k, n in enumerate(REFERENCES)])
 def test_what_a_mesh_names_is_not_opened(assets: Path, name: str, tmp_path: Path) -> None:
     """A library that followed the reference would read the file; then its time of access, or the words, would tell."""
     extension, make = REFERENCES[name]

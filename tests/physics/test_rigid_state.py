@@ -135,7 +135,7 @@ def _scenes():
 SCENES = _scenes()
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "rope" else n for n in SCENES])
 def test_visible_surfaces_never_overlap_and_nothing_gains_energy(name):
     run = Run(SCENES[name])
     value, a, b, frame = worst_clearance(run)

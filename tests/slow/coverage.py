@@ -1,6 +1,6 @@
 """Measures which statements of one floor its own fast tests reach, and prints the last figures of the other floors.
 
-python -m worldagent.tests.slow.coverage [FLOOR] [--record] [--jobs N]; without a floor: the one whose turn it is by the date.
+python -m worldagent.tests.slow.coverage [FLOOR] [--record] [--gate] [--folder] [--jobs N]; without a floor: the one whose turn it is by the date.
 
 One floor at a time: the tracer made the tests about a third slower (one comparison on two busy cores, Python 3.11). Bodies of kernels are compiled,
 so the tracer never sees them run; modules of kernels are left out.
@@ -119,19 +119,24 @@ def table(known: Mapping[str, Figures]) -> str:
 
 
 def main() -> int:
-    """The command; 0 whatever is covered: no figure is demanded."""
+    """The command; 0 whatever is covered: no figure is demanded. With `--gate` 1 where a test failed under the tracer."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("floor", nargs="?", choices=FLOORS, default=turn(datetime.now(UTC).date()))
     parser.add_argument("--record", action="store_true", help="write the figures to tests/slow/coverage.json")
+    parser.add_argument("--gate", action="store_true", help="fail where a test failed")
+    parser.add_argument("--folder", action="store_true", help="only print the floor and the folder of its tests")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
+    if options.folder:
+        print(options.floor, FLOORS[options.floor])
+        return 0
     found = measured(options.floor, jobs=options.jobs)
     known = {**read_figures(), options.floor: found}
     print(f"\nstatements of each floor that its own fast tests run; now measured: {options.floor}\n{table(known)}")
     print(f"least covered of {options.floor}:", *(f"  {part:5.1f} %  {name}" for name, part in found.least.items()), sep="\n")
     if options.record:
         FIGURES.write_text(json.dumps({f: asdict(known[f]) for f in FLOORS if f in known}, indent=2) + "\n")
-    return 0
+    return int(options.gate and found.failed)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,8 @@ from worldagent.worlds.cache import digest_arrays, read_container, write_contain
 from worldagent.worlds.limits import CAPS, Cap
 from worldagent.worlds.verdicts import verdict_words
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="session")
 def bundle(loop: Any) -> Path:
@@ -97,7 +99,6 @@ def test_equal_content_gives_equal_bytes(copy: Path, tmp_path: Path) -> None:
     assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
 
 
-@pytest.mark.slow
 def test_without_caches_the_whole_motion_is_simulated_again(copy: Path, bundle: Path, tmp_path: Path) -> None:
     path = tmp_path / "small.zip"
     assert bundle_world(copy, out=path, with_caches=False)["verdict"] == "accepted"
@@ -136,7 +137,6 @@ def test_an_incomplete_candidate_is_bundled_with_its_diagnostics_and_never_accep
     assert _verify(forged(path, tmp_path / "claim.zip", claim))["verdict"] != "accepted"
 
 
-@pytest.mark.slow
 def test_history_owns_up_to_weakenings(accepted: Any, tmp_path: Path) -> None:
     accepted.edit(("/story/beats/fall/frames", [4, 26]))
     accepted.call("run_checks", world="w", scope="full")

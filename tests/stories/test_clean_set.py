@@ -13,6 +13,7 @@ from worldagent.worlds.errors import WorldAgentError
 from worldagent.worlds.patch import parse_spec
 
 
+@pytest.mark.slow
 def test_an_accepted_world_is_kept_and_passes_again(copy: Path, tmp_path: Path) -> None:
     path = adopt(copy, tmp_path)
     found = rejudge("again", parse_spec(json.loads(path.read_text())))

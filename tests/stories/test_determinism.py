@@ -96,6 +96,7 @@ def test_the_same_specification_gives_the_same_bytes_in_two_workspaces(loop: Any
     assert built == {k: v for k, v in _content(loop.workspace / "w" / "built").items() if k in built}
 
 
+@pytest.mark.slow
 def test_a_bake_whose_worker_is_killed_resumes_to_the_same_bytes(
     long_probed: Path, unbroken: dict[str, bytes], tmp_path: Path, agent_of: Any
 ) -> None:
@@ -140,6 +141,7 @@ def test_a_cancelled_bake_resumes_to_the_same_bytes(
     assert _content(_bake(workspace)) == unbroken
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="warm workers are for Linux")
 def test_a_bake_in_a_warm_worker_gives_the_same_bytes(
     long_probed: Path, unbroken: dict[str, bytes], tmp_path: Path, agent_of: Any, monkeypatch: pytest.MonkeyPatch
@@ -167,6 +169,7 @@ def test_a_bake_in_a_warm_worker_gives_the_same_bytes(
     assert _content(_bake(workspace)) == unbroken
 
 
+@pytest.mark.slow
 def test_a_job_outlives_its_client_and_its_server(long_probed: Path, tmp_path: Path, agent_of: Any) -> None:
     workspace = shutil.copytree(long_probed, tmp_path / "ws")
     with agent_of(workspace) as agent:

@@ -28,7 +28,7 @@ def _same_bake(workspace: Path, accepted_folder: Path) -> bool:
     return content(bake_folder(workspace)) == content(bake_folder(accepted_folder.parent))
 
 
-@pytest.mark.parametrize("victim", ["worker", "task"])
+@pytest.mark.parametrize("victim", [pytest.param("worker", marks=pytest.mark.slow), "task"])
 def test_a_bake_whose_processes_are_killed_is_told_and_resumed(
     victim: str, bakeable: Path, accepted_folder: Path, agent_of: Any
 ) -> None:
@@ -161,6 +161,7 @@ def _ends_well(agent: Any) -> None:
         assert agent.call("job", action="cancel", job_id=job["job_id"])["state"] == "cancelled"
 
 
+@pytest.mark.slow
 def test_two_servers_on_one_workspace_share_one_bake_and_lose_no_edit(bakeable: Path, accepted_folder: Path) -> None:
     with Remote(bakeable, stdio(bakeable)) as one, http(bakeable) as (url, _), Remote(bakeable, url) as two:
         answers: list[dict[str, Any]] = []

@@ -158,7 +158,7 @@ def test_swapped_frames_are_found(copy: Path) -> None:
     assert _open(judge(copy, replay=False))["delivery:digests:rigid"]["first_failing_frame"] == 20
 
 
-@pytest.mark.parametrize("frame", [0, 6, 18, 35])
+@pytest.mark.parametrize("frame", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (6, 18, 35))])
 def test_a_frame_forged_with_its_digest_is_found_by_replay(copy: Path, frame: int) -> None:
     _forge_frame(copy, frame, digest=True)
     for seed in SEEDS:
@@ -252,6 +252,7 @@ def test_a_record_of_the_bake_without_its_seals_has_every_interval_simulated_aga
     assert _open(judge(copy, seed=SEEDS[0], intervals=1)).keys() >= {"delivery:cache", "delivery:replay"}
 
 
+@pytest.mark.slow
 def test_a_folder_without_its_ledger_is_unverified_unless_all_of_it_is_simulated_again(copy: Path) -> None:
     (copy / "ledger.sqlite").unlink()
     row = _open(judge(copy, intervals=1))["delivery:cache"]

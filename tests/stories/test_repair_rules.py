@@ -107,6 +107,7 @@ def test_a_prompt_that_is_written_a_little_otherwise_hides_no_failed_world(faile
     assert "started anew beside world w, which has failed rows for" in warning
 
 
+@pytest.mark.slow
 def test_a_failing_row_cites_what_past_edits_did_to_it(agent: Any) -> None:
     """A ball that is hardly faster does not mend the row: the row says so, and its start speed ranks last.
 
@@ -136,6 +137,7 @@ def test_a_story_edit_does_not_launder_a_failure(failed: Any, patch: Patch) -> N
     assert "hypothesis" in failed.refused("edit_spec", world="w", patch=patch(FASTER))
 
 
+@pytest.mark.slow
 def test_a_repair_that_breaks_the_audit_or_the_geometry_can_be_mended(failed: Any, patch: Patch) -> None:
     failed.edit(("/entities/floor/material", "lead"), hypothesis=WHY)
     failed.edit(("/entities/floor/material", "stone"), hypothesis=WHY)
@@ -160,6 +162,7 @@ def test_a_failure_of_the_scene_is_not_answered_by_the_solver(agent: Any, patch:
     agent.edit(("/entities/b2/pose/position/0", 0.1705), hypothesis=WHY)
 
 
+@pytest.mark.slow
 def test_a_failure_of_the_solver_is_not_answered_by_the_scene(accepted: Any, patch: Patch) -> None:
     _fail(accepted, "category:rigid:energy:rigid", "category", [("solver", "step")])
     moved = patch(("/entities/b1/pose/position/0", 0.13))
@@ -251,6 +254,7 @@ def test_what_must_happen_sooner_and_other_surfaces_are_no_weakening(failed: Any
     assert "weakenings_recorded" not in failed.call("edit_spec", world="w", patch=drawn, hypothesis=WHY)
 
 
+@pytest.mark.slow
 def test_density_of_what_nothing_names_and_friction_are_repairs_and_density_of_a_beats_body_says_who_binds_it(
     failed: Any,
 ) -> None:
@@ -277,6 +281,7 @@ def test_before_any_failure_the_plan_may_become_easier(agent: Any) -> None:
     assert "weakenings_recorded" not in eased
 
 
+@pytest.mark.slow
 def test_a_weakening_with_a_reason_is_recorded_and_printed_with_the_acceptance(accepted: Any) -> None:
     _fail(accepted, "beat:fall", "beat", [("story", "story")], stage="full")
     data = accepted.edit(("/story/beats/fall/predicate/min", 0.12), weakening_reason=REASON)

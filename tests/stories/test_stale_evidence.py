@@ -113,6 +113,7 @@ def test_one_mass_after_acceptance_goes_round_the_loop_again(accepted: Any) -> N
     assert len(list((accepted.workspace / "w" / "candidates").iterdir())) == 2
 
 
+@pytest.mark.slow
 def test_a_later_candidate_changes_no_file_of_an_earlier_one(accepted: Any) -> None:
     """R129: another mass, probed; the accepted candidate and the files of another world stay as they are, byte for byte."""
     root = accepted.workspace

@@ -62,6 +62,7 @@ def test_a_world_passes_with_its_own_prompt_and_mapping() -> None:
     assert len(WORLDS) >= 6
 
 
+@pytest.mark.slow
 def test_a_shipped_world_passes_with_its_own_prompt_and_unchanged_with_no_strangers() -> None:
     """All 500 are asked by the benchmark; here every tenth."""
     worlds = dict(shipped())

@@ -67,6 +67,7 @@ def on_cloth(couplings: dict[str, Any]) -> dict[str, Any]:
     return {**spec, "simulation": {**spec["simulation"], "preroll": 0.0, "drivers": {}, "couplings": couplings}}
 
 
+@pytest.mark.slow
 def test_grains_that_lie_on_a_cloth_which_feels_them_pass(tmp_path: Path) -> None:
     pairs = (("cloth", "bodies"), ("bodies", "grains"), ("cloth", "grains"))
     felt = {f"{a}_{b}": {"source": a, "target": b, "direction": "two_way", "variables": ["motion", "wrench"]} for a, b in pairs}

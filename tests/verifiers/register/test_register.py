@@ -76,6 +76,7 @@ def test_who_moves_without_air_is_told_and_that_air_bears_nothing() -> None:
     assert _any(some, "on particles is that of single spheres")
 
 
+@pytest.mark.slow
 def test_a_breakable_body_in_the_wind_is_pushed_as_much_too_hard_as_the_register_says() -> None:
     """Known gap: each piece feels the wind alone. A ball shows the same area whatever way it is turned."""
     pushed, told = {}, {}

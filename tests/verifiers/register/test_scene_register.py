@@ -104,6 +104,7 @@ def test_a_wide_tolerance_and_few_frames_in_a_second_are_told(tmp_path: Path) ->
     assert not _about(_lines(tmp_path / "b", fps=12), "frames per second")
 
 
+@pytest.mark.slow
 def test_what_crumbles_more_than_by_default_is_told() -> None:
     from worldagent.construction.build import build_entity
 

@@ -106,10 +106,10 @@ def _touch(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose
     if (low > high).any():
         return np.zeros((0, 3)), np.zeros((0, 3))
     points = _points(one, two, poses, (here, there), (low, high), slack)
-    sides = [_side(placed, part, low, high) for placed, part in ((here, one), (there, two))]
+    own, other = (_side(placed, part, low, high) for placed, part in ((here, one), (there, two)))
     found, ways = [], []
-    for point in points:
-        for way in _normals(point, sides[0], sides[1], slack):
+    for point, mine, theirs in zip(points, _near(points, own, slack), _near(points, other, slack), strict=True):
+        for way in _normals(point, own, other, (mine, theirs), slack):
             found.append(point)
             ways.append(way)
     return np.array(found).reshape(-1, 3), np.array(ways).reshape(-1, 3)
@@ -178,9 +178,11 @@ def _side(points: F64, part: PartSurface, low: F64, high: F64) -> _Side:
     return _Side(corner[flat], sign * normal[flat] / length[flat, None], part.solid.closed)
 
 
-def _normals(point: F64, own: _Side, other: _Side, slack: float) -> F64:
-    """Directions in which the other surface can push the own one at a point, shape (n, 3); empty where none is known."""
-    near = [_near(point, side, slack) for side in (own, other)]
+def _normals(point: F64, own: _Side, other: _Side, near: tuple[NDArray[np.intp], NDArray[np.intp]], slack: float) -> F64:
+    """Directions in which the other surface can push the own one at a point, shape (n, 3); empty where none is known.
+
+    `near`: triangles of either side within `slack` [m] of the point.
+    """
     if min(len(n) for n in near) == 0:
         return np.zeros((0, 3))
     mine, theirs = own.triangles[near[0]], other.triangles[near[1]]
@@ -197,19 +199,26 @@ def _normals(point: F64, own: _Side, other: _Side, slack: float) -> F64:
     return kept
 
 
-def _near(point: F64, side: _Side, slack: float) -> NDArray[np.intp]:
-    """Indices of the triangles within `slack` [m] of a point, the `MOST_NEAR` nearest ones, in their order."""
+def _near(points: F64, side: _Side, slack: float) -> list[NDArray[np.intp]]:
+    """Indices of the triangles within `slack` [m] of each point, the `MOST_NEAR` nearest ones, in their order."""
     if not len(side.triangles):
-        return np.zeros(0, dtype=np.intp)
-    distance = nearest_on_triangles(point[None], side.triangles)[0].reshape(-1)
+        return [np.zeros(0, dtype=np.intp) for _ in points]
+    step = max(1, MOST_PAIRS // len(side.triangles))
+    blocks = [points[k : k + step] for k in range(0, len(points), step)]
+    return [_nearest(row, slack) for block in blocks for row in nearest_on_triangles(block[:, None], side.triangles[None]).distance]
+
+
+def _nearest(distance: F64, slack: float) -> NDArray[np.intp]:
     found = np.flatnonzero(distance <= slack)
     return np.sort(found[np.argsort(distance[found], kind="stable")[:MOST_NEAR]])
 
 
 def _apart(ways: F64) -> F64:
     """Directions of which none is another once more, shape (n, 3)."""
-    _, index = np.unique(np.round(ways / SAME_NORMAL), axis=0, return_index=True)
-    return np.asarray(ways[np.sort(index)])
+    first: dict[tuple[float, ...], int] = {}
+    for index, way in enumerate(np.round(ways / SAME_NORMAL).tolist()):
+        first.setdefault(tuple(way), index)
+    return np.asarray(ways[list(first.values())])
 
 
 def _directions(triangles: F64) -> F64:

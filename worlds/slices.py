@@ -15,8 +15,11 @@ MOTION_VERSION = "1"
 
 
 def physical_materials(materials: Mapping[str, Any]) -> dict[str, Any]:
-    """Materials as JSON without their looks."""
-    return {k: m.model_dump(mode="json", exclude={"appearance"}) for k, m in materials.items()}
+    """Materials as JSON without their looks; those that cannot burn say nothing of it."""
+    return {
+        k: m.model_dump(mode="json", exclude={"appearance", *(["flammable"] if m.flammable is None else [])})
+        for k, m in materials.items()
+    }
 
 
 def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:

@@ -167,15 +167,19 @@ class Gas(GasFields):
         """Set the volume that heat makes per volume and second [1/s], (nx, ny, nz): power density / (density heat capacity temperature),
         at the ambient pressure."""
         self.run.upload("gas/heating", self._scalar(rate), warp().float32)
-        self._heated = float(np.max(rate))
+        self._heated = float(np.max(np.abs(rate)))
 
     _heated = _fed = 0.0
 
-    def emit(self, rate: F64, content: Sequence[float]) -> None:
-        """Set a source: gas per volume and second [1/s], (nx, ny, nz), of one composition, at the ambient pressure."""
+    def emit(self, rate: F64, content: Sequence[float] | F64) -> None:
+        """Set a source: gas per volume and second [1/s], (nx, ny, nz), at the ambient pressure, of one composition (4,) or that of each cell
+        (nx, ny, nz, 4)."""
+        held = np.broadcast_to(np.asarray(content, float), (*self.shape, 4))
+        full = np.zeros((*(n + 1 for n in self.shape), 4), np.float32)
+        full[tuple(slice(0, n) for n in self.shape)] = held
         self.run.upload("gas/rate", self._scalar(rate), warp().float32)
-        self.run.upload("gas/content", np.tile(np.asarray(content, np.float32), (self.elements, 1)), warp().vec4)
-        self._emitted = np.asarray(content, float) * float(np.sum(rate))
+        self.run.upload("gas/content", full.reshape(-1, 4), warp().vec4)
+        self._emitted = np.tensordot(rate, held, axes=3)
         self._fed = float(np.max(rate))
 
     _emitted: F64 = np.zeros(4)

@@ -18,10 +18,12 @@ from ..coupled_solver import CoupledSolver, motion_records
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
 from .engine import FUEL, LIGHTNESS, PACKED, PRODUCT, SOOT, Gas
+from .kindling import pieces_of
 from .obstacles import Obstacles
 from .settings import GasSettings
 from .solids import corners_of
 from .source import cover, share_of
+from .surfaces import Surfaces
 
 if TYPE_CHECKING:
     from ...worlds.spec import EmissionDriver
@@ -42,6 +44,8 @@ FIRE_SUMS = (
     "made_soot",
 )
 """Sums of a gas that burns."""
+SURFACE_SUMS = ("gasified_fuel", "taken_heat", "taken_light")
+"""Sums of surfaces that may burn."""
 
 
 class SolverGas(CoupledSolver):
@@ -95,6 +99,9 @@ class SolverGas(CoupledSolver):
             self._start_wind()
         self._covered = cover(entity, self.built[member], self.grid)
         self.share = share_of(self._covered, self.engine.room, self.grid.cell)
+        pieces = pieces_of(spec, self.name, self.built, self.grid)
+        self.surfaces = None if pieces is None else Surfaces(pieces, self.grid, self.engine.room, ambient)
+        """Of solids that may burn."""
         if not self.share.any():
             raise InputError(
                 f"the source {member!r} lies in solids, or in no cell of its box; move it with /entities/{member}/pose, or make its parts larger"
@@ -138,7 +145,7 @@ class SolverGas(CoupledSolver):
         self._ignite(time + 0.5 * limit)
         solids = self._move(bodies, limit)
         volume = sum(_made(d, time, time + limit) for d in self.emissions.values()) if self.share.any() else 0.0
-        self.engine.emit(self.share * (volume / limit), self.content.tolist())
+        self._feed(volume, limit)
         report = self.engine.step(limit, solids)
         tally, ledger, cell = self._tally, self._ledger, self.grid.cell**3
         tally["steps"] += 1
@@ -165,6 +172,30 @@ class SolverGas(CoupledSolver):
             ledger["lost_heat"] += radiated
         return StepReport.still(limit, self.surround)
 
+    def _feed(self, volume: float, seconds: float) -> None:
+        """Let in what emissions make in a step [m^3] and what surfaces give off, and take the heat that these get."""
+        if self.surfaces is None:
+            self.engine.emit(self.share * (volume / seconds), self.content.tolist())
+            return
+        given = self.surfaces.step(seconds, self.engine.temperature)
+        open_to = np.where(self.engine.room > 0.0, self.engine.room, 1.0) * self.grid.cell**3 * seconds
+        rates = (self.share * (volume / seconds), given.volume / open_to)
+        density = given.gas / np.where(given.volume > 0.0, given.volume, 1.0)
+        own = np.zeros((*self.grid.shape, 4))
+        own[..., LIGHTNESS], own[..., FUEL] = 1.0 - density / self.engine.density, density
+        both = rates[0] + rates[1]
+        mixed = (rates[0][..., None] * self.content + rates[1][..., None] * own) / np.where(both > 0.0, both, 1.0)[..., None]
+        self.engine.emit(both, mixed)
+        self.engine.heat(-given.taken / open_to / float(self.unit[0]))
+        ledger, size = self._ledger, float(given.volume.sum())
+        ledger["volume_emitted"] += size
+        ledger["emitted_heat"] += (size - given.mass / self.engine.density) * float(self.unit[0])
+        ledger["emitted_fuel"] += given.mass
+        ledger["lost_heat"] += given.heat
+        ledger["gasified_fuel"] += given.mass
+        ledger["taken_heat"] += given.heat
+        ledger["taken_light"] += given.light
+
     def _ignite(self, time: float) -> None:
         """Light where ignitions do at a time."""
         now = tuple(k for k, d in self.ignitions.items() if d.start <= time and (d.end is None or time < d.end))
@@ -189,7 +220,8 @@ class SolverGas(CoupledSolver):
     def open_ledger(self) -> dict[str, Any]:
         """Sums since frame 0."""
         sums = ("emitted_soot", "escaped_soot", "emitted_heat", "escaped_heat", "lost_heat", "volume_emitted", "volume_escaped")
-        return dict.fromkeys((*sums, *(FIRE_SUMS if self.fuel is not None else ())), 0.0)
+        fire = FIRE_SUMS if self.fuel is not None else ()
+        return dict.fromkeys((*sums, *fire, *(SURFACE_SUMS if self.surfaces is not None else ())), 0.0)
 
     def open_tally(self) -> dict[str, Any]:
         """Sums of a frame."""
@@ -200,12 +232,16 @@ class SolverGas(CoupledSolver):
     def pack(self) -> bytes:
         """State of the engine."""
         own = {"wind": np.float64(self.wind), "last_room": self._last_room}
-        return to_bytes({**self.engine.pack(), **own})
+        surfaces = {} if self.surfaces is None else self.surfaces.pack()
+        return to_bytes({**self.engine.pack(), **surfaces, **own})
 
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""
-        found = from_bytes(state, (*PACKED, "wind", "last_room"))
+        more = () if self.surfaces is None else tuple(self.surfaces.pack())
+        found = from_bytes(state, (*PACKED, *more, "wind", "last_room"))
         self.engine.unpack(found)
+        if self.surfaces is not None:
+            self.surfaces.unpack(found)
         self.wind, self._last_room = float(found["wind"]), found["last_room"]
         self.share = share_of(self._covered, self.engine.room, self.grid.cell)
 
@@ -254,12 +290,32 @@ class SolverGas(CoupledSolver):
         """Channels and records of the fire at the end of a frame."""
         released, radiated = np.moveaxis(self.engine.power, -1, 0)
         fuel = float(self.engine.totals()[FUEL]) * self.grid.cell**3
+        if self.surfaces is not None:
+            # For the next frame: checkpoints hold it, and not the power.
+            self.surfaces.shine(radiated * self.engine.room * self.grid.cell**3)
         return {
+            **self._kindled(),
             "gas_fuel": state[..., FUEL].copy(),
             "gas_product": state[..., PRODUCT].copy(),
             "gas_released": released.copy(),
             "gas_radiated": radiated.copy(),
             "record/fuel_mass": np.float64(fuel),
+        }
+
+    def _kindled(self) -> dict[str, Any]:
+        """Channels and records of surfaces that may burn at the end of a frame."""
+        if self.surfaces is None:
+            return {}
+        pieces, slab = self.surfaces.pieces, self.surfaces.slab
+        return {
+            "burning_part": pieces.part,
+            "burning_point": pieces.point,
+            "burning_area": pieces.area,
+            "burning_left": slab.left.copy(),
+            "burning_temperature": slab.surface.copy(),
+            "burning_heat": slab.heat,
+            "record/surface_heat": np.float64(self.surfaces.heat),
+            "record/gasification_heat": np.float64(self.surfaces.gasification_heat),
         }
 
     def driver_names(self) -> tuple[str, ...]:

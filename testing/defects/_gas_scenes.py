@@ -8,7 +8,7 @@ from typing import Any
 from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
 from ..worlds.simulated_worlds import simulate
-from ..worlds.small_gas import SMOKE_PROMPT, fire_spec, smoke_spec
+from ..worlds.small_gas import SMOKE_PROMPT, fire_spec, kindled_spec, smoke_spec
 from ._kept import kept_folder
 
 __all__ = ["CELL", "FRAMES", "KINDS", "SOLVER", "SOOT", "scene", "scene_spec"]
@@ -48,13 +48,29 @@ KINDS = (
     "burner",
     "ember",
     "puffed",
+    "kindled",
+    "spared",
 )
 """A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
 fog; wind through the box; wind that begins later; a plate that is pulled through the smoke; wood gas that burns; methane that burns; propane hot enough to burn by itself; a fire
-whose fuel ends."""
+whose fuel ends; a sheet beside a fire that catches it; one so far off that it does not."""
 
 FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propane", 3.0e4), "puffed": ("heptane", 6.0e4)}
 """Fuel and power [W] of the kinds that burn."""
+
+
+def _kindled(kind: str) -> dict[str, Any]:
+    """A sheet of tissue beside a fire, which gives off gas soon and much of it."""
+    far = {"kindled": 0.03, "spared": 0.25}[kind]
+    spec = kindled_spec(frames=FRAMES, resolution=CELL, power=5.0e4, thick=4e-5, gap=far)
+    spec["materials"]["paper"]["flammable"] = {"ignition": 420.0, "gasification": 2.0e5, "char": 0.1}
+    spec["simulation"]["solvers"][SOLVER]["settings"]["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
+    size = [4e-5, 0.3, 0.3]
+    sheet = spec["entities"]["sheet"]
+    sheet.update(dimensions={"size": size}, afloat="it hangs from a rail, which is not shown")
+    sheet["parts"]["sheet"]["shape"]["size"] = size
+    sheet["pose"]["position"][2] = 0.2
+    return spec
 
 
 def _fire(kind: str) -> dict[str, Any]:
@@ -75,6 +91,8 @@ def scene_spec(kind: str) -> dict[str, Any]:
     """Specification of a kind, without its prompt."""
     if kind in FIRES:
         return _fire(kind)
+    if kind in ("kindled", "spared"):
+        return _kindled(kind)
     spec = smoke_spec(frames=FRAMES, resolution=CELL, rate=0.006)
     plate, driver = spec["entities"]["plate"], spec["simulation"]["drivers"]["fire"]
     physics, settings = spec["entities"]["smoke"]["physics"], spec["simulation"]["solvers"][SOLVER]["settings"]

@@ -21,6 +21,7 @@ from ..worlds.small_gas import SMOKE_PROMPT
 from ..worlds.small_worlds import build_all
 from . import _fire_changes as fires
 from . import _gas_changes as changes
+from . import _kindling_changes as kindling
 from ._gas_changes import Change
 from ._gas_scenes import KINDS, SOLVER, scene, scene_spec
 from .cases import Mechanism, Suite, World
@@ -119,6 +120,7 @@ def _looks(kinds: tuple[str, ...], change: Change = changes.still) -> Build:
 
 
 BURNING = ("fire", "burner")
+KINDLED = ("kindled",)
 BROKEN = (
     Mechanism("fade", "soot is lost from a frame on", True, _breaks(changes.fade, "soot"), 2e-4, 0.9, "1"),
     Mechanism("grow", "soot comes from nowhere", True, _breaks(changes.grow, "soot"), 2e-4, 0.9, "1"),
@@ -168,6 +170,14 @@ BROKEN = (
     Mechanism("stuff", "more products than gas", True, _breaks(fires.stuff, "oxygen", kinds=BURNING), 0.03, 3.0, "1", 0.02),
     Mechanism("gloom", "flames radiate too little", True, _breaks(fires.gloom, "radiated", kinds=BURNING), 0.05, 1.0, "1", 0.02),
     Mechanism("glare", "cold air radiates", True, _breaks(fires.glare, "radiated", kinds=BURNING), 0.05, 1.0, "1", 0.02),
+    Mechanism("pilfer", "surfaces lose more than they give", True, _breaks(kindling.pilfer, "gasified", kinds=KINDLED), 1e-3, 1.0, "1", 1e-4),
+    Mechanism("regrow", "mass comes back to surfaces", True, _breaks(kindling.regrow, "gasified", kinds=KINDLED), 1e-3, 1.0, "1", 1e-4),
+    Mechanism("smoulder", "a cold surface gives gas", True, _breaks(kindling.smoulder, "kindled", kinds=KINDLED), 5e-3, 1.0, "1", 1e-3),
+    Mechanism("blister", "surfaces get heat from nowhere", True, _breaks(kindling.blister, "heated", kinds=KINDLED), 0.5, 5.0, "1", 0.05),
+    Mechanism("freeze", "heat of surfaces is lost", True, _breaks(kindling.freeze, "stored", kinds=KINDLED), 1e-3, 1.0, "1", 1e-4),
+    Mechanism("gift", "surfaces took more than they hold", True, _breaks(kindling.gift, "stored", kinds=KINDLED), 1e-3, 1.0, "1", 1e-4),
+    Mechanism("hollow", "less of a part can burn than it has", True, _breaks(kindling.hollow, "surfaces", kinds=KINDLED), 0.01, 0.5, "1", 1e-3),
+    Mechanism("shrink", "pieces do not cover their part", True, _breaks(kindling.shrink, "surfaces", kinds=KINDLED), 0.01, 0.5, "1", 1e-3),
     Mechanism("hellish", "gas hotter than any flame", True, _breaks(fires.forge, "temperature", kinds=BURNING), 1.0, 2000.0, "K"),
     Mechanism(
         "blank", "numbers that are none", True, _breaks(changes.blank, "numerical:finite"), 1.0, 500.0, "numbers", check="numerical"

@@ -7,10 +7,11 @@ from typing import Any
 from ...physics.combustion import FUELS
 from ...physics.substances import air_density
 
-__all__ = ["FIRE_PROMPT", "SMOKE_PROMPT", "fire_spec", "smoke_spec", "stirred_spec"]
+__all__ = ["FIRE_PROMPT", "KINDLED_PROMPT", "SMOKE_PROMPT", "fire_spec", "kindled_spec", "smoke_spec", "stirred_spec"]
 
 FIRE_PROMPT = "A fire burns in a bowl on the floor under a plate, and it goes out."
 SMOKE_PROMPT = "Smoke rises from a bowl on the floor and spreads under a plate."
+KINDLED_PROMPT = "A fire in a bowl sets a sheet of paper beside it on fire."
 WIDE, HIGH = 0.8, 1.2
 """Of the room [m]."""
 
@@ -119,4 +120,35 @@ def fire_spec(
         "fire": {"kind": "emission", "entity": "smoke", "rate": rate, "end": last},
         "spark": {"kind": "ignition", "entity": "smoke", "center": [0, 0, 0.1], "radius": 0.15, "end": 0.1},
     }
+    return spec
+
+
+def kindled_spec(
+    *, frames: int = 37, gap: float = 0.04, power: float = 4.0e4, thick: float = 2.0e-4, resolution: float = 0.05, **changes: Any
+) -> dict[str, Any]:
+    """The same fire with a pilot flame, whose fuel does not end, and beside it an upright sheet of paper that may burn.
+
+    Args:
+        frames: at 24 per second.
+        gap: from the edge of the bowl to the sheet [m].
+        power: of the fire in the bowl [W].
+        thick: of the sheet [m].
+        resolution: of the gas [m].
+    """
+    spec = fire_spec(frames=frames, resolution=resolution, power=power, **changes)
+    spec["title"] = "a sheet that catches fire"
+    for driver in ("fire", "spark"):
+        del spec["simulation"]["drivers"][driver]["end"]
+    spec["materials"]["paper"] = {"density": 500.0, "substance": "paper", "flammable": {}}
+    size = [thick, 0.4, 0.6]
+    spec["entities"]["sheet"] = {
+        "role": "sheet of paper that may burn",
+        "motion": "static",
+        "material": "paper",
+        "dimensions": {"size": size},
+        "pose": {"position": [round(0.06 + gap + thick / 2, 6), 0, 0.3]},
+        "parts": {"sheet": {"shape": {"kind": "box", "size": size}}},
+    }
+    del spec["entities"]["plate"]
+    spec["simulation"]["solvers"]["bodies"]["members"] = ["floor", "sheet"]
     return spec

@@ -9,7 +9,7 @@ from typing import Any
 from worldagent.construction.build import build_entity
 from worldagent.testing.worlds.by_category import FRAMES, SMALL_WORLDS, hot_tank, spec_of
 from worldagent.testing.worlds.small_cloth import CATCH_PROMPT, catch_spec
-from worldagent.testing.worlds.small_gas import FIRE_PROMPT, SMOKE_PROMPT, fire_spec, stirred_spec
+from worldagent.testing.worlds.small_gas import KINDLED_PROMPT, SMOKE_PROMPT, kindled_spec, stirred_spec
 from worldagent.testing.worlds.small_grains import SPARK_PROMPT, spark_spec
 from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, hammock_spec
 from worldagent.worlds.built import BuiltEntity
@@ -22,7 +22,7 @@ WORLDS: dict[str, Callable[[], WorldSpec]] = {
     "liquid on a grid": lambda: hot_tank("flip"),
     "cloth that catches": lambda: spec_of(catch_spec(frames=FRAMES, resolution=0.1), CATCH_PROMPT),
     "jelly on cloth": lambda: spec_of(hammock_spec(frames=FRAMES, edge=0.055, drop=0.002, radius=None), HAMMOCK_PROMPT),
-    "fire": lambda: spec_of(fire_spec(frames=FRAMES), FIRE_PROMPT),
+    "fire": lambda: spec_of(kindled_spec(frames=FRAMES), KINDLED_PROMPT),
     "stirred gas": lambda: spec_of(stirred_spec(frames=FRAMES), SMOKE_PROMPT),
     "flight": lambda: spec_of(spark_spec(frames=FRAMES), SPARK_PROMPT),
 }

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "f9defa675d828eccadbc4051ebed2cb9b233e93ac29d292aea1323b8a74703d6"
+SCHEMA = "50a9ba677eeb183d3c57da5ae446fd408fd26a6112fb0785fc6aa9a0bdfc9d35"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -205,7 +205,9 @@ def _near(points: F64, side: _Side, slack: float) -> list[NDArray[np.intp]]:
         return [np.zeros(0, dtype=np.intp) for _ in points]
     step = max(1, MOST_PAIRS // len(side.triangles))
     blocks = [points[k : k + step] for k in range(0, len(points), step)]
-    return [_nearest(row, slack) for block in blocks for row in nearest_on_triangles(block[:, None], side.triangles[None]).distance]
+    return [
+        _nearest(row, slack) for block in blocks for row in nearest_on_triangles(block[:, None], side.triangles[None]).distance
+    ]
 
 
 def _nearest(distance: F64, slack: float) -> NDArray[np.intp]:

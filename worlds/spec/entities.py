@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from ..categories.cloth.models import ClothPhysics
 from ..categories.elastic.models import ElasticPhysics
 from ..categories.fracture.models import Breakable
-from ..categories.gas.models import GasPhysics
+from ..categories.gas.models import Flammable, GasPhysics
 from ..categories.liquid.models import LiquidPhysics
 from ..categories.particles.models import ParticlePhysics
 from ..categories.rigid.models import RigidPhysics
@@ -78,6 +78,9 @@ class Material(SpecModel):
         "lava",
         "other",
     ] = Field(default="other", description="lets the audit compare the density with the substance's real range")
+    flammable: Flammable | None = Field(
+        default=None, description="static rigid entities of it burn in the box of a gas with its fuel"
+    )
     appearance: Appearance = Appearance()
 
 

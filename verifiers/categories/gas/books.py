@@ -29,7 +29,7 @@ TINY = 1e-12
 
 
 def declared(box: GasBox) -> dict[str, F64]:
-    """Volume [m^3], soot [kg], heat [J] and tracer [kg] that drivers let out since frame 0, each shape (frames,)."""
+    """Volume [m^3], soot [kg], heat [J] and tracer [kg] that drivers let out and surfaces gave since frame 0, each shape (frames,)."""
     times = box.duration * np.arange(box.frames)
     found = {name: np.zeros(box.frames) for name in ("volume", "soot", "heat", "tracer")}
     for source in box.sources:
@@ -39,6 +39,11 @@ def declared(box: GasBox) -> dict[str, F64]:
         found["soot"] += volume * physics.soot_density
         found["heat"] += volume * box.joule * float(box.lightness_at(physics.temperature))
         found["tracer"] += volume * box.source_tracer(source.entity)
+    if box.surfaces is not None:
+        mass, volume = box.surfaces.given()
+        found["volume"] += volume
+        found["heat"] += (volume - mass / box.air) * box.joule
+        found["tracer"] += mass
     return found
 
 

@@ -40,6 +40,9 @@ FLAMES = 1e-3
 """[1] Own choice: of the greatest power of all flames at a frame of the run, that may be released where no flame can be."""
 RADIATED = 0.02
 """[1] Own choice: of the greatest power of a cell, that may be radiated by nothing or kept that is radiated."""
+HEATED = 0.05
+"""[1] Own choice: of all heat that surfaces got, by which it may exceed what the gas and flames of the frames about them give at most: between
+frames gas may be hotter than at both ends."""
 CUT = 0.05
 """[1] Own choice: optical depth across the smoke at an open side from which on one sees it end there; an eye sees a contrast of 0.02 to 0.05."""
 CROPPED = 0.5

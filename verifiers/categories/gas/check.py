@@ -17,6 +17,7 @@ from .fate import Fate
 from .fires import Fires
 from .flow import Flow
 from .frames import box_of
+from .kindling import Kindling
 from .limits import Limits
 from .numerical import Numbers
 from .places import Places
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["WATCHES", "category_rows", "numerical_rows"]
 
-WATCHES: tuple[type[Watch], ...] = (Numbers, Books, Escapes, Transport, Limits, Flow, Places, Fires, Fate)
+WATCHES: tuple[type[Watch], ...] = (Numbers, Books, Escapes, Transport, Limits, Flow, Places, Fires, Kindling, Fate)
 """All families, in the order of their rows."""
 
 

@@ -188,7 +188,8 @@ class Fires:
         """Recorded sums against the power of the frames, beyond what these leave open between them."""
         box, step = self.box, self.box.duration
         power = np.array(self.power)
-        records = np.stack([box.record("released_heat"), box.record("lost_heat")], axis=1)
+        light = box.record("lost_heat") - (0.0 if box.surfaces is None else box.record("taken_heat"))
+        records = np.stack([box.record("released_heat"), light], axis=1)
         scale = max(float(records.max()), TINY)
         mean = np.concatenate([np.zeros((1, 2)), np.cumsum(0.5 * step * (power[1:] + power[:-1]), axis=0)])
         loose = np.concatenate([np.zeros((1, 2)), np.cumsum(0.5 * step * np.abs(np.diff(power, axis=0)), axis=0)])

@@ -1,4 +1,4 @@
-"""Evaluators of predicates about fire: its power, that it burns, that it goes out (R28, R100)."""
+"""Evaluators of predicates about fire: its power, that something burns, that it goes out (R28, R100)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from ....worlds.categories.gas.predicates import FireEvent, HeatRelease
 from ...predicates.conditions import Condition, happens
 from ...predicates.outcome import Outcome
 from .bounds import FIRE_OUT, FIRE_POWER, FIRE_TIME
-from .predicates import banded, inside, moved_gas, no_gas
+from .fire_of import fire_of
+from .predicates import banded, inside, no_gas
 
 if TYPE_CHECKING:
     from ....worlds.spec import SpecModel
@@ -38,49 +39,33 @@ def heat_release(scope: Scope, predicate: SpecModel) -> Outcome:
 
 def burns(scope: Scope, p: FireEvent) -> Outcome:
     """Measured: least power of its flames over 0.2 s [W]."""
-    box = _burning(scope, p.entity)
-    if isinstance(box, str):
-        return no_gas(scope, p.entity, "W", box)
-    power = _power(box, scope.frames[0], scope.frames[1])
-    condition = Condition("least power of its flames over 0.2 s", _kept(box, power), max(FIRE_POWER, p.min or 0.0), "W")
+    fire = fire_of(scope.candidate, p.entity)
+    if isinstance(fire, str):
+        return no_gas(scope, p.entity, "W", fire)
+    power = fire.power(scope.frames[0], scope.frames[1])
+    kept = _kept(fire.box, power)
+    condition = Condition("least power of its flames over 0.2 s", kept, max(FIRE_POWER, p.min or 0.0), "W")
     return happens(scope, p.entity, (condition,))
 
 
 def goes_out(scope: Scope, p: FireEvent) -> Outcome:
     """Measured: share of the power of its flames that is gone for good."""
-    box = _burning(scope, p.entity)
-    if isinstance(box, str):
-        return no_gas(scope, p.entity, "1", box)
+    fire = fire_of(scope.candidate, p.entity)
+    if isinstance(fire, str):
+        return no_gas(scope, p.entity, "1", fire)
     first, last = scope.frames
-    power = _power(box, first, box.frames - 1)
+    power = fire.power(first, fire.box.frames - 1)
     most = np.maximum.accumulate(power)
     # From each frame on to the end of the world.
     yet = np.maximum.accumulate(power[::-1])[::-1]
     count = last - first + 1
-    burnt = np.maximum.accumulate(_kept(box, power))[:count]
+    burnt = np.maximum.accumulate(_kept(fire.box, power))[:count]
     gone = 1.0 - yet[:count] / np.maximum(most[:count], FIRE_POWER)
     conditions = (
         Condition("share of its power that is gone for good", gone, max(1.0 - FIRE_OUT, p.min or 0.0)),
         Condition("least power of its flames over 0.2 s before", burnt, FIRE_POWER, "W"),
     )
     return happens(scope, p.entity, conditions)
-
-
-def _burning(scope: Scope, entity: str) -> GasBox | str:
-    box = moved_gas(scope.candidate, entity)
-    if not isinstance(box, str) and box.combustion is None:
-        return f"{entity!r} has no fuel: nothing of it burns; give it one with /entities/{entity}/physics/fuel"
-    return box
-
-
-def _power(box: GasBox, first: int, last: int) -> F64:
-    """Of all flames at frames first..last [W]."""
-    found = []
-    for index in range(first, last + 1):
-        frame = box.read(index)
-        fire = frame.fire
-        found.append(0.0 if fire is None else box.volume * float(np.sum(fire.released * frame.room, dtype=np.float64)))
-    return np.array(found)
 
 
 def _kept(box: GasBox, power: F64) -> F64:

@@ -17,6 +17,7 @@ from ...rows.findings import cache_of
 from .bodies import Bodies
 from .cells import FireCells, GasFrame
 from .combustion import Combustion
+from .kindled import KindledSurfaces, surfaces_of_box
 from .sources import Source, sources_of
 
 if TYPE_CHECKING:
@@ -75,6 +76,11 @@ class GasBox:
     def sources(self) -> tuple[Source, ...]:
         """Shapes and drivers that let gas out."""
         return sources_of(self.candidate, self.members)
+
+    @cached_property
+    def surfaces(self) -> KindledSurfaces | None:
+        """Surfaces of solids that may burn; None where there are none."""
+        return surfaces_of_box(self.candidate, self.solver, self.cache, self.frames)
 
     @cached_property
     def bodies(self) -> Bodies:

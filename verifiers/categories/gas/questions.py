@@ -6,7 +6,7 @@ from ...rows.questions import Question, by_name
 from ..questions import COUNTERS, FINITE, ITERATIONS, SPEED
 from .bounds import ACROSS, CUT
 
-__all__ = ["BOOKS", "ESCAPES", "FATE", "FIRES", "FLOW", "LIMITS", "NUMBERS", "PLACES", "QUESTIONS", "TRANSPORT"]
+__all__ = ["BOOKS", "ESCAPES", "FATE", "FIRES", "FLOW", "KINDLING", "LIMITS", "NUMBERS", "PLACES", "QUESTIONS", "TRANSPORT"]
 
 
 def _asked(
@@ -221,6 +221,44 @@ FIRES = by_name(
     ),
 )
 
+KINDLING = by_name(
+    _asked(
+        "surfaces",
+        "surfaces that may burn are those of their parts, with the mass of these",
+        "largest difference of area or mass of a part",
+        "1",
+        "BURNT",
+    ),
+    _asked(
+        "gasified",
+        "what surfaces give off is the mass that they lose, which only falls",
+        "largest difference over all that they gave",
+        "1",
+        "BOOKS",
+    ),
+    _asked(
+        "kindled",
+        "surfaces give off gas where they are hot enough to",
+        "share of it that others give over a frame",
+        "1",
+        "FLAMES",
+    ),
+    _asked(
+        "stored",
+        "heat in surfaces, and in the gas that they gave, is what they took",
+        "largest heat that is missing or too much, over what they took",
+        "1",
+        "BOOKS",
+    ),
+    _asked(
+        "heated",
+        "surfaces get no more heat than the gas and the flames about them give",
+        "heat beyond that, over all that they got",
+        "1",
+        "HEATED",
+    ),
+)
+
 FATE = by_name(
     _asked(
         "fate",
@@ -232,4 +270,4 @@ FATE = by_name(
     ),
 )
 
-QUESTIONS = tuple(q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, FATE) for q in group.values())
+QUESTIONS = tuple(q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, FATE) for q in group.values())

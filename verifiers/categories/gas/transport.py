@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ....physics.substances import air_density
 from ....worlds.arrays import F64
 from ...rows.findings import Finding
 from .bounds import COURSE, SEEP
@@ -26,11 +27,14 @@ if TYPE_CHECKING:
     from ...rows.questions import Question
     from .cells import GasFrame, Mask
     from .frames import GasBox
+    from .kindled import KindledSurfaces
     from .outflow import Outflow
 
 __all__ = ["Transport"]
 
 TINY = 1e-12
+BESIDE = 2.0
+"""[cells] How far from a piece of surface the cell lies that its gas is given to."""
 OUTLET = 0.25
 """[cells] How well points in a source tell where on the cells the middle of what it lets out is."""
 
@@ -59,7 +63,7 @@ class Transport:
     def _reached(self, now: GasFrame, before: GasFrame) -> None:
         box, (way, walls) = self.box, reach_of(self.box, now, before)
         lit = _emitting(box, now)
-        most = max((box.source_concentration(s.entity) for s in box.sources), default=0.0)
+        most = max([0.0, *(box.source_concentration(s.entity) for s in box.sources), *(source for _, source in lit)])
         upper = box.concentration(before)
         scale, lower = max(most, float(upper.max()), TINY), -upper
         for cells, source in lit:
@@ -85,6 +89,9 @@ class Transport:
             content = box.source_tracer(source.entity) if n == 0 else box.joule * float(box.lightness_at(physics.temperature))
             came += volume * content * (source.outlet(now.corner, box.cell, now.room) - middle)
             loose += abs(volume * content) * OUTLET * box.cell
+        if box.surfaces is not None:
+            given = self._given(n, box.surfaces, now, middle)
+            came, loose = came + given[0], loose + given[1]
         hot = self._heated(now, before) if n == 1 else (np.zeros(3), 0.0)
         came, loose = came + hot[0], loose + hot[1]
         predicted = 0.5 * step * (new_rate + old_rate) + came - 0.5 * step * (_about(flow, n, middle) + _about(last, n, middle))
@@ -94,6 +101,13 @@ class Transport:
         path = 0.5 * step * (new_path + old_path)
         self.parts = (new - old, predicted, doubt, path)
         return max(0.0, float(np.linalg.norm(new - old - predicted)) - doubt) / max(path, TINY)
+
+    def _given(self, n: int, surfaces: KindledSurfaces, now: GasFrame, middle: F64) -> tuple[F64, float]:
+        """Moment of tracer or heat that surfaces gave over a frame [kg m or J m], and how far that may be off."""
+        box, mass = self.box, surfaces.giving(now.index)
+        light = surfaces.of("ignition") / air_density(1.0) - 1.0 / box.air
+        amount = mass if n == 0 else mass * light * box.joule
+        return np.tensordot(amount, surfaces.point - middle, axes=1), float(np.abs(amount).sum()) * BESIDE * box.cell
 
     def _heated(self, now: GasFrame, before: GasFrame) -> tuple[F64, float]:
         """Moment of the heat that fire gave over a frame by its power at both ends [J m], and how far that may be off."""
@@ -140,11 +154,23 @@ class Transport:
 def _emitting(box: GasBox, now: GasFrame) -> list[tuple[Mask, float]]:
     """Cells about every source that let gas out over the frame, with its soot."""
     end = box.duration * now.index
-    return [
+    surfaces = [] if box.surfaces is None else [(_beside(box, now, box.surfaces), 1.0)]
+    return surfaces + [
         (source.cells(now.centers, box.cell), box.source_concentration(source.entity))
         for source in box.sources
         if source.emitted(end) > source.emitted(end - box.duration)
     ]
+
+
+def _beside(box: GasBox, now: GasFrame, surfaces: KindledSurfaces) -> Mask:
+    """Cells about the pieces of surface that gave gas over the frame."""
+    from scipy.ndimage import binary_dilation
+
+    found = np.zeros(box.shape, dtype=bool)
+    at = np.floor((surfaces.point[surfaces.giving(now.index) > 0.0] - now.corner) / box.cell).astype(np.int64)
+    at = at[((at >= 0) & (at < np.array(box.shape))).all(axis=1)]
+    found[tuple(at.T)] = True
+    return np.asarray(binary_dilation(found, np.ones((3, 3, 3)), iterations=int(BESIDE)))
 
 
 def _about(flow: Outflow, n: int, middle: F64) -> F64:

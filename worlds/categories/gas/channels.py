@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...channel import Channel, quantity
 from ..shared_channels import MOTION
-from .facts import gas_of
+from .facts import flammable_parts, gas_of
 
 if TYPE_CHECKING:
     from ...spec import WorldSpec
@@ -18,6 +18,7 @@ DIMENSIONS: Mapping[str, str] = {
     "cells x": "cells of the gas's box along x",
     "cells y": "along y",
     "cells z": "along z",
+    "pieces": "pieces of surfaces that may burn",
 }
 BOX = ("cells x", "cells y", "cells z")
 CHANNELS: Mapping[str, tuple[Channel, ...]] = {
@@ -54,12 +55,27 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
         quantity("released_heat", "J", "by what has burnt since frame 0", sign="+"),
         quantity("made_soot", "kg", "by what has burnt since frame 0", sign="+"),
     ),
+    "gas kindling": (
+        Channel("burning_part", "i4", ("pieces",), "1", "number of its part among those that may burn, by the names of entities and parts", sign="+"),
+        Channel("burning_point", "f8", ("pieces", 3), "m", "middle, world", finite=True),
+        Channel("burning_area", "f8", ("pieces",), "m^2", "area", sign="+"),
+        Channel("burning_left", "f8", ("pieces",), "kg/m^2", "mass below it that can still become gas", sign="+"),
+        Channel("burning_temperature", "f8", ("pieces",), "K", "of the surface", sign="+"),
+        Channel("burning_heat", "f8", ("pieces",), "J/m^2", "heat below it above that at frame 0"),
+        quantity("gasified_fuel", "kg", "given off by surfaces since frame 0; part of what was emitted", sign="+"),
+        quantity("taken_heat", "J", "that gas gave surfaces which may burn since frame 0; part of what it lost"),
+        quantity("taken_light", "J", "of flames on these surfaces since frame 0, less what they radiate"),
+        quantity("surface_heat", "J", "in these surfaces above that at frame 0"),
+        quantity("gasification_heat", "J", "that has made gas of them since frame 0", sign="+"),
+    ),
 }  # fmt: skip
 """By kind of writer."""
 
 
 def writers(spec: WorldSpec, name: str) -> Iterator[str]:
-    """Whether the gas of an instance burns."""
+    """Whether the gas of an instance burns, and solids in it."""
     held = gas_of(spec, name) if name in spec.simulation.gas else None
     if held is not None and held[2].fuel is not None:
         yield "gas fire"
+    if held is not None and flammable_parts(spec, name):
+        yield "gas kindling"

@@ -10,7 +10,21 @@ from ...matter import Instance, Matter, MatterShape, TimedDriver
 from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
 from ..domains import SidedDomain
 
-__all__ = ["EmissionDriver", "GasInstance", "GasPhysics", "GasSettings", "IgnitionDriver"]
+__all__ = ["EmissionDriver", "Flammable", "GasInstance", "GasPhysics", "GasSettings", "IgnitionDriver"]
+
+Burns = Literal["methane", "propane", "methanol", "heptane", "wood"]
+
+
+class Flammable(SpecModel):
+    """How a solid burns in a gas with the same fuel: its surface heats, and from `ignition` on heat makes gas of it. Defaults: wood."""
+
+    # 1.8 MJ/kg: Douglas fir (Tewarson 2002); 623 K: 250 to 365 degrees C with a pilot (Babrauskas 2003).
+    fuel: Burns = Field(default="wood", description="what it gives off")
+    ignition: float = Field(default=623.0, ge=400, le=1200, description="temperature of its surface [K]")
+    gasification: float = Field(default=1.8e6, ge=1e5, le=1e7, description="heat that makes a kg of gas [J/kg]")
+    char: float = Field(default=0.2, ge=0, lt=1, description="share of its mass that stays")
+    conductivity: float = Field(default=0.12, ge=0.01, le=5, description="[W/(m K)]")
+    heat_capacity: float = Field(default=1600.0, ge=300, le=5000, description="[J/(kg K)]")
 
 
 class GasPhysics(Matter):
@@ -27,7 +41,7 @@ class GasPhysics(Matter):
     soot_density: NonNegative = Field(
         default=1e-3, le=1.0, description="soot, droplets or dust in the gas at its source [kg/m^3]; 0: clear"
     )
-    fuel: Literal["methane", "propane", "methanol", "heptane", "wood"] | None = Field(
+    fuel: Burns | None = Field(
         default=None,
         description="what burns of it in the air that it mixes with, once an ignition lights it or it is hot enough; wood: what hot wood gives off",
     )

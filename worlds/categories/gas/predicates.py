@@ -97,7 +97,7 @@ class HeatRelease(Band):
 
 
 class FireEvent(MatterEvent):
-    """A gas burns, or its fire goes out."""
+    """A gas or a solid that may burn does, or its fire goes out."""
 
     kind: Literal["burns", "goes_out"]
 
@@ -146,7 +146,7 @@ PREDICATES = (
         frames="narrower",
         matter="entity",
         event=True,
-        gloss="Its flames give at least 10 W at every frame of 0.2 s.",
+        gloss="Its flames give at least 10 W at every frame of 0.2 s; of a solid, what the gas that it gives off has, as far as flames at its surface give it.",
         source="own choice: a tenth of what a candle gives (80 W: Hamins, Bundy and Dillon 2005, Journal of Fire Protection Engineering 15, 265); a flash is no fire",
     ),
     PredicateInfo(

@@ -1,0 +1,79 @@
+"""Ways in which the surfaces of solids that burn go wrong, each by a magnitude."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...worlds.cache import Cache
+from ...worlds.categories.gas.models import Flammable
+from ._gas_changes import FIRST
+from ._gas_scenes import scene_spec
+
+AMBIENT = 293.15
+"""[K]"""
+KIND = Flammable.model_validate(scene_spec("kindled")["materials"]["paper"]["flammable"])
+
+
+def _given(data: dict[str, Any], cache: Cache) -> Any:
+    """Mass that each piece has given since frame 0 [kg/m^2]."""
+    return cache.read(0, ("burning_left",))["burning_left"] - data["burning_left"]
+
+
+def pilfer(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """Surfaces lose more than they give, and their books of heat follow."""
+    if frame >= FIRST:
+        more = magnitude * _given(data, cache)
+        data["burning_left"] = data["burning_left"] - more
+        cost = float(np.sum(more * data["burning_area"])) * KIND.gasification
+        for name in ("gasification_heat", "taken_light"):
+            data[f"record/{name}"] = data[f"record/{name}"] + cost
+
+
+def regrow(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """At the last frame a share of what was given is there again."""
+    if frame == cache.index.frames - 1:
+        data["burning_left"] = data["burning_left"] + magnitude * _given(data, cache)
+
+
+def smoulder(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """A share of what was given off came from the coldest piece."""
+    given = magnitude * _given(data, cache)
+    cold = int(np.argmin(cache.read(cache.index.frames - 1, ("burning_temperature",))["burning_temperature"]))
+    lost = float(np.sum(given * data["burning_area"]))
+    data["burning_left"] = data["burning_left"] + given
+    data["burning_left"][cold] -= lost / data["burning_area"][cold]
+
+
+def blister(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """Surfaces far from the fire get a share of all heat more, and say that it was light."""
+    if frame >= FIRST:
+        heat = data["burning_heat"] * data["burning_area"]
+        far = np.argsort(heat)[: len(heat) // 4]
+        more = magnitude * float(heat.sum()) * (frame - FIRST + 1)
+        data["burning_heat"][far] += more / float(data["burning_area"][far].sum())
+        for name in ("surface_heat", "taken_light"):
+            data[f"record/{name}"] = data[f"record/{name}"] + more
+
+
+def freeze(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """A share of the heat in surfaces is gone."""
+    if frame >= FIRST:
+        data["burning_heat"] = data["burning_heat"] * (1.0 - magnitude)
+
+
+def gift(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """Surfaces took more heat than is in them and in their gas."""
+    if frame >= FIRST:
+        data["record/taken_light"] = data["record/taken_light"] * (1.0 + magnitude)
+
+
+def hollow(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """Less can burn of a part than it has."""
+    data["burning_left"] = data["burning_left"] - magnitude * cache.read(0, ("burning_left",))["burning_left"]
+
+
+def shrink(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """Pieces do not cover their part."""
+    data["burning_area"] = data["burning_area"] * (1.0 - magnitude)

@@ -1,0 +1,112 @@
+"""Solids that catch fire: their mass is their gas, their heat that of the fire, and what nothing heats does not burn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+from worldagent.simulation.protocol import Intervention
+from worldagent.simulation.variants import run_variant
+from worldagent.testing.defects._gas_scenes import FRAMES, SOLVER, scene, scene_spec
+from worldagent.testing.worlds.simulated_worlds import simulate
+from worldagent.testing.worlds.small_gas import KINDLED_PROMPT
+from worldagent.tests.verifiers.agreement import evaluate
+from worldagent.verifiers.categories.gas.check import category_rows
+from worldagent.verifiers.categories.gas.frames import box_of
+from worldagent.verifiers.categories.gas.kindling import Kindling
+from worldagent.verifiers.predicates import Outcome
+from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.predicates import Predicate
+from worldagent.worlds.spec import WorldSpec
+
+SPAN = (0, FRAMES - 1)
+
+
+def asked(candidate: Candidate, **fields: Any) -> Outcome:
+    predicate: Any = TypeAdapter(Predicate).validate_python(fields)
+    return evaluate(candidate, predicate, SPAN)
+
+
+def rows(candidate: Candidate) -> dict[str, Any]:
+    return {r.id.split(":")[2]: r for r in category_rows(candidate, SOLVER)}
+
+
+def test_a_sheet_beside_a_fire_burns_and_every_row_passes() -> None:
+    kindled = scene("kindled")
+    found = rows(kindled)
+    assert {n: r.status for n, r in found.items() if r.status != "pass" and r.mandatory} == {"outflow": "not_applicable"}
+    assert {found[n].status for n in Kindling.questions} == {"pass"}
+    assert found["gasified"].evidence["given_off_kg"] > 0.0
+    assert asked(kindled, kind="burns", entity="sheet").status == "pass"
+
+
+def test_a_sheet_far_from_the_fire_warms_and_does_not_burn() -> None:
+    spared = scene("spared")
+    assert asked(spared, kind="burns", entity="sheet").status == "fail"
+    surfaces = box_of(spared, SOLVER).surfaces
+    assert surfaces is not None
+    assert surfaces.lost().max() == 0.0
+    assert surfaces.state[-1].temperature.max() > 300.0
+
+
+def test_mass_and_heat_are_kept_between_solid_and_gas() -> None:
+    """What the sheet lost is fuel of the gas; what the gas and the flames gave it is in it or has made gas."""
+    box = box_of(scene("kindled"), SOLVER)
+    surfaces = box.surfaces
+    assert surfaces is not None
+    lost, last = surfaces.lost()[-1], box.frames - 1
+    assert box.record("gasified_fuel")[last] == pytest.approx(lost, rel=1e-9)
+    own = box.record("emitted_fuel")[last] - lost
+    volume = sum(s.emitted(last * box.duration) for s in box.sources)
+    assert own == pytest.approx(volume * box.source_tracer("smoke"), rel=1e-6)
+    took = box.record("taken_heat")[last] + box.record("taken_light")[last]
+    held = box.record("surface_heat")[last] + box.record("gasification_heat")[last]
+    assert took == pytest.approx(held, rel=1e-9)
+    assert box.record("gasification_heat")[last] == pytest.approx(2.0e5 * lost, rel=1e-9)
+    assert box.record("taken_light")[last] < box.record("lost_heat")[last]
+
+
+def test_no_fire_no_gas() -> None:
+    """Without the spark nothing lights the fire, and the sheet stays as it was; the run with it is the same to the byte."""
+    base = scene("kindled")
+    cold, again = (run_variant(base, Intervention(without=frozenset(w)), start=0, end=6).caches[SOLVER] for w in ({"spark"}, ()))
+    names = ("burning_left", "burning_heat", "gas_fuel")
+    end, known = (c.read(6, names) for c in (again, base.caches[SOLVER]))
+    assert all(np.array_equal(end[n], known[n]) for n in names)
+    assert (known["burning_left"] < base.caches[SOLVER].read(0, names)["burning_left"]).any()
+    assert np.array_equal(cold.read(6, names)["burning_left"], base.caches[SOLVER].read(0, names)["burning_left"])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda s: s["materials"]["paper"].pop("flammable"), "cannot burn"),
+        (lambda s: s["materials"]["paper"]["flammable"].update(fuel="heptane"), "cannot burn"),
+    ],
+)
+def test_what_is_not_flammable_cannot_burn(tmp_path: Path, change: Any, words: str) -> None:
+    document = scene_spec("kindled")
+    change(document)
+    document["simulation"]["frames"] = 3
+    found = simulate(tmp_path, WorldSpec.model_validate({"prompt": KINDLED_PROMPT, **document}))
+    outcome = evaluate(found, TypeAdapter(Predicate).validate_python({"kind": "burns", "entity": "sheet"}), (0, 2))
+    assert (outcome.status, words in outcome.explanation) == ("fail", True)
+    assert {rows(found)[n].status for n in Kindling.questions} == {"not_applicable"}
+
+
+def test_finer_pieces_burn_alike(tmp_path: Path) -> None:
+    """Pieces as wide as a cell or half of it: the sheet takes the same heat."""
+    from worldagent.simulation.gas import kindling
+
+    taken = []
+    for share in (1.0, 0.5):
+        with pytest.MonkeyPatch.context() as patch:
+            cut = kindling.cut_into_pieces
+            patch.setattr(kindling, "cut_into_pieces", lambda mesh, widest, cut=cut, share=share: cut(mesh, share * widest))
+            spec = WorldSpec.model_validate({"prompt": KINDLED_PROMPT, **scene_spec("spared")})
+            box = box_of(simulate(tmp_path / str(share), spec), SOLVER)
+        taken.append(box.record("surface_heat")[-1])
+    assert np.ptp(taken) < 0.05 * max(taken)

@@ -32,13 +32,20 @@ STARTED = 1e-3
 """[m/s] and [rad/s] Own choice: a body given less than this at frame 0 is at rest."""
 
 
+def _changed_by(spec: WorldSpec, solver: str) -> set[str]:
+    """Entities that a solver moves or otherwise changes."""
+    instance = spec.simulation.solvers[solver]
+    others = (name for c in CATEGORIES.values() if isinstance(instance, c.instances) for name in c.changes(spec, solver))
+    return {*instance.members, *others}
+
+
 def story_problems(spec: WorldSpec) -> list[Problem]:
     """R14-R16, R28: beats in range, owned, checkable, causally ordered."""
     plan, beats, problems = spec.simulation, spec.story.beats, []
     for name, beat in beats.items():
         place = f"/story/beats/{name}"
         problems += _ends_late(spec, place, beat.frames)
-        members = plan.solvers[beat.owner].members if beat.owner in plan.solvers else None
+        members = _changed_by(spec, beat.owner) if beat.owner in plan.solvers else None
         driver = plan.drivers.get(beat.owner)
         if members is not None and beat.subject not in members:
             problems.append(Problem(f"{place}/owner", f"solver {beat.owner!r} does not move {beat.subject!r}"))

@@ -62,6 +62,8 @@ class CategorySpec:
     """What it writes into caches, by kind of writer: its name for all of its own instances, others as `writers` tells."""
     dimensions: Mapping[str, str] = field(default_factory=dict)
     """Named sizes of these channels that no other category has, and what their rows are."""
+    changes: Callable[[WorldSpec, str], Iterable[str]] = lambda spec, name: ()
+    """Entities besides its members that an instance of it changes, and may tell of in the story."""
     writers: Callable[[WorldSpec, str], Iterable[str]] = lambda spec, name: ()
     """More kinds of writer that an instance is."""
     knobs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

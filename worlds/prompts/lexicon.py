@@ -47,6 +47,10 @@ STANDS_FOR: dict[str, frozenset[str]] = {
 """Predicates that judge an event of some kinds of the lexicon without being one of them."""
 
 
+CLAUSE = 6
+"""Own choice: words after a verb that are looked at for what it is with them ("sets the old wooden barn on fire")."""
+
+
 class Labelled(NamedTuple):
     """A word of a prompt, or some that belong together, and the type of claim that it is likely to make."""
 
@@ -205,7 +209,7 @@ def _misfits(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
             continue
         quote = text[reading.start : reading.end]
         verb = _verb_of(reading, text)
-        kinds = verb_kinds(verb) if verb else None
+        kinds = verb_kinds(verb, _after(reading, verb, text)) if verb else None
         judged = "an event judged as " + ", ".join(sorted(reading.kinds))
         if kinds is None:
             yield Warned(
@@ -227,6 +231,14 @@ def kinds_meant(kinds: Collection[str]) -> frozenset[str]:
     if any(kind not in known and kind not in STANDS_FOR for kind in kinds):
         return known
     return frozenset().union(*(STANDS_FOR.get(kind, {kind}) for kind in kinds))
+
+
+def _after(reading: Reading, verb: str, text: str) -> list[str]:
+    """Words of the clause that follow a verb, at most `CLAUSE`."""
+    start = max(text.find(verb, reading.start), reading.start) + len(verb)
+    rest = text[start:]
+    ends = [k for k in (rest.find(mark) for mark in ",;:.!?") if k >= 0]
+    return [word.text for word in words_of(rest[: min(ends, default=len(rest))])][:CLAUSE]
 
 
 def _verb_of(reading: Reading, text: str) -> str:

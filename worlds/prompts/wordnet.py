@@ -6,13 +6,14 @@ import gzip
 import re
 from collections import defaultdict
 from functools import cache, lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from .english import SHARES as REVIEWED
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 __all__ = ["Part", "header", "irregular", "known", "known_kinds", "lemmas", "particle_verb", "type_shares", "verb_kinds", "votes"]
 
@@ -154,9 +155,15 @@ def known_kinds() -> frozenset[str]:
     return frozenset().union(*_data().kinds.values())
 
 
-def verb_kinds(verb: str) -> frozenset[str] | None:
-    """Kinds of event that fit a verb, in any form and with a particle or without; none where no kind is known for it."""
+def verb_kinds(verb: str, after: Sequence[str] = ()) -> frozenset[str] | None:
+    """Kinds of event that fit a verb, in any form and with a particle or without; none where no kind is known for it.
+
+    Args:
+        verb: the verb, and its particle.
+        after: words that follow: two of them side by side, or one, may make it another verb ("catches fire", "sets the barn on fire").
+    """
     head, *rest = verb.casefold().split() or [""]
-    texts = [head, *(f"{head}_{word}" for word in rest)]
+    later = [word.casefold() for word in after]
+    texts = [head, *(f"{head}_{word}" for word in (*rest, *later)), *(f"{head}_{a}_{b}" for a, b in pairwise(later))]
     found = [_data().kinds[lemma] for text in texts for lemma in _candidates(text, "v") if lemma in _data().kinds]
     return frozenset().union(*found) if found else None

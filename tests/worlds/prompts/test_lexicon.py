@@ -173,3 +173,20 @@ def test_another_language_is_said_to_be_unchecked(language: str | None, says: st
 def test_odd_texts_are_read_without_an_error(text: str) -> None:
     assert all(0 <= word.start < word.end <= len(text) for word in labelled(text))
     assert isinstance(warnings_for([], text, "en"), tuple)
+
+
+@pytest.mark.parametrize(
+    ("text", "verb"),
+    [
+        ("The curtain catches fire.", "catches"),
+        ("A candle sets the old barn on fire.", "sets"),
+        ("Lightning ignites the tree.", "ignites"),
+        ("The dry hay takes fire, and a bucket falls.", "takes"),
+    ],
+)
+def test_verbs_of_several_words_about_fire_are_judged_by_burns(text: str, verb: str) -> None:
+    start = text.index(verb)
+    reading = Reading(start, start + len(verb), "event", frozenset({"burns"}))
+    assert [w for w in warnings_for([reading], text, "en") if w.start == start] == []
+    other = Reading(start, start + len(verb), "event", frozenset({"floats"}))
+    assert [w for w in warnings_for([other], text, "en") if w.start == start] != []

@@ -8,7 +8,7 @@ from ..category import Audit, CategorySpec
 from ..shared import DOMAIN, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import gas_problems
 from .channels import CHANNELS, DIMENSIONS, writers
-from .facts import gas_counts, gas_seconds
+from .facts import flammable_parts, gas_counts, gas_seconds
 from .models import EmissionDriver, GasInstance, GasPhysics, IgnitionDriver
 from .predicates import PREDICATES
 
@@ -50,6 +50,7 @@ GAS = CategorySpec(
     ),
     channels=CHANNELS,
     dimensions=DIMENSIONS,
+    changes=flammable_parts,
     writers=writers,
     knobs={"gas": ("resolution",)},
     caps=GAS_CAPS,

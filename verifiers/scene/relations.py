@@ -8,6 +8,8 @@ from functools import partial
 import numpy as np
 
 from ...worlds.candidate import Candidate
+from ...worlds.errors import EvidenceError
+from ...worlds.extents import initial_box
 from ...worlds.predicates import Reaches
 from ...worlds.requirements import Row
 from ...worlds.spec import Adjacent, Contains
@@ -77,13 +79,28 @@ def _outside(candidate: Candidate, holder: str, held: str, frame: int) -> float:
     return float(np.maximum(box.min(0) - center, center - box.max(0)).max())
 
 
+def _between_boxes(candidate: Candidate, relation: Adjacent) -> float:
+    """Distance of the boxes of two entities of which one has no surface of its own, such as the source of a gas [m].
+
+    Raises:
+        EvidenceError: one of them has no shape.
+    """
+    boxes = [initial_box(candidate.spec.entities[n]) for n in (relation.a, relation.b)]
+    if boxes[0] is None or boxes[1] is None:
+        raise EvidenceError(f"{relation.a!r} or {relation.b!r} has no shape of its own; relate what it rests on or in")
+    apart = np.maximum(np.maximum(boxes[0][0] - boxes[1][1], boxes[1][0] - boxes[0][1]), 0.0)
+    return float(np.linalg.norm(apart))
+
+
 def _adjacent(candidate: Candidate, relation: Adjacent) -> Finding:
-    distance = surfaces_of(candidate).gap(relation.a, relation.b, 0).distance
+    surfaces = surfaces_of(candidate)
+    bodies = all(surfaces.parts_of.get(n) for n in (relation.a, relation.b))
+    distance = surfaces.gap(relation.a, relation.b, 0).distance if bodies else _between_boxes(candidate, relation)
     ok = distance <= relation.gap
     move = f"bring them {distance - relation.gap:.4g} m closer"
     return Finding(
         "pass" if ok else "fail",
-        f"their visible surfaces are {distance:.4g} m apart",
+        f"their {'visible surfaces' if bodies else 'declared boxes'} are {distance:.4g} m apart",
         distance,
         relation.gap,
         hints=(correction("they stand too far apart", "placement", move, pointers=(f"/entities/{relation.b}/pose",)),),

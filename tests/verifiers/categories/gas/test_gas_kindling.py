@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from worldagent.verifiers.categories.gas.check import category_rows
 from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.kindling import Kindling
 from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.scene.relations import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Predicate
 from worldagent.worlds.spec import WorldSpec
@@ -110,3 +112,13 @@ def test_finer_pieces_burn_alike(tmp_path: Path) -> None:
             box = box_of(simulate(tmp_path / str(share), spec), SOLVER)
         taken.append(box.record("surface_heat")[-1])
     assert np.ptp(taken) < 0.05 * max(taken)
+
+
+@pytest.mark.parametrize(("gap", "status"), [(0.05, "pass"), (0.01, "fail")])
+def test_a_source_of_gas_stands_beside_a_body_by_its_declared_box(gap: float, status: str) -> None:
+    """The source has no surface of its own; the sheet stands 0.03 m from it."""
+    base = scene("kindled")
+    relation = {"kind": "adjacent", "a": "sheet", "b": "smoke", "gap": gap}
+    document = {"prompt": KINDLED_PROMPT, **scene_spec("kindled"), "graph": {"relations": {"beside": relation}}}
+    (row,) = check(replace(base, spec=WorldSpec.model_validate(document)))
+    assert (row.status, row.measured) == (status, pytest.approx(0.03, abs=1e-6))

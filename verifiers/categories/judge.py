@@ -37,7 +37,7 @@ TOLD = 0.05
 
 
 class Push(NamedTuple):
-    """Two entities push each other within one frame."""
+    """Two entities push each other within one frame, or one heats the other."""
 
     a: str
     b: str
@@ -45,7 +45,9 @@ class Push(NamedTuple):
     end: float
     """[s] Between these times; a contact that is new and has ended by the next frame carries at `begin` alone."""
     impulse: float
-    """[N s]"""
+    """[N s]; infinite of heat."""
+    heat: bool = False
+    """True where `a` heats `b`, which need not move by it."""
 
 
 Tie = tuple[str | None, str | None, float]

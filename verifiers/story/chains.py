@@ -7,6 +7,7 @@ receiver through a link of a frame:
   the frame, only what presses it harder than what it carried all along: resting contacts link nothing.
 - a **push** between matter and a body, over the whole frame: liquid, grains, cloth and what holds its pins. Such matter moves while it
   does on the whole. A body that no coupling lets feel it receives nothing from it.
+- **heat** that a gas gives a solid which may burn, over the whole frame; the solid need not move.
 - a **joint**, spring or rope end while it holds, if the receiver moves.
 
 A live entity that comes to rest for longer than `PAUSE` is live no more; if it moves again by itself, that motion is
@@ -64,7 +65,7 @@ class Hop(NamedTuple):
     time: float
     """[s] at which the target was reached."""
     impulse: float | None
-    """[N s] within the frame; None through a joint."""
+    """[N s] within the frame; None through a joint or as heat."""
     frame: int
 
 
@@ -165,6 +166,11 @@ class Chains:
         self._deaf = np.array([self._index[a] * len(self.names) + self._index[b] for a, b in deaf], dtype=np.intp)
         pushes = [judge.pushes(candidate) for judge in JUDGES.values()]
         self._links = [self._directed([p for found in pushes for p in found[k]]) for k in range(candidate.frame_count)]
+        self._heated = [
+            {(self._index[p.a], self._index[p.b]) for found in pushes for p in found[k] if p.heat}
+            for k in range(candidate.frame_count)
+        ]
+        """Pairs of which the first heats the second, per frame."""
         self._moving, self._floor = self._motions()
         self._freed = np.full(len(self.names), -NEVER)
         for driver in spec.simulation.drivers.values():
@@ -316,7 +322,8 @@ class Chains:
         ok &= links.begin <= state.limit + SAME
         for k in np.flatnonzero(ok & ~responds[receiver]).tolist():
             pair = int(sender[k]), int(receiver[k])
-            ok[k] = bool(np.isfinite(impulse[k])) and impulse[k] > (1 + PRESSED) * state.resting.get(pair, 0.0)
+            pressed = bool(np.isfinite(impulse[k])) and impulse[k] > (1 + PRESSED) * state.resting.get(pair, 0.0)
+            ok[k] = pressed or pair in self._heated[frame]
         for pair in state.banned.get(frame, ()):
             ok &= ~((sender == pair[0]) & (receiver == pair[1]))
         return ok

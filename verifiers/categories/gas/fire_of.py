@@ -33,6 +33,10 @@ class Fire:
         """Of all flames at frames first..last [W]."""
         return np.array([self._power(k) for k in range(first, last + 1)])
 
+    def hottest(self, last: int) -> str:
+        """How near to burning it came by a frame, in words; empty where that is not known."""
+        return ""
+
     def _power(self, index: int) -> float:
         frame = self.box.read(index)
         if frame.fire is None:
@@ -46,6 +50,16 @@ class SolidFire(Fire):
 
     surfaces: KindledSurfaces
     entity: str
+
+    def hottest(self, last: int) -> str:
+        """Temperature of its hottest piece of surface by a frame, beside the one at which it gives off gas."""
+        mine = np.array([p.entity == self.entity for p in self.surfaces.parts])[self.surfaces.part]
+        most = max(float(s.temperature[mine].max()) for s in self.surfaces.state[: last + 1])
+        least = float(self.surfaces.of("ignition")[mine].min())
+        return (
+            f"its hottest surface reached {most:.0f} K by frame {last} and gives off gas from {least:.0f} K on: bring it nearer to the flames, "
+            "let them be larger, or simulate longer"
+        )
 
     def _power(self, index: int) -> float:
         """Heat of the gas that it gave off over the frame before, as far as flames at its surface give as much."""

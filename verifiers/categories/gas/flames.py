@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,7 +46,9 @@ def burns(scope: Scope, p: FireEvent) -> Outcome:
     power = fire.power(scope.frames[0], scope.frames[1])
     kept = _kept(fire.box, power)
     condition = Condition("least power of its flames over 0.2 s", kept, max(FIRE_POWER, p.min or 0.0), "W")
-    return happens(scope, p.entity, (condition,))
+    found = happens(scope, p.entity, (condition,))
+    hottest = fire.hottest(scope.frames[1])
+    return replace(found, explanation=f"{found.explanation}; {hottest}") if hottest and found.status == "fail" else found
 
 
 def goes_out(scope: Scope, p: FireEvent) -> Outcome:

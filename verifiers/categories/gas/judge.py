@@ -9,6 +9,8 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
+from ....worlds.categories.gas.facts import flammable_parts
+from ..judge import Push
 from ..loose import Loose, Sample
 from .bounds import CUT, STILL
 from .check import category_rows, numerical_rows
@@ -49,6 +51,19 @@ class GasJudge(Loose):
     def numerical_rows(self, candidate: Candidate, solver: str) -> list[Row]:
         """Rows of one instance."""
         return numerical_rows(candidate, solver)
+
+    def pushes(self, candidate: Candidate) -> list[list[Push]]:
+        """Heat that it gives to solids which may burn, per frame: from when one of their pieces is warmer than the air about."""
+        found: list[list[Push]] = [[] for _ in range(candidate.frame_count)]
+        for solver, instance in self.instances(candidate.spec).items():
+            surfaces = box_of(candidate, solver).surfaces if flammable_parts(candidate.spec, solver) else None
+            if surfaces is None:
+                continue
+            fps = candidate.spec.simulation.fps
+            for frame in range(1, candidate.frame_count):
+                for entity in surfaces.warmed(frame):
+                    found[frame] += [Push(m, entity, (frame - 1) / fps, frame / fps, np.inf, heat=True) for m in instance.members]
+        return found
 
     def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
         """Cells with the soot that they hold at every frame; of clear gas, with the air that it displaces."""

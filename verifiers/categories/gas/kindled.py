@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["KindledFrame", "KindledPart", "KindledSurfaces", "surfaces_of_box"]
 
+WARMED = 1.0
+"""[K] Own choice: less is what the sun's shade does."""
 STEADY = ("burning_part", "burning_point", "burning_area")
 STATE = ("burning_left", "burning_temperature", "burning_heat")
 
@@ -88,6 +90,16 @@ class KindledSurfaces:
         mine = np.array([entity is None or p.entity == entity for p in self.parts])[self.part]
         held = np.array([float((s.left * self.area)[mine].sum()) for s in self.state])
         return np.asarray(held[0] - held)
+
+    def warmed(self, now: int) -> list[str]:
+        """Entities that got heat over the frame before one, a piece of which was warmed by `WARMED` since frame 0."""
+        old, new = self.state[now - 1], self.state[now]
+        gain = (new.heat - old.heat + self.of("gasification") * (old.left - new.left)) * self.area
+        warm = new.temperature - self.state[0].temperature >= WARMED
+        names = [p.entity for p in self.parts]
+        total = np.bincount(self.part, gain, minlength=len(names))
+        some = np.bincount(self.part, warm, minlength=len(names)) > 0
+        return list(dict.fromkeys(n for n, heat, is_warm in zip(names, total, some, strict=True) if is_warm and heat > 0.0))
 
     def given(self) -> tuple[F64, F64]:
         """Mass [kg] and volume at the temperature of what gives it off [m^3] of all gas since frame 0, shapes (frames,)."""

@@ -20,6 +20,7 @@ from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.kindling import Kindling
 from worldagent.verifiers.predicates import Outcome
 from worldagent.verifiers.scene.relations import check
+from worldagent.verifiers.story.chains import chains_of
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Predicate
 from worldagent.worlds.spec import WorldSpec
@@ -122,3 +123,16 @@ def test_a_source_of_gas_stands_beside_a_body_by_its_declared_box(gap: float, st
     document = {"prompt": KINDLED_PROMPT, **scene_spec("kindled"), "graph": {"relations": {"beside": relation}}}
     (row,) = check(replace(base, spec=WorldSpec.model_validate(document)))
     assert (row.status, row.measured) == (status, pytest.approx(0.03, abs=1e-6))
+
+
+def test_the_fire_is_what_sets_the_sheet_on_fire() -> None:
+    """A chain leads from the gas to the sheet by heat, and none to a sheet that stays cold."""
+    kindled = chains_of(scene("kindled")).spread(["smoke"], 0.0, FRAMES - 1, subject="sheet", acting_until=FRAMES - 1)
+    assert kindled.time("sheet") is not None
+    assert [h.impulse for h in kindled.chain("sheet")] == [None]
+    assert not kindled.negligible
+
+
+def test_a_sheet_that_does_not_burn_says_how_warm_it_became() -> None:
+    text = asked(scene("spared"), kind="burns", entity="sheet").explanation
+    assert "gives off gas from 420 K on" in text

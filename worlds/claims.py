@@ -23,6 +23,7 @@ from .prompts.units import boundaries, letters, units_of, word_count
 from .repeats import is_repeat
 from .roles import misplaced_roles
 from .spec import CLAIM_TYPES, Beat, WorldSpec
+from .subjects import misplaced_subjects
 
 __all__ = ["LONGEST", "Reading", "Span", "named_in", "prompt_record", "reading_of", "targets_of"]
 
@@ -123,6 +124,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
         yield f"{alike} of {len(told)} claims of things and events are said to be the same as another"
     yield from _idle(spec)
     yield from (m.text for m in misplaced_roles(spec, spans, language) if not m.sure)
+    yield from (m.text for m in misplaced_subjects(spec, spans, language) if not m.sure)
     yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
     readings = [

@@ -22,7 +22,20 @@ from .prompts.units import folded, units_of
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["Misplaced", "misplaced_roles"]
+__all__ = [
+    "JOINS",
+    "PREPOSITIONS",
+    "STOP",
+    "TURNS",
+    "Misplaced",
+    "Surroundings",
+    "bodies_of",
+    "misplaced_roles",
+    "sentence_end",
+    "surroundings",
+    "verb_of",
+    "words_in",
+]
 
 DOES = frozenset(("hits", "pushes", "pulls", "lifts", "lowers", "throws"))
 """Kinds of event that a subject does to an object; what jams or leans is told of either side."""
@@ -45,8 +58,8 @@ JOINS = frozenset(
     ["and", "or", "but", "so", "nor", "yet", "as", "when", "while", "whenever", "where", "because", "if", "although", "though", "until", "till", "once", "then", "than", "since", "which", "that", "who", "whose", "whom", "it", "they", "he", "she", "this", "these", "those", "them", "him", "her", "and", "then", "und", "oder", "aber", "wenn", "als", "während", "weil", "dass", "et", "ou", "mais", "quand", "y", "o", "pero", "cuando", "e", "ma", "quando", "en", "of", "maar", "wanneer"]
 ) - {"of"}  # fmt: skip
 """Words between an event and a thing behind which the thing is another clause's, or that may stand for another body."""
-_STOP = regex.compile(r"[.;:!?…,()\n]|[—–]")
-_SENTENCE = regex.compile(r"[.!?…;\n]")
+STOP = regex.compile(r"[.;:!?…,()\n]|[—–]")
+SENTENCE = regex.compile(r"[.!?…;\n]")
 
 
 class Misplaced(NamedTuple):
@@ -58,7 +71,7 @@ class Misplaced(NamedTuple):
     """True where the rule decides it; else it is a warning."""
 
 
-class _Place(NamedTuple):
+class Surroundings(NamedTuple):
     """Surroundings of the words of an event."""
 
     before: frozenset[str]
@@ -85,11 +98,11 @@ def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None
         if span.type not in ("event", "negation") or span.claim is None or spec.claims[span.claim].waived is not None:
             continue
         atoms = [a for a in _atoms(spec, span.claim) if isinstance(a, PairEvent) and a.kind in DOES]
-        place = _place(spec, spans, index)
+        place = surroundings(spec, spans, index)
         if not atoms or not place.next:
             continue
-        turned = bool(TURNS[language] & set(place.between)) or bool(TURNS[language] & set(_words(span.text)))
-        kinds = verb_kinds(_verb(spec.prompt, span)) if language == "en" else None
+        turned = bool(TURNS[language] & set(place.between)) or bool(TURNS[language] & set(words_in(span.text)))
+        kinds = verb_kinds(verb_of(spec.prompt, span)) if language == "en" else None
         known = [a for a in atoms if kinds is not None and a.kind in kinds & known_kinds()]
         clear = bool(known) and place.plain and not set(place.between) & (PREPOSITIONS - _led(known[0].kind))
         yield from _told(spec, span.claim, atoms, place, turned=turned, sure=clear)
@@ -100,7 +113,7 @@ def _led(kind: str) -> frozenset[str]:
 
 
 def _told(
-    spec: WorldSpec, name: str, atoms: Sequence[PairEvent], place: _Place, *, turned: bool, sure: bool
+    spec: WorldSpec, name: str, atoms: Sequence[PairEvent], place: Surroundings, *, turned: bool, sure: bool
 ) -> Iterator[Misplaced]:
     quote = spec.claims[name].quote
     said = [(a.other, a.entity) if turned else (a.entity, a.other) for a in atoms]
@@ -120,7 +133,7 @@ def _told(
         yield Misplaced(name, text, sure and not turned and atom.kind != "throws")
 
 
-def _by_alone(place: _Place) -> bool:
+def _by_alone(place: Surroundings) -> bool:
     return place.plain and "by" in place.between and not set(place.between) & (PREPOSITIONS - {"by"})
 
 
@@ -131,41 +144,51 @@ def _atoms(spec: WorldSpec, name: str) -> list[object]:
     return [a for predicate in asked for a in atoms_of(predicate)]
 
 
-def _verb(prompt: str, span: Span) -> str:
+def verb_of(prompt: str, span: Span) -> str:
     """The verb of an event, or of what a negation denies."""
     found = [w for w in labelled(prompt) if w.type == "event" and w.start < span.end and span.start < w.end]
     return prompt[found[-1].start : found[-1].end] if found else ""
 
 
-def _place(spec: WorldSpec, spans: Sequence[Span], index: int) -> _Place:
+def sentence_end(text: str) -> str:
+    """Words of the last sentence of a text."""
+    return SENTENCE.split(text)[-1]
+
+
+def surroundings(spec: WorldSpec, spans: Sequence[Span], index: int) -> Surroundings:
+    """Bodies and words about the words of an event."""
     before: set[str] = set()
     opening: list[str] = []
     for span in reversed(spans[:index]):
-        if span.claim is None and _SENTENCE.search(span.text):
-            opening += _words(_SENTENCE.split(span.text)[-1])
+        if span.claim is None and SENTENCE.search(span.text):
+            opening += words_in(sentence_end(span.text))
             break
         if span.claim is None:
-            opening = _words(span.text)
+            opening = words_in(span.text)
         elif span.type in ("thing", "count"):
-            before |= _bodies(spec, span.claim)
+            before |= bodies_of(spec, span.claim)
     between: list[str] = []
     for span in spans[index + 1 :]:
         if span.claim is None:
-            between += _words(span.text)
-            if _STOP.search(span.text) or JOINS & set(between):
+            between += words_in(span.text)
+            if STOP.search(span.text) or JOINS & set(between):
                 break
-        elif span.type == "thing" and _bodies(spec, span.claim):
+        elif span.type == "thing" and bodies_of(spec, span.claim):
             owner = spec.prompt[span.end : span.end + 2].translate({0x2019: "'"}) == "'s"
             if not owner:
-                return _Place(frozenset(before), _bodies(spec, span.claim), tuple(between), not PREPOSITIONS & set(opening))
+                return Surroundings(
+                    frozenset(before), bodies_of(spec, span.claim), tuple(between), not PREPOSITIONS & set(opening)
+                )
         elif span.type not in ("property", "count", "look"):
             break
-    return _Place(frozenset(before), frozenset(), (), plain=False)
+    return Surroundings(frozenset(before), frozenset(), (), plain=False)
 
 
-def _bodies(spec: WorldSpec, name: str) -> frozenset[str]:
+def bodies_of(spec: WorldSpec, name: str) -> frozenset[str]:
+    """Entities that a claim names."""
     return frozenset(n for n in named_in(spec, name, "entities") if n in spec.entities)
 
 
-def _words(text: str) -> list[str]:
+def words_in(text: str) -> list[str]:
+    """Words of a text, folded."""
     return [folded(u.text) for u in units_of(text)]

@@ -21,6 +21,7 @@ from ..prompts.numbers import number_in, ordinal_in
 from ..references import kinds_of, resolves
 from ..roles import misplaced_roles
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
+from ..subjects import misplaced_subjects
 from .acted_on import acted_on_problems
 from .contradictions import contradiction_problems
 from .counts import count_problems
@@ -71,7 +72,10 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         *noun_problems(spec, reading),
         *order_problems(spec, reading),
     ]
-    told = misplaced_roles(spec, reading.spans, reading.language)
+    told = [
+        *misplaced_roles(spec, reading.spans, reading.language),
+        *misplaced_subjects(spec, reading.spans, reading.language),
+    ]
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
     denied = misdenied(spec, reading.spans, reading.language)
     found += [Problem(f"/claims/{claim}/by", text) for claim, text, sure in denied if sure]

@@ -1,0 +1,89 @@
+"""Events and negations are told of the body that their words are about; honest worlds are not refused (R131, R155)."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.small_run import small_spec
+from worldagent.worlds.audits.claims import claim_problems
+from worldagent.worlds.claim_marks import claim_operations
+from worldagent.worlds.claims import reading_of
+from worldagent.worlds.patch import apply_patch, parse_spec
+from worldagent.worlds.spec import WorldSpec
+
+BALL, BLOCK, OTHER = "[ball](thing ball)", "[block](thing b3)", "[tower](thing b2)"
+BEATS: dict[str, dict[str, Any]] = {
+    "block_tips": {"kind": "topples", "entity": "b3"},
+    "ball_rolls": {"kind": "rolls", "entity": "ball"},
+    "block_rolls": {"kind": "rolls", "entity": "b3"},
+    "hit": {"kind": "hits", "entity": "ball", "other": "b3"},
+}
+NEVER: dict[str, dict[str, Any]] = {
+    "ball_falls": {"kind": "falls", "entity": "ball"},
+    "block_falls": {"kind": "falls", "entity": "b3"},
+    "block_never_rolls": {"kind": "rolls", "entity": "b3"},
+    "ball_never_rolls": {"kind": "rolls", "entity": "ball"},
+}
+
+
+def world(marked: str) -> WorldSpec:
+    spec: dict[str, Any] = small_spec()
+    fall = spec["story"]["beats"]["fall"]
+    spec["story"]["beats"] = {n: {**fall, "predicate": p, "subject": p["entity"], "causes": []} for n, p in BEATS.items()}
+    spec["story"]["requirements"] = {n: {"text": "it never does", "predicate": p, "never": True} for n, p in NEVER.items()}
+    prompt = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", marked)
+    made = parse_spec({**spec, "claims": {}, "spec_version": "2", "prompt": prompt})
+    return apply_patch(made, claim_operations(marked, made))
+
+
+def refused(marked: str) -> list[str]:
+    return [p.text for p in claim_problems(world(marked)) if "its words are about" in p.text]
+
+
+HONEST = {
+    "subject": f"A {BALL} [rolls](event ball_rolls) and a {BLOCK} [tips over](event block_tips).",
+    "object of an active verb": f"A {BALL} [knocks over](event block_tips) a {BLOCK}.",
+    "passive": f"A {BLOCK} is [knocked over](event block_tips) by a {BALL}.",
+    "elided subject": f"A {BALL} [hits](event hit) a {BLOCK} and [rolls](event ball_rolls) on.",
+    "relative clause": f"A {BALL} that [hits](event hit) a {BLOCK} [rolls](event ball_rolls) on.",
+    "relative object": f"A {BALL} [hits](event hit) a {BLOCK}, which [tips over](event block_tips).",
+    "pronoun": f"A {BALL} [hits](event hit) a {BLOCK} until it [tips over](event block_tips).",
+    "inverted": f"Into a {BLOCK} [rolls](event ball_rolls) a {BALL}.",
+    "behind a preposition": f"A {BALL} beside the {BLOCK} [rolls](event ball_rolls).",
+    "made to": f"A {BALL} [hits](event hit) and makes the {BLOCK} [tip over](event block_tips).",
+    "negation": f"A {BALL} [hits](event hit) a {BLOCK}. The {BLOCK} [does not fall](negation block_falls).",
+    "negation of the first": f"A {BALL} [does not roll](negation ball_never_rolls) but [hits](event hit) a {BLOCK}.",
+    "several": f"A {BALL} and a {BLOCK} [roll](event ball_rolls).",
+}
+
+
+@pytest.mark.parametrize("name", list(HONEST))
+def test_honest_words_are_not_refused(name: str) -> None:
+    assert refused(HONEST[name]) == []
+    assert [w for w in reading_of(world(HONEST[name])).warnings if "its words are about" in w] == []
+
+
+@pytest.mark.parametrize(
+    "marked",
+    [
+        f"A {BALL} [hits](event hit) a {BLOCK}. The {BLOCK} [does not fall](negation ball_falls).",
+        f"A {BALL} [tips over](event block_tips) and a {BLOCK} [rolls](event ball_rolls).",
+        f"A {BALL} [does not roll](negation block_never_rolls) but [hits](event hit) a {BLOCK}.",
+        f"A {BALL} [rolls](event ball_rolls) and gets [knocked over](event block_tips) by a {BLOCK}.",
+        f"A {BALL} beside the {BLOCK} [rolls](event block_rolls).",
+    ],
+)
+def test_what_is_told_of_another_body_is_refused(marked: str) -> None:
+    assert refused(marked)
+
+
+def test_matter_that_a_body_holds_is_not_looked_at() -> None:
+    """A kettle steams: what rises is its steam."""
+    spec = world(f"A {BALL} [tips over](event block_tips).")
+    document = spec.model_dump(mode="json")
+    document["entities"]["b3"]["physics"] = {"category": "gas", "resolution": 0.05}
+    document["story"]["beats"]["block_tips"]["predicate"] = {"kind": "rises", "entity": "b3"}
+    steams = WorldSpec.model_validate(document)
+    assert [p for p in claim_problems(steams) if "its words are about" in p.text] == []

@@ -87,3 +87,24 @@ def test_matter_that_a_body_holds_is_not_looked_at() -> None:
     document["story"]["beats"]["block_tips"]["predicate"] = {"kind": "rises", "entity": "b3"}
     steams = WorldSpec.model_validate(document)
     assert [p for p in claim_problems(steams) if "its words are about" in p.text] == []
+
+
+def quantity(marked: str) -> list[str]:
+    return [p.text for p in claim_problems(world(marked)) if "right behind" in p.text or "level extent" in p.text]
+
+
+def cm(entity: str, axis: int) -> str:
+    return f"{100 * small_spec()['entities'][entity]['dimensions']['size'][axis]:g} cm"
+
+
+def test_a_way_behind_a_verb_is_no_size_of_a_body() -> None:
+    size, said = "/entities/ball/dimensions/size/0", cm("ball", 0)
+    assert "says how far" in quantity(f"A {BALL} [rolls](event ball_rolls) [{said}](quantity {size}).")[0]
+    assert quantity(f"A [{said}](quantity {size}) {BALL} [rolls](event ball_rolls).") == []
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_height_is_one_wherever_its_word_stands(axis: int) -> None:
+    place = f"/entities/b3/dimensions/size/{axis}"
+    found = quantity(f"A {BALL} [hits](event hit) a {BLOCK} [{cm('b3', axis)}](quantity {place}) tall.")
+    assert bool(found) is (axis != 2)

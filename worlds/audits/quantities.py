@@ -12,11 +12,13 @@ from typing import Any, Literal
 
 from ..bound_fields import spoken_of
 from ..claim_targets import named_in
+from ..errors import InputError
 from ..predicates import Not
 from ..predicates.registry import PREDICATES
 from ..problems import Problem
 from ..prompts.descriptions import meanings
 from ..prompts.languages import REVIEWED, language_of
+from ..prompts.marks import occurrence
 from ..prompts.numbers import Quantity
 from ..prompts.units import folded, units_of
 from ..quantities import quantity_said
@@ -49,6 +51,10 @@ _HEIGHT = {
 """Words of height by language. Reviewed by hand."""
 
 
+_SIZES = frozenset(["tall", "high", "wide", "long", "deep", "thick", "across", "broad", "in", "of"])
+"""Words behind a length that make it one of a body, or of what follows."""
+
+
 def quantity_problems(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
     """Problems of one claim of a quantity."""
     place, wanted = f"/claims/{name}/by", quantity_said(spec, name)
@@ -77,6 +83,7 @@ def quantity_problems(spec: WorldSpec, document: Any, name: str, claim: Claim) -
             continue
         yield from _one_sided(spec, name, pointer, wanted)
         yield from _height(spec, name, pointer)
+        yield from _way(spec, name, pointer, wanted)
 
 
 def in_unit(spec: WorldSpec, pointer: str, value: float, wanted: Quantity) -> float:
@@ -101,10 +108,43 @@ def _height(spec: WorldSpec, name: str, pointer: str) -> Iterator[Problem]:
         return
     pose, words = spec.entities[keys[1]].pose, _HEIGHT.get(language_of(spec.prompt) or "", "").split()
     quote = spec.claims[name].quote
-    said = [folded(u.text) for u in units_of(quote)]
+    # `a block [6 cm](quantity) tall` and `[6 cm tall](quantity)` say the same.
+    said = [folded(u.text) for u in units_of(quote)] + _beside(spec, name)[1][:1]
     if pose.euler is None and pose.quaternion is None and any(w in said or (not w.isascii() and w in quote) for w in words):
         upright = "/".join(["", *keys[:-1], "2"])
         yield Problem(f"/claims/{name}/by", f"{quote!r} says how high, and {pointer} is a level extent; name {upright}")
+
+
+def _beside(spec: WorldSpec, name: str) -> tuple[str, list[str]]:
+    """Text before the quote of a claim, and the words behind it; nothing where the quote is not in the prompt."""
+    claim = spec.claims[name]
+    try:
+        start, end = occurrence(spec.prompt, claim.quote, claim.nth)
+    except InputError:
+        return "", []
+    return spec.prompt[:start], [folded(u.text) for u in units_of(spec.prompt[end:])]
+
+
+def _way(spec: WorldSpec, name: str, pointer: str, wanted: Quantity) -> Iterator[Problem]:
+    """A length or a time right behind the words of an event, judged by the size of a body: `[rolls](event) [8 cm](quantity)` is how far."""
+    if (
+        not pointer.startswith("/entities/")
+        or "/size/" not in pointer
+        or wanted.dimension != "length"
+        or language_of(spec.prompt) != "en"
+    ):
+        return
+    before, behind = _beside(spec, name)
+    for other, claim in spec.claims.items():
+        if claim.type != "event" or not before.rstrip().endswith(claim.quote) or (behind[:1] and behind[0] in _SIZES):
+            continue
+        quote = spec.claims[name].quote
+        text = (
+            f"{quote!r} stands right behind {claim.quote!r} and says how far, and {pointer} is the size of a body; name a bound of what {other!r} "
+            "names, as `min` of a displacement in /story"
+        )
+        yield Problem(f"/claims/{name}/by", text)
+        return
 
 
 # ---------------------------------------------------------------- sides

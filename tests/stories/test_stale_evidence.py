@@ -42,7 +42,7 @@ def test_another_shot_keeps_the_bake_and_asks_for_acceptance_again(accepted: Any
     caches = _files(folder / "candidates")
     data = accepted.edit(("/shots/only/keys/a/position", [0.2, -1.25, 0.5]))
     assert data["stale"] == ["acceptance", "final", "seen", "shots"]
-    assert all(i.startswith(("shots:", "delivery:")) for i in _stale(accepted))
+    assert all(i.startswith(("shots:", "delivery:", "claim:")) for i in _stale(accepted))
     assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
     assert accepted.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
     after = _files(folder / "candidates")

@@ -80,7 +80,7 @@ def _subject(spec: WorldSpec, spans: Sequence[Span], index: int) -> frozenset[st
 
 
 def _sentence_before(spec: WorldSpec, spans: Sequence[Span], index: int) -> list[tuple[str, frozenset[str]]]:
-    """What stands before an event in its sentence, the nearest first: `words`, words that `join` clauses, `event`, `thing` with its bodies.
+    """Words and bodies before an event in its sentence, the nearest first: `words`, words that `join` clauses, `event`, `thing` with its bodies.
 
     Things behind a preposition and descriptions count as words.
     """

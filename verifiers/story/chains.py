@@ -34,6 +34,7 @@ from ...worlds.spec import ForceDriver, ReleaseDriver
 from ..categories.pushes import MIN_IMPULSE
 from ..categories.registry import JUDGES, judge_of
 from ..ledgers.fields import blown_at
+from .links import Links, both_ways
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -67,18 +68,6 @@ class Hop(NamedTuple):
     impulse: float | None
     """[N s] within the frame; None through a joint or as heat."""
     frame: int
-
-
-class _Links(NamedTuple):
-    """Directed links of one frame."""
-
-    sender: NDArray[np.intp]
-    receiver: NDArray[np.intp]
-    begin: F64
-    end: F64
-    """A sender that was reached after `end` [s] passes nothing on here."""
-    impulse: F64
-    """[N s]; infinite through a joint."""
 
 
 @dataclass
@@ -192,17 +181,17 @@ class Chains:
 
     # ---------------------------------------------------------------- links
 
-    def _directed(self, pushes: Iterable[Push]) -> _Links:
+    def _directed(self, pushes: Iterable[Push]) -> Links:
         """Links of one frame, both ways but to bodies that do not feel them."""
         known = [p for p in pushes if p.a in self._index and p.b in self._index]
-        links = _both_ways([(self._index[p.a], self._index[p.b], p.begin, p.end, p.impulse) for p in known])
+        links = both_ways([(self._index[p.a], self._index[p.b], p.begin, p.end, p.impulse) for p in known])
         ok = ~np.isin(links.sender * len(self.names) + links.receiver, self._deaf)
-        return _Links(links.sender[ok], links.receiver[ok], links.begin[ok], links.end[ok], links.impulse[ok])
+        return Links(links.sender[ok], links.receiver[ok], links.begin[ok], links.end[ok], links.impulse[ok])
 
-    def _joint_links(self) -> _Links:
+    def _joint_links(self) -> Links:
         index = self._index
         ends = _ties(self.candidate.spec)
-        return _both_ways([(index[a], index[b], -NEVER, t, NEVER) for a, b, t in ends if a in index and b in index])
+        return both_ways([(index[a], index[b], -NEVER, t, NEVER) for a, b, t in ends if a in index and b in index])
 
     @cached_property
     def _pairs(self) -> list[dict[tuple[int, int], float]]:
@@ -297,7 +286,7 @@ class Chains:
         active[acting] = True
         state.since[:] = np.where(active, state.reach.arrival, NEVER)
         state.since[acting] = start
-        links = _Links(*(np.concatenate([a, b]) for a, b in zip(self._links[frame], self._joined, strict=True)))
+        links = Links(*(np.concatenate([a, b]) for a, b in zip(self._links[frame], self._joined, strict=True)))
         after = self._moving[min(frame + 1, len(self._moving) - 1)]
         ok = self._usable(state, links, frame, now | after)
         while self._relax(state, links, ok, frame):
@@ -314,7 +303,7 @@ class Chains:
         if state.subject is not None and np.isfinite(state.reach.arrival[state.subject]):
             self._sum_pushes(state, frame)
 
-    def _usable(self, state: _Spread, links: _Links, frame: int, responds: Flags) -> Flags:
+    def _usable(self, state: _Spread, links: Links, frame: int, responds: Flags) -> Flags:
         """Links that can carry in this frame, whoever is live."""
         sender, receiver, impulse = links.sender, links.receiver, links.impulse
         ok: Flags = state.sends[sender] & state.receives[receiver] & (impulse >= self._floor[frame, receiver])
@@ -328,7 +317,7 @@ class Chains:
             ok &= ~((sender == pair[0]) & (receiver == pair[1]))
         return ok
 
-    def _relax(self, state: _Spread, links: _Links, ok: Flags, frame: int) -> bool:
+    def _relax(self, state: _Spread, links: Links, ok: Flags, frame: int) -> bool:
         sender, receiver = links.sender, links.receiver
         in_time = state.since[sender] <= np.minimum(links.end, frame / self._fps) + SAME
         offered = np.maximum(state.since[sender], links.begin)
@@ -392,11 +381,3 @@ def _ties(spec: WorldSpec) -> list[Tie]:
 def joined(spec: WorldSpec) -> list[set[str | None]]:
     """Pairs of entities that joints, springs and ropes hold together; None is the world."""
     return [{a, b} for a, b, _ in _ties(spec)]
-
-
-def _both_ways(found: list[tuple[int, int, float, float, float]]) -> _Links:
-    """Links from (a, b, begin, end, impulse), each in both directions."""
-    table = np.array(found, dtype=np.float64).reshape(-1, 5)
-    a, b = table[:, 0].astype(np.intp), table[:, 1].astype(np.intp)
-    begin, end, impulse = (np.tile(table[:, k], 2) for k in (2, 3, 4))
-    return _Links(np.concatenate([a, b]), np.concatenate([b, a]), begin, end, impulse)

@@ -77,7 +77,7 @@ def test_a_liquid_is_still_until_it_is_stirred(tmp_path: Path) -> None:
 
 def test_pushes_are_those_of_the_cache(tmp_path: Path) -> None:
     pushes = LiquidJudge().pushes(pool(tmp_path))
-    assert {(a, b): j for a, b, _, _, j in pushes[STIRS] if b != "tank"} == {("pool", "paddle"): pytest.approx(2.0)}
+    assert {(a, b): j for a, b, _, _, j, _ in pushes[STIRS] if b != "tank"} == {("pool", "paddle"): pytest.approx(2.0)}
     assert {b for _, b, *_ in pushes[CARRIES]} == {"tank", "paddle", "duck"}
     assert not [b for _, b, *_ in pushes[0] if b != "tank"]
 
@@ -99,7 +99,7 @@ def test_liquids_of_one_instance_share_pushes_by_what_touches_the_body(tmp_path:
     share = {names.index(n): np.array([np.zeros(6), [1.0, 0, 0, 0, 0, 0], np.zeros(6)]) for n in others}
     made = dataclasses.replace(flow, spec=spec, share=share, change={(k, "particle/fluid"): fluid for k in range(3)})
     pushes = LiquidJudge().pushes(made.candidate(tmp_path))[1]
-    assert [(a, j) for a, b, _, _, j in pushes if b == "duck"] == [("oil", pytest.approx(1.0))]
-    assert [(a, j) for a, b, _, _, j in pushes if b == "paddle"] == [("pool", pytest.approx(1.0))]
-    tank = {a: j for a, b, _, _, j in pushes if b == "tank"}
+    assert [(a, j) for a, b, _, _, j, _ in pushes if b == "duck"] == [("oil", pytest.approx(1.0))]
+    assert [(a, j) for a, b, _, _, j, _ in pushes if b == "paddle"] == [("pool", pytest.approx(1.0))]
+    tank = {a: j for a, b, _, _, j, _ in pushes if b == "tank"}
     assert tank["oil"] == pytest.approx(tank["pool"], rel=0.1)

@@ -1,5 +1,6 @@
 """The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, planks splinter, a flag flutters, a jelly wobbles, sand
-topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out."""
+topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out, a
+banner beside a campfire catches fire."""
 
 from __future__ import annotations
 
@@ -35,6 +36,11 @@ JUDGED: dict[str, tuple[str, ...]] = {
             for a, b in (("rolls", "crashes"), ("crashes", "splinters"), ("splinters", "fall"), ("fall", "float"))
         ),
         "category:liquid:exchange:liquid",
+    ),
+    "gas/banner": (
+        *("causal:lit:burns", "causal:burns:catches", "causal:without:lit:burns", "causal:without:burns:catches"),
+        *(f"category:gas:{n}:air" for n in ("fuel", "burnt", "surfaces", "gasified", "kindled", "stored", "heated")),
+        *(row for row in GAS if ":cut:" not in row),
     ),
     "gas/bowl": (
         *("causal:lit:burns", "causal:burns:out", "causal:without:lit:burns"),

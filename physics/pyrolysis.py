@@ -17,13 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arrays import F64
+from .combustion import STEFAN_BOLTZMANN
 
 __all__ = ["EMISSIVITY", "FIRST_LAYER", "LAYERS", "STEFAN_BOLTZMANN", "Slab", "Solid", "convection", "layers", "surface_rise"]
 
 EMISSIVITY = 0.9
 """Of wood, paper, fabric and char (Holman, table A-10: 0.8 to 0.95)."""
-STEFAN_BOLTZMANN = 5.670374419e-8
-"""[W/(m^2 K^4)] (CODATA 2018)."""
 LEVEL, WALL = 1.52, 1.31
 """[W/(m^2 K^(4/3))] Natural convection above a plate and at a wall."""
 FIRST_LAYER = 5.0e-5

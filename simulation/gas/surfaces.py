@@ -53,7 +53,7 @@ class Pieces:
     density: F64
     """[kg/m^3], shape (n,)."""
     kind: tuple[Flammable, ...]
-    """How each part burns."""
+    """Flammability of each part."""
 
     def of(self, name: str) -> F64:
         """Burning of each piece: a field of `Flammable`, shape (n,)."""

@@ -34,7 +34,7 @@ class Fire:
         return np.array([self._power(k) for k in range(first, last + 1)])
 
     def hottest(self, last: int) -> str:
-        """How near to burning it came by a frame, in words; empty where that is not known."""
+        """Words that tell how near to burning it came by a frame; empty of a gas."""
         return ""
 
     def _power(self, index: int) -> float:

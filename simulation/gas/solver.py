@@ -1,4 +1,4 @@
-"""A gas instance as a `Solver`: its box among bodies, what its emissions make, and what its frames hold."""
+"""A gas instance as a `Solver`: its box among bodies, what its drivers make, and what its frames hold."""
 
 from __future__ import annotations
 
@@ -9,7 +9,17 @@ from numpy.typing import NDArray
 
 from ...physics.substances import AIR_HEAT_CAPACITY
 from ...worlds.arrays import F64
-from ...worlds.categories.gas.facts import SOURCE_SHARE, emissions_of, fuel_of, gas_of, grid_of, ignitions_of, lit
+from ...worlds.categories.gas.facts import (
+    SOURCE_SHARE,
+    dusts_of,
+    emissions_of,
+    fuel_of,
+    gas_of,
+    grid_of,
+    ignitions_of,
+    lit,
+    yielding_mass,
+)
 from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
 from ...worlds.fields import fields_of
@@ -17,6 +27,7 @@ from ..boundaries import BodyState, Surround, surround_of
 from ..coupled_solver import CoupledSolver, motion_records
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
+from .dust import Dust
 from .engine import FUEL, LIGHTNESS, PACKED, PRODUCT, SOOT, Gas
 from .kindling import pieces_of
 from .obstacles import Obstacles
@@ -87,6 +98,9 @@ class SolverGas(CoupledSolver):
         self.unit = np.array([self.engine.density * AIR_HEAT_CAPACITY * ambient, 1.0])
         """Heat of a unit of lightness and soot of a unit of soot, per volume."""
         self.emissions = {k: d for k, d in emissions_of(spec, self.name).items() if k not in self._done.without}
+        self.dusts = {k: d for k, d in dusts_of(spec, self.name).items() if k not in self._done.without}
+        masses = {n: yielding_mass(spec.entities[n], (k.mass for k in b.bodies)) for n, b in self.built.items()}
+        self._dust = Dust(self.dusts, entity, masses, self._caches or {}, self.grid, spec.simulation.fps) if self.dusts else None
         self.ignitions = {k: d for k, d in ignitions_of(spec, self.name).items() if k not in self._done.without}
         self._lit = {k: lit(d, middles) for k, d in self.ignitions.items()}
         self._sparks: tuple[str, ...] = ()
@@ -98,7 +112,7 @@ class SolverGas(CoupledSolver):
         if self.fields and "open" in settings.domain.sides:
             self._start_wind()
         self._covered = cover(entity, self.built[member], self.grid)
-        self.share = share_of(self._covered, self.engine.room, self.grid.cell)
+        self._fill(self.engine.room)
         pieces = pieces_of(spec, self.name, self.built, self.grid)
         self.surfaces = None if pieces is None else Surfaces(pieces, self.grid, self.engine.room, ambient)
         """Of solids that may burn."""
@@ -134,6 +148,9 @@ class SolverGas(CoupledSolver):
         if self.wind > 0.0:
             longest = min(longest, self.engine.settings.courant * self.grid.cell / self.wind)
         most = sum(d.rate for d in self.emissions.values()) * float(self.share.max())
+        if self._dust is not None:
+            puffs = self._dust.about(self.frame + 1)
+            most += sum(p.volume / self._dust.span * float(self._dust.shares(p, self._making)[1].max()) for p in puffs)
         return min(longest, SOURCE_SHARE / most) if most > 0.0 else longest
 
     def step(self, limit: float, bodies: BodyState, time: float) -> StepReport:
@@ -144,8 +161,8 @@ class SolverGas(CoupledSolver):
             self._blow(time + 0.5 * limit)
         self._ignite(time + 0.5 * limit)
         solids = self._move(bodies, limit)
-        volume = sum(_made(d, time, time + limit) for d in self.emissions.values()) if self.share.any() else 0.0
-        self._feed(volume, limit)
+        made, volume = self._make(time, limit)
+        self._feed(made, limit)
         report = self.engine.step(limit, solids)
         tally, ledger, cell = self._tally, self._ledger, self.grid.cell**3
         tally["steps"] += 1
@@ -172,14 +189,29 @@ class SolverGas(CoupledSolver):
             ledger["lost_heat"] += radiated
         return StepReport.still(limit, self.surround)
 
-    def _feed(self, volume: float, seconds: float) -> None:
-        """Let in what emissions make in a step [m^3] and what surfaces give off, and take the heat that these get."""
+    def _make(self, time: float, seconds: float) -> tuple[F64, float]:
+        """Gas that drivers make per volume and second in a step [1/s], (nx, ny, nz), and their sum over the step [m^3]."""
+        end = time + seconds
+        volume = sum(_made(d, time, end) for d in self.emissions.values()) if self.share.any() else 0.0
+        rate = self.share * (volume / seconds)
+        if self._dust is None:
+            return rate, volume
+        for puff in self._dust.about(self.frame + 1):
+            given = puff.made(time, end, self._dust.span)
+            if given > 0.0:
+                at, share = self._dust.shares(puff, self._making)
+                rate[at] += share * (given / seconds)
+                volume += given
+        return rate, volume
+
+    def _feed(self, made: F64, seconds: float) -> None:
+        """Let in what drivers make [1/s] and what surfaces give off in a step, and take the heat that these get."""
         if self.surfaces is None:
-            self.engine.emit(self.share * (volume / seconds), self.content.tolist())
+            self.engine.emit(made, self.content.tolist())
             return
         given = self.surfaces.step(seconds, self.engine.temperature)
         open_to = np.where(self.engine.room > 0.0, self.engine.room, 1.0) * self.grid.cell**3 * seconds
-        rates = (self.share * (volume / seconds), given.volume / open_to)
+        rates = (made, given.volume / open_to)
         density = given.gas / np.where(given.volume > 0.0, given.volume, 1.0)
         own = np.zeros((*self.grid.shape, 4))
         own[..., LIGHTNESS], own[..., FUEL] = 1.0 - density / self.engine.density, density
@@ -209,13 +241,18 @@ class SolverGas(CoupledSolver):
             return None
         before = self.engine.room
         if not (bodies.velocity.any() or bodies.angular_velocity.any()):
-            self.share = share_of(self._covered, before, self.grid.cell)
+            self._fill(before)
             return None
         solids = self.obstacles.at(bodies, seconds)
         stays = self._last_room == solids.room
         self._last_room = solids.room
-        self.share = share_of(self._covered, np.where(stays[:-1, :-1, :-1], before, 0.0), self.grid.cell)
+        self._fill(np.where(stays[:-1, :-1, :-1], before, 0.0))
         return solids
+
+    def _fill(self, room: NDArray[np.float32]) -> None:
+        """Let gas be made in cells by their open share, (nx, ny, nz)."""
+        self._making = room
+        self.share = share_of(self._covered, room, self.grid.cell)
 
     def open_ledger(self) -> dict[str, Any]:
         """Sums since frame 0."""
@@ -243,7 +280,7 @@ class SolverGas(CoupledSolver):
         if self.surfaces is not None:
             self.surfaces.unpack(found)
         self.wind, self._last_room = float(found["wind"]), found["last_room"]
-        self.share = share_of(self._covered, self.engine.room, self.grid.cell)
+        self._fill(self.engine.room)
 
     # ------------------------------------------------------------------ output
 
@@ -319,8 +356,8 @@ class SolverGas(CoupledSolver):
         }
 
     def driver_names(self) -> tuple[str, ...]:
-        """Its emissions and ignitions."""
-        return (*self.emissions, *self.ignitions)
+        """Its emissions, ignitions and what raises dust."""
+        return (*self.emissions, *self.ignitions, *self.dusts)
 
 
 def _made(driver: EmissionDriver, start: float, end: float) -> float:

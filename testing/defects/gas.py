@@ -81,6 +81,11 @@ def _weaker(document: dict[str, Any], magnitude: float) -> None:
     document["simulation"]["drivers"]["fire"]["rate"] *= 1.0 - magnitude
 
 
+def _softer(document: dict[str, Any], magnitude: float) -> None:
+    """Impacts raise less dust than there is."""
+    document["simulation"]["drivers"]["kick"]["per_energy"] *= 1.0 - magnitude
+
+
 def _heavy(document: dict[str, Any], magnitude: float) -> None:
     document["simulation"]["gravity"] = [0.0, 0.0, 9.81 * magnitude]
 
@@ -158,6 +163,9 @@ BROKEN = (
     Mechanism(
         "seep", "soot in a closed cell", True, _breaks(changes.seep, "inside", kinds=("block",)), 2e-3, 1.0, "1", 1e-3
     ),
+    Mechanism("shower", "more dust than impacts raise, and all books say so", True, _breaks(changes.overfeed, "emitted", kinds=("dust",)), 2e-3, 0.9, "1"),
+    Mechanism("softer", "impacts raised more dust than is declared", True, _told(_softer, "emitted", kind="dust"), 2e-3, 0.9, "1"),
+    Mechanism("hop", "all dust stands aside from a frame on", True, _breaks(changes.jump, "continuity", "carried", kinds=("dust",)), 2.0, 6.0, "cells"),
     Mechanism("embezzle", "fuel is lost, burnt or not", True, _breaks(fires.embezzle, "fuel", kinds=BURNING), 2e-4, 0.9, "1"),
     Mechanism("lean", "more fuel came than the source has", True, _told(_lean, "fuel", kind="burner"), 2e-3, 0.9, "1"),
     Mechanism("flatter", "more heat than the fuel that burnt has", True, _breaks(fires.flatter, "burnt", kinds=BURNING), 0.01, 1.0, "1"),

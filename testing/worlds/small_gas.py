@@ -1,4 +1,4 @@
-"""Small worlds with gas: smoke or a fire under a plate in a room of a metre."""
+"""Small worlds with gas: smoke or a fire under a plate in a room of a metre, dust that a ball raises there."""
 
 from __future__ import annotations
 
@@ -7,8 +7,19 @@ from typing import Any
 from ...physics.combustion import FUELS
 from ...physics.substances import air_density
 
-__all__ = ["FIRE_PROMPT", "KINDLED_PROMPT", "SMOKE_PROMPT", "fire_spec", "kindled_spec", "smoke_spec", "stirred_spec"]
+__all__ = [
+    "DUST_PROMPT",
+    "FIRE_PROMPT",
+    "KINDLED_PROMPT",
+    "SMOKE_PROMPT",
+    "dust_spec",
+    "fire_spec",
+    "kindled_spec",
+    "smoke_spec",
+    "stirred_spec",
+]
 
+DUST_PROMPT = "A steel ball drops on a dusty floor and raises a cloud of dust."
 FIRE_PROMPT = "A fire burns in a bowl on the floor under a plate, and it goes out."
 SMOKE_PROMPT = "Smoke rises from a bowl on the floor and spreads under a plate."
 KINDLED_PROMPT = "A fire in a bowl sets a sheet of paper beside it on fire."
@@ -95,6 +106,46 @@ def stirred_spec(*, frames: int = 25, **changes: Any) -> dict[str, Any]:
         "push": {"kind": "path", "entity": "plate", "keys": keys},
         "wind": {"kind": "field", "field": wind, "rise": 0.1},
     }
+    return spec
+
+
+def dust_spec(
+    *, frames: int = 25, fall: float = 0.6, per_energy: float = 1e-5, resolution: float = 0.05, **changes: Any
+) -> dict[str, Any]:
+    """The same room without the plate: a steel ball of 20 cm falls into a layer of dust on the floor.
+
+    Args:
+        frames: at 24 per second.
+        fall: of the ball [m].
+        per_energy: dust per energy of the impact [kg/J].
+        resolution: of the gas [m].
+    """
+    spec = smoke_spec(frames=frames, resolution=resolution, **changes)
+    spec["title"] = "a ball that raises dust"
+    del spec["entities"]["plate"], spec["entities"]["smoke"], spec["materials"]["smoke"]
+    spec["materials"]["dust"] = {"density": 1.2, "substance": "soil", "appearance": {"color": [0.6, 0.5, 0.4]}}
+    layer = [WIDE - 0.1, WIDE - 0.1, 0.1]
+    spec["entities"]["ball"] = {
+        "role": "ball of steel",
+        "motion": "dynamic",
+        "material": "steel",
+        "dimensions": {"size": [0.2, 0.2, 0.2]},
+        "pose": {"position": [0, 0, 0.1 + fall]},
+        "parts": {"ball": {"shape": {"kind": "sphere", "radius": 0.1}}},
+    }
+    spec["entities"]["dust"] = {
+        "role": "dust on the floor",
+        "motion": "dynamic",
+        "material": "dust",
+        "dimensions": {"size": layer},
+        "pose": {"position": [0, 0, 0.05]},
+        "physics": {"category": "gas", "temperature": 293.15, "soot_density": 0.5, "resolution": resolution},
+        "parts": {"layer": {"shape": {"kind": "box", "size": layer}}},
+    }
+    solvers = spec["simulation"]["solvers"]
+    solvers["bodies"]["members"], solvers["air"]["members"] = ["floor", "ball"], ["dust"]
+    kick = {"kind": "dust", "entity": "dust", "bodies": ["ball"], "per_energy": per_energy, "radius": 0.12}
+    spec["simulation"]["drivers"] = {"kick": kick}
     return spec
 
 

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "50a9ba677eeb183d3c57da5ae446fd408fd26a6112fb0785fc6aa9a0bdfc9d35"
+SCHEMA = "db53d52b75e450d4074334aa6139ec1d8adf5db834f86d9b6a6f6bb38d61481f"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

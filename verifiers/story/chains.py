@@ -7,7 +7,8 @@ receiver through a link of a frame:
   the frame, only what presses it harder than what it carried all along: resting contacts link nothing.
 - a **push** between matter and a body, over the whole frame: liquid, grains, cloth and what holds its pins. Such matter moves while it
   does on the whole. A body that no coupling lets feel it receives nothing from it.
-- **heat** that a gas gives a solid which may burn, over the whole frame; the solid need not move.
+- **heat** that a gas gives a solid which may burn, over the whole frame; the solid need not move;
+- **dust** that a body raises where it hits something, while it comes;
 - a **joint**, spring or rope end while it holds, if the receiver moves.
 
 A live entity that comes to rest for longer than `PAUSE` is live no more; if it moves again by itself, that motion is

@@ -4,7 +4,7 @@ from ..categories.cloth.models import ClothInstance, ClothPhysics, ClothPin, Clo
 from ..categories.domains import SidedDomain
 from ..categories.elastic.models import ElasticPhysics, Pin
 from ..categories.fracture.models import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
-from ..categories.gas.models import EmissionDriver, GasInstance, GasPhysics, GasSettings, IgnitionDriver
+from ..categories.gas.models import DustDriver, EmissionDriver, GasInstance, GasPhysics, GasSettings, IgnitionDriver
 from ..categories.liquid.models import (
     Current,
     DfsphInstance,
@@ -131,6 +131,7 @@ __all__ = [
     "DfsphInstance",
     "DfsphSettings",
     "Dimensions",
+    "DustDriver",
     "ElasticPhysics",
     "EmissionDriver",
     "EmitterDriver",

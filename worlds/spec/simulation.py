@@ -7,7 +7,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field
 
 from ..categories.cloth.models import ClothInstance
-from ..categories.gas.models import EmissionDriver, GasInstance, IgnitionDriver
+from ..categories.gas.models import DustDriver, EmissionDriver, GasInstance, IgnitionDriver
 from ..categories.liquid.models import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
 from ..categories.particles.models import BallisticInstance, DemInstance, EmitterDriver
 from ..categories.rigid.joints import BallJoint, HingeJoint, SlideJoint, SpringJoint, WeldJoint
@@ -78,6 +78,7 @@ Driver = Annotated[
     | EmissionDriver
     | EmitterDriver
     | IgnitionDriver
+    | DustDriver
     | InflowDriver
     | OutflowDriver
     | WavesDriver,

@@ -1,7 +1,8 @@
 """Soot and heat: what came, what is there, what left, and whether the records say so (R100).
 
 The contents are summed here from the cells. What the drivers let out is worked out from the specification: volume at the temperature of the
-source, its soot, and its heat above that of ambient air. What left is as recorded; `escapes.py` holds that against the velocities.
+source, its soot, and its heat above that of ambient air (where none comes, gaps are compared with a kelvin of all air). What left is as
+recorded; `escapes.py` holds that against the velocities.
 """
 
 from __future__ import annotations
@@ -68,7 +69,8 @@ class Books:
         soot, heat = np.array(self.soot), np.array(self.heat)
         given = declared(box)
         made, burnt = box.burnt("made_soot"), self._burnt()
-        scale_soot, scale_heat = (_scale(a, given[n] + m) for a, n, m in ((soot, "soot", made), (heat, "heat", burnt)))
+        scale_soot = _scale(soot, given["soot"] + made)
+        scale_heat = _scale(heat, given["heat"] + burnt) if box.heats else box.kelvin
         came = {n: box.record(r) for n, r in (("volume", "volume_emitted"), ("soot", "emitted_soot"), ("heat", "emitted_heat"))}
         return {
             "emitted": self._emitted(given, came),

@@ -94,7 +94,7 @@ def spreads(scope: Scope, p: SpreadEvent) -> Outcome:
         depth = box.extinction * box.cell * np.sum(frame.soot * frame.room, axis=axis, dtype=np.float64)
         area[i] = float((depth >= CUT).sum()) * box.cell**2
     source = next(s for s in box.sources if s.entity == p.entity)
-    start = max(float(area[0]), float(np.prod(np.delete(source.upper - source.lower, axis))))
+    start = max(float(area[0]), float(np.prod(np.delete(source.width, axis))))
     conditions = (
         Condition("area that is seen of it from above, over that at the start", area / start, max(SPREAD, p.min or 0.0)),
     )

@@ -105,7 +105,7 @@ class Fires:
         way, walls = reach_of(box, now, before)
         hot = (before.temperature >= combustion.fuel.ignition) & before.open | self._sparks(before, now)
         if combustion.temperature >= combustion.fuel.ignition:
-            hot |= np.any([s.cells(now.centers, box.cell) for s in box.sources], axis=0)
+            hot |= np.any([s.cells(now, box.cell, box.duration) for s in box.sources], axis=0)
         reached = within_reach(hot.astype(np.float64), way, walls, (0.0,) * 6) > 0.0
         return np.where(reached, 0.0, self._burning(fire))
 

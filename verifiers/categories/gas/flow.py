@@ -101,7 +101,7 @@ class Flow:
         net = net_outflow(mirrored(now.velocity, box.sides), box.cell) - self._asked(now)
         free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf) & box.bodies.apart(now, box.sides)
         whole = minimum_filter(free, size=5, mode="nearest") & np.isfinite(net)
-        calm = whole & ~np.any([s.cells(now.centers, 2.0 * box.cell) for s in box.sources], axis=0)
+        calm = whole & ~np.any([s.cells(now, 2.0 * box.cell, box.duration) for s in box.sources], axis=0)
         if self._heats:
             calm &= minimum_filter(np.abs(now.temperature - box.ambient) < AMBIENT, size=3, mode="nearest")
         fastest = max(float(now.speed.max()), SLOW)
@@ -126,8 +126,8 @@ class Flow:
         """Difference of the outflow of a box about a source from its rate, over that; 0 where bodies or other sources are about it."""
         box = self.box
         rate = source.rate(box.duration * (now.index - 0.5))
-        about = source.cells(now.centers, 2.0 * box.cell)
-        others = [s for s in box.sources if s is not source and (s.cells(now.centers, 3.0 * box.cell) & about).any()]
+        about = source.cells(now, 2.0 * box.cell, box.duration)
+        others = [s for s in box.sources if s is not source and (s.cells(now, 3.0 * box.cell, box.duration) & about).any()]
         if source.changes(box.duration * (now.index - 1), box.duration * now.index + TINY):
             return 0.0
         if now.index == 0 or rate <= 0.0 or others or self._heats or not whole[about].all():
@@ -145,7 +145,7 @@ class Flow:
         time = box.duration * now.index
         self.struck.append(any(s.changes(time - box.duration, time) for s in box.sources))
         for source in box.sources:
-            near = source.cells(now.centers, box.cell)
+            near = source.cells(now, box.cell, box.duration)
             blown = float(now.speed[near].max(initial=0.0))
             power += box.air * blown**2 * source.rate(max(0.0, time - 0.5 * box.duration))
         power += self._spread(now)

@@ -104,6 +104,16 @@ class GasBox:
         return self.air * AIR_HEAT_CAPACITY * self.ambient
 
     @property
+    def heats(self) -> bool:
+        """True where gas comes warmer or colder than the air about, or burns; else its heat is rounding."""
+        return self.combustion is not None or any(self.physics(m).temperature != self.ambient for m in self.members)
+
+    @property
+    def kelvin(self) -> float:
+        """Heat that warms all its air by a kelvin [J]: the scale of heat where nothing comes warm or cold."""
+        return self.joule / self.ambient * float(np.prod(self.size))
+
+    @property
     def up(self) -> F64:
         """Unit vector against gravity; +z where there is none."""
         size = float(np.linalg.norm(self.gravity))

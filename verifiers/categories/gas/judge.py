@@ -1,4 +1,4 @@
-"""Gases as the other verifiers ask for them: the soot that they carry, where it is and how it moves. They push nobody."""
+"""Gases as the other verifiers ask for them: the soot that they carry, where it is and how it moves. They push nobody; impacts raise dust of them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
-from ....worlds.categories.gas.facts import flammable_parts
+from ....worlds.categories.gas.facts import dusts_of, flammable_parts
 from ..judge import Push
 from ..loose import Loose, Sample
 from .bounds import CUT, STILL
@@ -53,9 +53,11 @@ class GasJudge(Loose):
         return numerical_rows(candidate, solver)
 
     def pushes(self, candidate: Candidate) -> list[list[Push]]:
-        """Heat that it gives to solids which may burn, per frame: from when one of their pieces is warmer than the air about."""
+        """Heat that it gives to solids which may burn, per frame: from when one of their pieces is warmer than the air about; and what raises dust."""
         found: list[list[Push]] = [[] for _ in range(candidate.frame_count)]
         for solver, instance in self.instances(candidate.spec).items():
+            if dusts_of(candidate.spec, solver):
+                _raise(found, box_of(candidate, solver))
             surfaces = box_of(candidate, solver).surfaces if flammable_parts(candidate.spec, solver) else None
             if surfaces is None:
                 continue
@@ -64,6 +66,11 @@ class GasJudge(Loose):
                 for entity in surfaces.warmed(frame):
                     found[frame] += [Push(m, entity, (frame - 1) / fps, frame / fps, np.inf, heat=True) for m in instance.members]
         return found
+
+    def unfelt(self, spec: WorldSpec) -> set[tuple[str, str]]:
+        """Dust, and the bodies that raise it."""
+        drivers = spec.simulation.drivers.values()
+        return {(d.entity, body) for d in drivers if d.kind == "dust" for body in d.bodies}
 
     def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
         """Cells with the soot that they hold at every frame; of clear gas, with the air that it displaces."""
@@ -125,6 +132,17 @@ class GasJudge(Loose):
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""
         return gas_lines(candidate.spec)
+
+
+def _raise(found: list[list[Push]], box: GasBox) -> None:
+    """Add to the pushes of each frame those of impacts that raise dust."""
+    for source in box.sources:
+        for puff in source.puffs:
+            first = int(np.ceil(puff.begin / box.duration - 1e-9))
+            for frame in range(max(first, 1), min(first + 2, len(found))):
+                start, end = max(puff.begin, (frame - 1) * box.duration), min(puff.end, frame * box.duration)
+                if start < end:
+                    found[frame].append(Push(puff.body, source.entity, start, end, np.inf))
 
 
 def seen(box: GasBox, frame: GasFrame) -> np.ndarray[Any, np.dtype[np.bool_]]:

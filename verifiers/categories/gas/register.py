@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ....worlds.categories.gas.facts import flammable_parts
+from ....worlds.categories.gas.facts import dusts_of, emissions_of, flammable_parts
 
 if TYPE_CHECKING:
     from ....worlds.spec import Entity, GasInstance, WorldSpec
@@ -26,6 +26,7 @@ def gas_lines(spec: WorldSpec) -> list[dict[str, str]]:
                 found += _of_fire(member, physics.fuel, instance)
         found += _of_box(name, instance)
         found += _of_surfaces(spec, name)
+        found += _of_source(spec, name)
     return [{"what": what, "effect": effect} for what, effect in found]
 
 
@@ -41,10 +42,6 @@ def _of_gas(member: str, temperature: float, cell: float, instance: GasInstance)
             f"soot, drops or dust of {member!r} move with the gas",
             "nothing settles, clumps, sticks to walls, condenses or evaporates",
         ),
-        (
-            f"{member!r} appears within the shape of its source",
-            "no jet, nozzle or flame is simulated; its first speed is what the room that it takes asks for",
-        ),
     ]
     if settings.diffusivity == 0.0:
         what = f"{member!r} gives off no heat, to walls or by radiation"
@@ -53,6 +50,29 @@ def _of_gas(member: str, temperature: float, cell: float, instance: GasInstance)
     if not settings.expands and apart > FELT:
         what = f"the density of {member!r} differs in buoyancy alone (Boussinesq)"
         found.append((what, f"{apart:.0%} of its volume and inertia are neglected at its source"))
+    return found
+
+
+def _of_source(spec: WorldSpec, name: str) -> list[tuple[str, str]]:
+    """Simplification and effect of each line about how gas comes."""
+    found = [
+        (
+            f"{member!r} appears within the shape of its source",
+            "no jet, nozzle or flame is simulated; its first speed is what the room that it takes asks for",
+        )
+        for member in sorted({d.entity for d in emissions_of(spec, name).values()})
+    ]
+    for key, driver in sorted(dusts_of(spec, name).items()):
+        found += [
+            (
+                f"{key!r} raises {driver.per_energy:g} kg of dust per joule of an impact, whatever is hit",
+                "the figure is declared, and dust never runs out; sliding and rolling raise none",
+            ),
+            (
+                f"dust of {key!r} comes with its air within {driver.radius:g} m of an impact over {1 / spec.simulation.fps:.3g} s",
+                "no grain flies by itself; half the impulse times the closing speed counts as energy, also of what bounces",
+            ),
+        ]
     return found
 
 

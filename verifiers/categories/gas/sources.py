@@ -1,4 +1,4 @@
-"""Sources of gas as the specification declares them: the shape of the entity's parts, and what drivers let out of it when."""
+"""Sources of gas as the specification declares them: the shape of the entity's parts, what drivers let out of it when, and what impacts raise."""
 
 from __future__ import annotations
 
@@ -11,25 +11,31 @@ from numpy.typing import NDArray
 
 from ....geometry import Solid
 from ....worlds.arrays import F64
+from .puffs import Puff, puffs_of
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
+    from .cells import GasFrame, Mask
 
 __all__ = ["Source", "sources_of"]
 
+OUTLET = 0.25
+"""[cells] How well points in a source tell where on the cells the middle of what it lets out is."""
 SAMPLES = 6
 """Own choice: points along each side of a part's box."""
 
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """The parts of one entity, and the drivers that let its gas out."""
+    """The parts of one entity, and what lets its gas out."""
 
     entity: str
     parts: tuple[Solid, ...]
     """In the world."""
     drivers: tuple[Any, ...]
     """Of kind `emission`."""
+    puffs: tuple[Puff, ...] = ()
+    """What impacts raise."""
 
     @property
     def lower(self) -> F64:
@@ -61,28 +67,64 @@ class Source:
             found.append(points)
         return np.concatenate(found)
 
-    def cells(self, centers: F64, cell: float) -> NDArray[np.bool_]:
-        """Cells whose middles are within a cell of its box, shape as `centers` without the last axis."""
-        return np.asarray(((centers >= self.lower - cell) & (centers <= self.upper + cell)).all(axis=-1))
+    @property
+    def width(self) -> F64:
+        """Extent along each axis of where its gas first is [m], shape (3,): its box, or the balls about impacts."""
+        if self.drivers or not self.puffs:
+            return self.upper - self.lower
+        return np.full(3, 2.0 * max(p.radius for p in self.puffs))
+
+    def cells(self, frame: GasFrame, margin: float, duration: float) -> Mask:
+        """Cells within a margin [m] of where its gas comes out over the time before a frame [s], (nx, ny, nz)."""
+        found = np.zeros(frame.room.shape, dtype=bool)
+        if self.drivers:
+            found |= ((frame.centers >= self.lower - margin) & (frame.centers <= self.upper + margin)).all(axis=-1)
+        end = duration * frame.index
+        for puff in self._between(end - duration, end):
+            found |= puff.cells(frame, margin)
+        return found
+
+    def _between(self, start: float, end: float) -> list[Puff]:
+        """Puffs that come at some time between two."""
+        return [p for p in self.puffs if p.begin <= end and start < p.end]
 
     def rate(self, time: float) -> float:
         """Gas that comes out at a time, at the temperature of the source [m^3/s]."""
-        return float(sum(d.rate for d in self.drivers if d.start <= time and (d.end is None or time < d.end)))
+        steady = sum(d.rate for d in self.drivers if d.start <= time and (d.end is None or time < d.end))
+        return float(steady + sum(p.volume / (p.end - p.begin) for p in self.puffs if p.at(time)))
 
     def changes(self, start: float, end: float) -> bool:
         """True where its rate changes within [start, end) seconds."""
-        return any(start <= t < end for d in self.drivers for t in (d.start, d.end) if t is not None)
+        ends = [(d.start, d.end) for d in self.drivers] + [(p.begin, p.end) for p in self.puffs]
+        return any(start <= t < end for pair in ends for t in pair if t is not None)
 
     def emitted(self, time: float) -> float:
         """Gas that has come out since frame 0, at the temperature of the source [m^3]."""
+        return self._flowed(time) + float(sum(p.emitted(time) for p in self.puffs))
+
+    def _flowed(self, time: float) -> float:
+        """Part of it that emissions let out [m^3]."""
         return float(sum(d.rate * max(0.0, min(time, time if d.end is None else d.end) - d.start) for d in self.drivers))
+
+    def given(self, now: GasFrame, duration: float) -> list[tuple[float, F64, float]]:
+        """Gas that came out over the time before a frame [m^3], its middle [m] and how far that may be off [m]; one of each place."""
+        end = duration * now.index
+        start = end - duration
+        steady = self._flowed(end) - self._flowed(start)
+        found = [(steady, self.outlet(now.corner, now.cell, now.room), OUTLET * now.cell)] if self.drivers else []
+        return found + [(p.emitted(end) - p.emitted(start), p.point, p.reach(now) + now.cell) for p in self._between(start, end)]
 
 
 def sources_of(candidate: Candidate, members: Sequence[str]) -> tuple[Source, ...]:
     """Sources of the members of an instance."""
     drivers = candidate.spec.simulation.drivers.values()
     return tuple(
-        Source(name, _parts(candidate, name), tuple(d for d in drivers if d.kind == "emission" and d.entity == name))
+        Source(
+            name,
+            _parts(candidate, name),
+            tuple(d for d in drivers if d.kind == "emission" and d.entity == name),
+            puffs_of(candidate, name),
+        )
         for name in members
     )
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....physics.substances import air_density
 from ....worlds.arrays import F64
@@ -35,8 +36,6 @@ __all__ = ["Transport"]
 TINY = 1e-12
 BESIDE = 2.0
 """[cells] How far from a piece of surface the cell lies that its gas is given to."""
-OUTLET = 0.25
-"""[cells] How well points in a source tell where on the cells the middle of what it lets out is."""
 
 
 class Transport:
@@ -57,7 +56,7 @@ class Transport:
         flow = outflow(self.box, now)
         if before is not None and self.flow is not None:
             self._reached(now, before)
-            self.off.append(max(self._carried(n, now, before, flow, self.flow) for n in range(2)))
+            self.off.append(max(self._carried(n, now, before, flow, self.flow) for n in range(2 if self.box.heats else 1)))
         self.flow = flow
 
     def _reached(self, now: GasFrame, before: GasFrame) -> None:
@@ -80,22 +79,21 @@ class Transport:
     def _carried(self, n: int, now: GasFrame, before: GasFrame, flow: Outflow, last: Outflow) -> float:
         """Difference of the way of the middle over that of the velocities."""
         box, step, middle = self.box, self.box.duration, now.corner + 0.5 * self.box.size
-        (new, new_rate, new_path), (old, old_rate, old_path) = (_moments(box, f, n) for f in (now, before))
+        (new, new_rate, new_path, new_doubt), (old, old_rate, old_path, old_doubt) = (_moments(box, f, n) for f in (now, before))
         came, loose = np.zeros(3), 0.0
-        times = step * np.array([before.index, now.index])
         for source in box.sources:
-            volume = source.emitted(times[1]) - source.emitted(times[0])
             physics = box.physics(source.entity)
             content = box.source_tracer(source.entity) if n == 0 else box.joule * float(box.lightness_at(physics.temperature))
-            came += volume * content * (source.outlet(now.corner, box.cell, now.room) - middle)
-            loose += abs(volume * content) * OUTLET * box.cell
+            for volume, place, off in source.given(now, step):
+                came += volume * content * (place - middle)
+                loose += abs(volume * content) * off
         if box.surfaces is not None:
             given = self._given(n, box.surfaces, now, middle)
             came, loose = came + given[0], loose + given[1]
         hot = self._heated(now, before) if n == 1 else (np.zeros(3), 0.0)
         came, loose = came + hot[0], loose + hot[1]
         predicted = 0.5 * step * (new_rate + old_rate) + came - 0.5 * step * (_about(flow, n, middle) + _about(last, n, middle))
-        doubt = loose + 0.5 * step * float(np.linalg.norm(new_rate - old_rate))
+        doubt = loose + 0.5 * step * (float(np.linalg.norm(new_rate - old_rate)) + new_doubt + old_doubt)
         reach = float(np.linalg.norm(0.5 * box.size))
         doubt += 0.5 * step * reach * float(abs(flow.rate[n] - last.rate[n]) + flow.doubt[n] + last.doubt[n])
         path = 0.5 * step * (new_path + old_path)
@@ -156,7 +154,7 @@ def _emitting(box: GasBox, now: GasFrame) -> list[tuple[Mask, float]]:
     end = box.duration * now.index
     surfaces = [] if box.surfaces is None else [(_beside(box, now, box.surfaces), 1.0)]
     return surfaces + [
-        (source.cells(now.centers, box.cell), box.source_concentration(source.entity))
+        (source.cells(now, box.cell, box.duration), box.source_concentration(source.entity))
         for source in box.sources
         if source.emitted(end) > source.emitted(end - box.duration)
     ]
@@ -178,9 +176,19 @@ def _about(flow: Outflow, n: int, middle: F64) -> F64:
     return np.asarray(flow.moment[n] - flow.rate[n] * middle)
 
 
-def _moments(box: GasBox, frame: GasFrame, n: int) -> tuple[F64, F64, float]:
-    """First moment of tracer or heat about the middle of the box [kg m or J m], its rate by the velocities, and the length of the way that they carry in a second."""
+def _moments(box: GasBox, frame: GasFrame, n: int) -> tuple[F64, F64, float, float]:
+    """First moment of tracer or heat about the middle of the box [kg m or J m], its rate by the velocities, the length of the way that they carry
+    in a second, and how far the rate may be off: by cells, or by faces with what flows to them, as along a floor that gas sinks on."""
     amount: F64 = (box.tracer(frame) if n == 0 else box.joule * box.lightness(frame)) * frame.room * box.volume
     rate = np.tensordot(amount, frame.velocity.astype(np.float64), axes=3)
     middle = frame.corner + 0.5 * box.size
-    return np.tensordot(amount, frame.centers - middle, axes=3), rate, float(np.sum(np.abs(amount) * frame.speed))
+    off = float(np.linalg.norm(rate - np.array([_by_faces(amount, frame.velocity[..., a], a) for a in range(3)])))
+    return np.tensordot(amount, frame.centers - middle, axes=3), rate, float(np.sum(np.abs(amount) * frame.speed)), off
+
+
+def _by_faces(amount: F64, speed: NDArray[np.float32], axis: int) -> float:
+    """Rate of the moment along an axis by what flows through the faces between cells, each from the cell that the gas there comes from."""
+    many = amount.shape[axis]
+    (a, b), (u, v) = ((np.take(x, range(many - 1), axis), np.take(x, range(1, many), axis)) for x in (amount, speed))
+    middle = 0.5 * (u.astype(np.float64) + v.astype(np.float64))
+    return float(np.sum(np.where(middle > 0.0, a, b) * middle))

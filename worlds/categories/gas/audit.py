@@ -1,4 +1,4 @@
-"""Rows of the audit about gases: one source per box, in it and resolved, with an emission and a way out (R60)."""
+"""Rows of the audit about gases: one source per box, in it and resolved, with something that makes it and a way out (R60)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from ...extents import box_extent, initial_box
 from ...fields import Fields, acting_on, field_drivers
 from ...problems import Problem, removed, replaced
 from ..loose import ROUNDED, domain_box, told_box
-from .facts import LEAST_CELLS, LEAST_SOURCE, emissions_of, fuel_of, gas_of, grid_of, ignitions_of
+from .dust import dust_problems
+from .facts import LEAST_CELLS, LEAST_SOURCE, dusts_of, emissions_of, fuel_of, gas_of, grid_of, ignitions_of
 
 if TYPE_CHECKING:
     from ...spec import Entity, FieldDriver, GasInstance, GasPhysics, IgnitionDriver, WorldSpec
@@ -76,7 +77,7 @@ def _instance(spec: WorldSpec, name: str, instance: GasInstance) -> Iterator[Pro
             f"at most {BOUSSINESQ:.0%} is described: let it expand",
             replaced(f"{place}/settings/expands", True),
         )
-    if emissions_of(spec, name) and "open" not in settings.domain.sides:
+    if (emissions_of(spec, name) or dusts_of(spec, name)) and "open" not in settings.domain.sides:
         yield Problem(
             f"{place}/settings/domain/sides",
             f"{member!r} is let into a box without an open side, which has no room for it; open one, as the top",
@@ -157,6 +158,9 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
         gas = entity is not None and entity.physics.category == "gas"
         if driver.kind == "ignition":
             yield from _ignition(spec, key, driver, entity)
+        elif driver.kind == "dust":
+            emitting.add(driver.entity)
+            yield from dust_problems(spec, key, driver)
         elif driver.kind == "emission":
             emitting.add(driver.entity)
             if entity is not None and not gas:
@@ -166,12 +170,12 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
         elif gas:
             yield Problem(
                 place,
-                f"driver {driver.kind!r} cannot act on a gas; use emission, ignition, a field (wind), or a solid that moves it",
+                f"driver {driver.kind!r} cannot act on a gas; use emission, dust, ignition, a field (wind), or a solid that moves it",
                 removed(place),
             )
     for name, entity in spec.entities.items():
         if entity.physics.category == "gas" and name not in emitting:
-            text = f"nothing makes the gas {name!r}; add a driver of kind 'emission' with its rate [m^3/s]"
+            text = f"nothing makes the gas {name!r}; add a driver of kind 'emission' with its rate [m^3/s], or of kind 'dust' for what impacts raise"
             add = {
                 "op": "add",
                 "path": f"/simulation/drivers/{name}-source",

@@ -9,7 +9,7 @@ from ..shared import DOMAIN, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import gas_problems
 from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import flammable_parts, gas_counts, gas_seconds
-from .models import EmissionDriver, GasInstance, GasPhysics, IgnitionDriver
+from .models import DustDriver, EmissionDriver, GasInstance, GasPhysics, IgnitionDriver
 from .predicates import PREDICATES
 
 __all__ = ["GAS"]
@@ -17,13 +17,13 @@ __all__ = ["GAS"]
 GAS = CategorySpec(
     name="gas",
     shape=GasPhysics.shape,
-    covers="smoke, steam, hot air and fire on a grid, which solids stand in the way of and wind blows; it pushes nothing",
+    covers="smoke, steam, dust, hot air and fire on a grid, which solids stand in the way of and wind blows; it pushes nothing",
     physics=GasPhysics,
     instances=(GasInstance,),
-    drivers=(EmissionDriver, IgnitionDriver),
+    drivers=(EmissionDriver, IgnitionDriver, DustDriver),
     predicates=PREDICATES,
     asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through, heat_release or gas_clears of it; it burns, rises, drifts, spreads, fills",
-    meets=("rises", "drifts"),
+    meets=("rises", "drifts", "spreads", "fills"),
     groups=(GroupInfo("gas", "solver", "viscosity, conduction, confinement and ambient temperature of gases"),),
     parameters=(
         *TEMPERATURE,
@@ -32,7 +32,7 @@ GAS = CategorySpec(
         *parameters(
             PHYSICS, "fuel fuel_share", "initial_state", "repair", "what burns, and how hot; rows hold its heat", physical=True
         ),
-        *parameters(DRIVER, "center radius", "drivers", "repair", "drivers stand in the register"),
+        *parameters(DRIVER, "center radius per_energy bodies", "drivers", "repair", "drivers stand in the register"),
         *DOMAIN,
         *SIDES,
         *STEPS,
@@ -55,6 +55,10 @@ GAS = CategorySpec(
     knobs={"gas": ("resolution",)},
     caps=GAS_CAPS,
     estimate=gas_counts,
-    audit=Audit("gases", "gases have a box each that holds and resolves their source, an emission, and a way out", gas_problems),
+    audit=Audit(
+        "gases",
+        "gases have a box each that holds and resolves their source, something that makes it, and a way out",
+        gas_problems,
+    ),
     seconds=gas_seconds,
 )

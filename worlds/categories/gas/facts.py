@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from ...extents import initial_box, initial_volume
 from ..loose import domain_box
 
 if TYPE_CHECKING:
-    from ...spec import EmissionDriver, Entity, GasInstance, GasPhysics, IgnitionDriver, WorldSpec
+    from ...spec import DustDriver, EmissionDriver, Entity, GasInstance, GasPhysics, IgnitionDriver, WorldSpec
     from .models import Flammable
 
 __all__ = [
@@ -22,6 +23,8 @@ __all__ = [
     "LEAST_SOURCE",
     "SOURCE_SHARE",
     "Grid",
+    "dusts_of",
+    "dusty_box",
     "emissions_of",
     "flammable_parts",
     "fuel_of",
@@ -31,6 +34,7 @@ __all__ = [
     "grid_of",
     "ignitions_of",
     "lit",
+    "yielding_mass",
 ]
 
 LEAST_SOURCE = 2.0
@@ -90,6 +94,23 @@ def ignitions_of(spec: WorldSpec, name: str) -> dict[str, IgnitionDriver]:
     """Ignitions of the gas of an instance, by driver id."""
     members = spec.simulation.gas[name].members
     return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "ignition" and d.entity in members}
+
+
+def dusts_of(spec: WorldSpec, name: str) -> dict[str, DustDriver]:
+    """Drivers that raise dust of the gas of an instance, by driver id."""
+    members = spec.simulation.gas[name].members
+    return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "dust" and d.entity in members}
+
+
+def dusty_box(entity: Entity, cell: float) -> tuple[F64, F64] | None:
+    """Corners of the room in which impacts raise dust [m]: the box around the parts of a gas, widened by a cell; None where a part is a file."""
+    box = initial_box(entity)
+    return None if box is None else (box[0] - cell, box[1] + cell)
+
+
+def yielding_mass(entity: Entity, bodies: Iterable[float]) -> float:
+    """Mass of an entity that an impact can stop [kg]: of all its bodies, since bonds and joints hold them; infinite of one that does not give way."""
+    return sum(bodies) if entity.motion == "dynamic" else math.inf
 
 
 def fuel_of(physics: GasPhysics) -> Fuel | None:

@@ -1,4 +1,4 @@
-"""Gas in specifications: the source that an entity is, the engine that moves it, what lets it out and what lights it (R60, R61)."""
+"""Gas in specifications: the source that an entity is, the engine that moves it, what lets it out, raises or lights it (R60, R61)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...matter import Instance, Matter, MatterShape, TimedDriver
 from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
 from ..domains import SidedDomain
 
-__all__ = ["EmissionDriver", "Flammable", "GasInstance", "GasPhysics", "GasSettings", "IgnitionDriver"]
+__all__ = ["DustDriver", "EmissionDriver", "Flammable", "GasInstance", "GasPhysics", "GasSettings", "IgnitionDriver"]
 
 Burns = Literal["methane", "propane", "methanol", "heptane", "wood"]
 
@@ -108,5 +108,23 @@ class IgnitionDriver(TimedDriver):
     entity: EntityRef = Field(description="the gas, which has a fuel")
     center: Vec3 = Field(description="of the ball [m]")
     radius: Positive = Field(le=10.0, description="of the ball [m]; the nearest cell counts in any case")
+    start: NonNegative = 0.0
+    end: Positive | None = Field(default=None, description="[s]; default: to the end")
+
+
+class DustDriver(TimedDriver):
+    """Dust that bodies raise where they hit something during [start, end) seconds: its mass goes with the energy of each impact (half its
+    impulse times its closing speed). It comes within a ball about the place, from the impact on for the time of a frame.
+
+    Impacts count in the box around the parts of the gas entity, widened by a cell: the room in which dust lies.
+    """
+
+    kind: Literal["dust"] = "dust"
+    entity: EntityRef = Field(description="the gas, which has a soot_density and no fuel")
+    bodies: Annotated[list[EntityRef], Field(min_length=1, max_length=32)] = Field(
+        description="rigid entities; what one of them hits counts, pieces of breakable ones too"
+    )
+    per_energy: float = Field(gt=0, le=1e-2, description="dust per energy [kg/J]: 1e-5 makes 10 g of a kilojoule")
+    radius: Positive = Field(le=10.0, description="of the ball [m]; it widens until it has room for the dust")
     start: NonNegative = 0.0
     end: Positive | None = Field(default=None, description="[s]; default: to the end")

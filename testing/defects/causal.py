@@ -344,14 +344,15 @@ def _cradle(folder: Path, magnitude: float, rng: Rng) -> World:
 def _lies_long_since(folder: Path, magnitude: float, rng: Rng) -> World:
     """The effect's subject came to rest `magnitude` seconds before the effect, which speaks of others too."""
     scene = Scene(rng)
-    starts = (0.1, 0.2, 0.35 + magnitude)
+    starts = np.linspace(0.1, 0.35 + magnitude, 3 + int(magnitude / 0.1))
     for k, start in enumerate(starts):
-        scene.domino(f"d{k}", 0.08 * k, start)
-    scene.leans(0.2, "d0", "d1")
-    scene.leans(starts[2], "d1", "d2")
+        scene.domino(f"d{k}", 0.08 * k, float(start))
+    for k, start in enumerate(starts[1:]):
+        scene.leans(float(start), f"d{k}", f"d{k + 1}")
+    ends = (0, 1, len(starts) - 1)
     beats = {
         "tips": beat("d0", Tilts(entity="d0", min=0.1), frames=(0, LAST)),
-        "all": beat("d0", And(of=[Topples(entity=f"d{k}") for k in range(3)]), frames=(0, LAST), causes=["tips"]),
+        "all": beat("d0", And(of=[Topples(entity=f"d{k}") for k in ends]), frames=(0, LAST), causes=["tips"]),
     }
     return World(scene.candidate(folder, beats))
 

@@ -30,7 +30,7 @@ from .fire import Fire
 from .pressure import Flow, Projection
 from .regions import Regions
 from .settings import GasSettings, Side
-from .solids import Solids, enclosed
+from .solids import Solids, enclosed, passable
 from .transport import Transport
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ class Gas(GasFields):
         room is what their gas has to leave."""
         before, after = self._at, enclosed(self.shape, self._named, solids, widen=False)
         grown = after.room - before.room
-        middle = Solids(0.5 * (before.room + after.room), 0.5 * (before.opening + after.opening), after.velocity)
+        middle = Solids(0.5 * (before.room + after.room), passable(before, after), after.velocity)
         self._fit(middle, before.room, after.room)
         self.run.upload("gas/growth", (grown / seconds).ravel(), warp().float32)
         self._grown = self.regions.sums(grown)

@@ -16,10 +16,14 @@ if TYPE_CHECKING:
 
     from .settings import Side
 
-__all__ = ["Solids", "corners_of", "cut", "enclosed"]
+__all__ = ["Solids", "corners_of", "cut", "enclosed", "passable"]
 
 LEAST_OPEN = 0.05
 """Faces open by less are closed."""
+SQUEEZED = 0.25
+"""Own choice: open share of faces from which on what moving solids drive through them is carried as it is."""
+ALONG = 1e-5
+"""Of the largest distance: corners this near to a surface lie on it, whatever rounding says."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,21 @@ def enclosed(shape: tuple[int, int, int], sides: Sequence[Side], solids: Solids 
     return Solids(room, opening, np.zeros_like(opening) if solids is None else solids.velocity.astype(np.float32))
 
 
+def passable(before: Solids, after: Solids) -> NDArray[np.float32]:
+    """Open shares of faces in the mean over a step of solids that move, (nx + 1, ny + 1, nz + 1, 3).
+
+    Faces beside a cell that loses or gains room are open by `SQUEEZED` at least, unless closed: under a body that lands or rolls, gaps
+    finer than that would shoot out air by what a cell cannot tell of their shape.
+    """
+    opening = 0.5 * (before.opening + after.opening)
+    changes = before.room != after.room
+    for axis in range(3):
+        own = opening[..., axis]
+        beside = (changes | np.roll(changes, 1, axis=axis)) & (own > 0.0)
+        own[beside] = np.maximum(own[beside], SQUEEZED)
+    return opening
+
+
 def _within(padded: tuple[int, ...], axis: int, count: int) -> NDArray[np.bool_]:
     """True for elements whose index along an axis is below a count."""
     shape = [1, 1, 1]
@@ -90,6 +109,7 @@ def open_share(a: F64, b: F64, c: F64, d: F64) -> F64:
     The distance is taken as linear along edges, as marching squares does; a square that is cut twice counts as two corners.
     """
     values = np.stack([a, b, c, d], axis=-1)
+    whole = _whole(values, -1)
     inside = values <= 0.0
     ahead = np.roll(values, -1, axis=-1)
     # Positions of the polygon's corners: open corners of the square, and crossings of its edges.
@@ -114,7 +134,12 @@ def open_share(a: F64, b: F64, c: F64, d: F64) -> F64:
             here = pending & back[..., e]
             total += np.where(here, _cross(crossing[..., k, :], crossing[..., e, :]), 0.0)
             pending &= ~here
-    return np.clip(0.5 * total, 0.0, 1.0)
+    return np.where(whole, 1.0, np.clip(0.5 * total, 0.0, 1.0))
+
+
+def _whole(values: F64, axis: int) -> NDArray[np.bool_]:
+    """True where corners lie in the gas, or on surfaces beside it: as between a floor and a wall whose surfaces are those of cells."""
+    return np.asarray((values.min(axis=axis) >= 0.0) & (values.max(axis=axis) > 0.0))
 
 
 def _cross(a: F64, b: F64) -> F64:
@@ -129,6 +154,7 @@ def cut(distance: F64, velocity: NDArray[np.float32] | None = None) -> Solids:
         velocity: (nx + 1, ny + 1, nz + 1, 3) of the solids at lower faces [m/s]; at rest when left out.
     """
     shape = distance.shape
+    distance = np.where(np.abs(distance) <= ALONG * np.abs(distance).max(), 0.0, distance)
     opening = np.zeros((*shape, 3), np.float32)
     for axis in range(3):
         u, v = ((axis + 1) % 3, (axis + 2) % 3)
@@ -159,8 +185,9 @@ def open_volume(distance: F64) -> F64:
         for i in (0, 1) for j in (0, 1) for k in (0, 1)
     }  # fmt: skip
     every = np.stack(list(corners.values()))
-    share = np.where(every.min(axis=0) > 0.0, 1.0, 0.0)
-    crossed = np.flatnonzero((every.min(axis=0) <= 0.0) & (every.max(axis=0) > 0.0))
+    whole = _whole(every, 0)
+    share = np.where(whole, 1.0, 0.0)
+    crossed = np.flatnonzero(~whole & (every.min(axis=0) <= 0.0) & (every.max(axis=0) > 0.0))
     total = np.zeros(len(crossed))
     for order in permutations(range(3)):
         at, way = [0, 0, 0], [corners[0, 0, 0][crossed]]

@@ -7,6 +7,7 @@ import pytest
 from worldagent.simulation.bodies import resting
 from worldagent.simulation.boundaries import Boundary, Surround
 from worldagent.simulation.gas.obstacles import Obstacles
+from worldagent.simulation.gas.solids import cut
 from worldagent.tests.physics.test_flip import box_mesh
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import BuiltBody, TriangleMesh
@@ -72,3 +73,17 @@ def test_a_body_outside_of_the_box_closes_nothing() -> None:
     state = resting(around)
     state.velocity = np.array([[10.0, 0.0, 0.0]])
     assert (found.at(state, 1.0).room[:-1, :-1, :-1] == 1.0).all()
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-8, -1e-8])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_corner_between_a_floor_and_a_wall_on_the_faces_of_cells_is_open(side: float, noise: float) -> None:
+    x, z = np.meshgrid(np.arange(-2.0, 3.0), np.arange(-1.0, 3.0), indexing="ij")
+    plane = np.minimum(side * x, z)
+    distance = np.repeat(np.where(plane == 0.0, noise, plane)[:, None, :], 3, axis=1)
+    found = cut(distance)
+    wall = (np.arange(-2.0, 2.0) + 0.5) * side < 0.0
+    under = np.arange(-1.0, 2.0) + 0.5 < 0.0
+    expected = (~wall[:, None] & ~under[None, :]).astype(float)
+    assert (found.room[:-1, 0, :-1] == expected).all()
+    assert (found.opening[:-1, 0, :-1, 1] == expected).all()

@@ -1,7 +1,7 @@
 """Soot and heat: what came, what is there, what left, and whether the records say so (R100).
 
 The contents are summed here from the cells. What the drivers let out is worked out from the specification: volume at the temperature of the
-source, its soot, and its heat above that of ambient air (where none comes, gaps are compared with a kelvin of all air). What left is as
+source, its soot, and its heat above that of ambient air (where none comes, gaps are compared with `EVEN` of all air). What left is as
 recorded; `escapes.py` holds that against the velocities.
 """
 
@@ -70,7 +70,7 @@ class Books:
         given = declared(box)
         made, burnt = box.burnt("made_soot"), self._burnt()
         scale_soot = _scale(soot, given["soot"] + made)
-        scale_heat = _scale(heat, given["heat"] + burnt) if box.heats else box.kelvin
+        scale_heat = _scale(heat, given["heat"] + burnt) if box.heats else box.even_heat
         came = {n: box.record(r) for n, r in (("volume", "volume_emitted"), ("soot", "emitted_soot"), ("heat", "emitted_heat"))}
         return {
             "emitted": self._emitted(given, came),

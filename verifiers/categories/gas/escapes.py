@@ -57,7 +57,7 @@ class Escapes:
         left = np.concatenate([[0.0], np.cumsum(0.5 * step * (rate[1:] + rate[:-1]))])
         within = 0.5 * step * (np.abs(np.diff(rate)) + doubt[1:] + doubt[:-1])
         within = np.concatenate([[0.0], np.cumsum(within)])
-        least = self.box.kelvin if n == 1 and not self.box.heats else TINY
+        least = self.box.even_heat if n == 1 and not self.box.heats else TINY
         scale = max(float(np.abs(given).max()), float(np.abs(recorded).max()), least)
         gone = recorded - recorded[0]
         off = np.maximum(np.abs(gone - left) - within, 0.0) / scale

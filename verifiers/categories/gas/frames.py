@@ -15,6 +15,7 @@ from ....worlds.categories.gas.facts import fuel_of, grid_of
 from ....worlds.errors import EvidenceError, NotFiniteError
 from ...rows.findings import cache_of
 from .bodies import Bodies
+from .bounds import EVEN
 from .cells import FireCells, GasFrame
 from .combustion import Combustion
 from .kindled import KindledSurfaces, surfaces_of_box
@@ -109,9 +110,9 @@ class GasBox:
         return self.combustion is not None or any(self.physics(m).temperature != self.ambient for m in self.members)
 
     @property
-    def kelvin(self) -> float:
-        """Heat that warms all its air by a kelvin [J]: the scale of heat where nothing comes warm or cold."""
-        return self.joule / self.ambient * float(np.prod(self.size))
+    def even_heat(self) -> float:
+        """Heat that warms all its air by `EVEN` [J]: the scale of heat where nothing comes warm or cold."""
+        return EVEN * self.joule / self.ambient * float(np.prod(self.size))
 
     @property
     def up(self) -> F64:

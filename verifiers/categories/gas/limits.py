@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from .bounds import SEEP, WARM
+from .bounds import EVEN, SEEP, WARM
 from .questions import LIMITS
 from .rows import kept_within, recomputed
 
@@ -49,7 +49,7 @@ class Limits:
         light = box.lightness(now)
         if before is None:
             self.start = float(now.soot.max())
-        span = max(self.light[1] - self.light[0], float(box.lightness_at(box.ambient + 1.0)))
+        span = max(self.light[1] - self.light[0], float(box.lightness_at(box.ambient + (1.0 if box.heats else EVEN))))
         off = np.maximum(self.light[0] - light, light - self.light[1]) * now.open / span
         known = now.temperature[now.open]
         self.range = [min(self.range[0], float(known.min(initial=np.inf))), max(self.range[1], float(known.max(initial=-np.inf)))]

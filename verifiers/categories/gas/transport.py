@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ....physics.substances import air_density
 from ....worlds.arrays import F64
 from ...rows.findings import Finding
-from .bounds import COURSE, SEEP
+from .bounds import COURSE, SEEP, SLIVER
 from .outflow import outflow
 from .questions import TRANSPORT
 from .reach import reach_of, within_reach
@@ -69,7 +69,7 @@ class Transport:
             upper, lower = (np.where(cells, np.maximum(a, s), a) for a, s in ((upper, source), (lower, -source)))
         highest = within_reach(upper, way, walls, (0.0,) * 6)
         lowest = -within_reach(lower, way, walls, tuple(0.0 if s == "open" else -np.inf for s in box.sides))
-        soot = np.where(now.open, box.concentration(now), np.nan)
+        soot = np.where(now.room > SLIVER, box.concentration(now), np.nan)
         for name, kept, excess in (("continuity", self.over, soot - highest), ("gaps", self.under, lowest - soot)):
             excess = np.where(np.isfinite(excess), excess, 0.0)
             kept.append(max(0.0, float(excess.max())) / scale)

@@ -146,7 +146,9 @@ def test_a_probe_coarsens_its_cells() -> None:
     assert grid_of(coarse.simulation.gas["air"], coarse.entities["smoke"].physics.flow_cell).cells < 16 * 16 * 24
 
 
-@pytest.mark.parametrize("event", [{"kind": "spreads"}, {"kind": "fills", "other": "plate"}, {"kind": "rises"}, {"kind": "drifts"}])
+@pytest.mark.parametrize(
+    "event", [{"kind": "spreads"}, {"kind": "fills", "other": "plate"}, {"kind": "rises"}, {"kind": "drifts"}]
+)
 def test_what_gas_meets_by_a_definition_of_its_own_needs_no_record_of_another_engine(event: dict[str, Any]) -> None:
     beat = {"text": "it does", "frames": [1, 20], "owner": "air", "subject": "smoke", "predicate": {"entity": "smoke", **event}}
     assert row(changed(("/story", {"semantics": "smoke", "beats": {"it": beat}})), "evidence").status == "pass"

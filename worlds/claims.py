@@ -23,6 +23,7 @@ from .prompts.units import boundaries, letters, units_of, word_count
 from .repeats import is_repeat
 from .roles import misplaced_roles
 from .spec import CLAIM_TYPES, Beat, WorldSpec
+from .stillness import stillness_of
 from .subjects import misplaced_subjects
 
 __all__ = ["LONGEST", "Reading", "Span", "named_in", "prompt_record", "reading_of", "targets_of"]
@@ -213,7 +214,8 @@ def _only_read(spec: WorldSpec, spans: Sequence[Span], name: str, language: str 
     if claim.type == "order":
         return at is not None and not orders_said(spec, spans, at, language)
     if claim.type == "negation":
-        return at is not None and denied_verb(spec.prompt, spans, at, language) is None
+        known = at is None or denied_verb(spec.prompt, spans, at, language) or stillness_of(spec.prompt, spans, at, language)
+        return known is None
     return claim.type in DESCRIBING and not judged_words(spec, name)
 
 

@@ -59,7 +59,8 @@ NEGATIONS: dict[str, tuple[str, ...]] = {
 ORDERS: dict[str, tuple[str, ...]] = {
     "en": _listed("""then, after, before, afterwards, afterward, finally, eventually, until, till, while, whilst, meanwhile, later, thereafter, whereupon
         subsequently, simultaneously, as soon as, at the same time, at first, at last, first, next, last, one after another
-        one after the other, one by one, one at a time, in turn, beforehand, at once, in the end"""),
+        one after the other, one by one, one at a time, in turn, beforehand, at once, in the end
+        at the same moment, at the same instant, firstly, lastly"""),
     "de": _listed("""dann, danach, davor, zuvor, zuerst, zunächst, erst, schließlich, nachdem, bevor, ehe, während, sobald, anschließend
         daraufhin, woraufhin, endlich, nacheinander, gleichzeitig, zugleich, zuletzt, später, vorher, nachher, bis, nach und nach, am ende, am schluss
         der reihe nach, einer nach dem anderen, eine nach der anderen, eins nach dem anderen, hintereinander, solange"""),

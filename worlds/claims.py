@@ -8,6 +8,7 @@ from typing import Any
 
 from .claim_targets import Span, named_in, targets_of
 from .deciding import deciding_warnings
+from .decoys import decoy_warnings
 from .denials import denied_verb, misdenied
 from .described import DESCRIBING, judged_words
 from .errors import InputError
@@ -129,6 +130,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from (m.text for m in misplaced_subjects(spec, spans, language) if not m.sure)
     yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
+    yield from decoy_warnings(spec)
     yield from deciding_warnings(spec, spans, language)
     readings = [
         words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import regex
 
 from .claim_targets import Span, named_in
-from .predicates import atoms_of
+from .predicates import Contact, NoContact, atoms_of
 from .predicates.events import PairEvent
-from .prompts.lexicon import known_kinds, labelled, verb_kinds
+from .prompts.lexicon import known_kinds, labelled, lemmas, verb_kinds
 from .prompts.units import folded, units_of
 
 if TYPE_CHECKING:
@@ -62,6 +62,10 @@ STOP = regex.compile(r"[.;:!?…,()\n]|[—–]")
 SENTENCE = regex.compile(r"[.!?…;\n]")
 
 
+TOUCHES = frozenset(("touch", "graze", "brush", "meet", "hit", "strike", "bump", "scrape", "knock", "ram"))
+"""English verbs that a touch of two bodies judges. Reviewed by hand."""
+
+
 class Misplaced(NamedTuple):
     """An event whose predicate has its bodies in other places than the words."""
 
@@ -99,6 +103,8 @@ def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None
             continue
         atoms = [a for a in _atoms(spec, span.claim) if isinstance(a, PairEvent) and a.kind in DOES]
         place = surroundings(spec, spans, index)
+        if place.next:
+            yield from _touched(spec, span, place, language)
         if not atoms or not place.next:
             continue
         turned = bool(TURNS[language] & set(place.between)) or bool(TURNS[language] & set(words_in(span.text)))
@@ -106,6 +112,21 @@ def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None
         known = [a for a in atoms if kinds is not None and a.kind in kinds & known_kinds()]
         clear = bool(known) and place.plain and not set(place.between) & (PREPOSITIONS - _led(known[0].kind))
         yield from _told(spec, span.claim, atoms, place, turned=turned, sure=clear)
+
+
+def _touched(spec: WorldSpec, span: Span, place: Surroundings, language: str) -> Iterator[Misplaced]:
+    """Touches of other bodies than the one behind their words: it is that one which is touched, or never is."""
+    pairs = [{a.a, a.b} for a in _atoms(spec, str(span.claim)) if isinstance(a, Contact | NoContact)]
+    if not pairs or any(pair & place.next or "each" in pair for pair in pairs):
+        return
+    quote, others = spec.claims[str(span.claim)].quote, sorted(pairs[0] - place.before)
+    names = ", ".join(sorted(place.next)[:3])
+    verb = verb_of(spec.prompt, span).split()[:1] or [w for w in words_in(span.text) if TOUCHES & set(lemmas(w, "v"))]
+    known = language == "en" and any(TOUCHES & set(lemmas(w.casefold(), "v")) for w in verb)
+    clear = place.plain and not set(place.between) & (PREPOSITIONS - ONWARDS - {"by"})
+    text = f"{quote!r} is judged by a touch of {', '.join(others)}, and what stands behind it is {names}: name a touch of {names}"
+    if (known and clear) or pairs[0] & place.before:
+        yield Misplaced(str(span.claim), text, known and clear)
 
 
 def _led(kind: str) -> frozenset[str]:

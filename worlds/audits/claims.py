@@ -12,6 +12,7 @@ from typing import Any
 
 from ..claims import Reading, named_in, reading_of
 from ..denials import misdenied
+from ..postures import posture_problems
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
@@ -105,6 +106,7 @@ def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
             allowed = ", ".join(f"/{root}" for root in _ALLOWED[claim.type])
             yield Problem(at, f"a claim of type {claim.type} is judged by {allowed}, not by {pointer!r}")
     yield from _optional(spec, name, claim)
+    yield from (Problem(f"{place}/by", text) for text in posture_problems(spec, name, claim))
     yield from _DUTIES.get(claim.type, _nothing)(spec, document, name, claim)
 
 

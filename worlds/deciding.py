@@ -16,6 +16,7 @@ from .described import same_noun
 from .predicates import atoms_of
 from .prompts.deciding_words import ARTICLES, DECIDING, NOT_ALL
 from .prompts.descriptions import WordKind, meanings
+from .prompts.held_numbers import list_markers
 from .prompts.units import APOSTROPHES, Unit, folded, units_of
 
 if TYPE_CHECKING:
@@ -84,6 +85,9 @@ def deciding_warnings(spec: WorldSpec, spans: Sequence[Span], language: str | No
             held = "filler" if spans[found.span].claim is None else f"part of {spans[found.span].text!r}"
             of = "" if at == found.span else f" beside {spans[at].text!r}"
             yield f"{found.text!r} is {held}{of}: {_TAKES[found.kind]}"
+    loose = [n for n in list_markers(spec.prompt) if any(s.claim is None and s.start <= n < s.end for s in spans)]
+    if len(loose) > 1 and sum(s.type == "event" for s in spans) > 1:
+        yield f"{len(loose)} numbers mark the items of a list: whether they come in that order is not judged; claim the numbers as order, the first first"
     for span in spans:
         if span.claim is None:
             for kind, text in _UNCLAIMED.items():

@@ -19,7 +19,7 @@ def lines(marked: str, predicate: dict[str, Any] | None = None) -> str:
     return "\n".join(
         w
         for w in reading_of(told(marked, ("/story/requirements", way))).warnings
-        if " is filler" in w or "is part of" in w or "takes it up: mark" in w
+        if any(t in w for t in (" is filler", "is part of", "takes it up: mark", "items of a list"))
     )
 
 
@@ -38,6 +38,7 @@ OPEN: dict[str, tuple[str, str]] = {
     "north": (f"A {BALL} {ROLLS} over the floor northwards.", "'northwards' is filler beside 'rolls'"),
     "rain": (f"In heavy rain a {BALL} {ROLLS}.", "'rain' is weather"),
     "night": (f"A {BALL} {ROLLS} at night.", "'at night' is a time of day"),
+    "a list": (f"1. A {BALL} {ROLLS}. 2. A {BLOCK} {FALLS}.", "2 numbers mark the items of a list"),
     "beinahe": (f"Eine {KUGEL} {ROLLT} und beinahe [fällt](event fall) ein {KLOTZ} vom Regal.", "'beinahe' is filler beside 'fällt'"),
     "jeder": (f"Eine {KUGEL} {ROLLT} auf dem Regal und jeder {KLOTZ} [fällt](event fall) auf den Boden.", "'jeder' is filler beside 'Klotz'"),
     "nur": (f"Nur die {KUGEL} {ROLLT} auf dem Regal, und der {KLOTZ} [fällt](event fall).", "'Nur' is filler beside 'Kugel'"),
@@ -55,6 +56,7 @@ def test_a_word_that_decides_and_is_not_judged_is_named_with_what_it_takes(name:
 HONEST: dict[str, tuple[str, dict[str, Any] | None]] = {
     "nearly, denied": (f"A {BALL} [nearly hits](negation /story/requirements/way) a {BLOCK}.", None),
     "another beside one": (f"A {BALL} {ROLLS} into a [block](thing b1) and another {BLOCK} {FALLS}.", None),
+    "a list in order": (f"[1](order roll fall). A {BALL} {ROLLS}. [2](order same_as=1). A {BLOCK} {FALLS}.", None),
     "another, alone": (f"A [block](thing b1) {FALLS} onto [another](thing b3).", None),
     "having a handle, twice": (f"A {BLOCK} having a handle {FALLS} and a {BALL} {ROLLS}.", None),
     "every, counted": (f"A {BALL} {HITS} [every](count b1 b2 b3) [block](thing b1 b2 b3).", None),

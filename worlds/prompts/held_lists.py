@@ -12,6 +12,7 @@ from typing import Literal
 __all__ = [
     "ALONE",
     "ASIDES",
+    "FREE",
     "HAN_HELD",
     "INFINITIVES",
     "NADA_OF",
@@ -84,6 +85,16 @@ ORDERS: dict[str, tuple[str, ...]] = {
 }
 """Words that say what comes before what."""
 
+FREE: dict[str, tuple[str, ...]] = {
+    "en": _listed("not far from, not far off, not far away"),
+    "de": _listed("nicht weit von, nicht weit vom, nicht weit entfernt"),
+    "fr": _listed("pas loin de, pas loin d', pas loin du"),
+    "es": _listed("no lejos de, no lejos del, no muy lejos de, no muy lejos del"),
+    "it": _listed("non lontano da, non lontano dal, non lontano dalla, non lontano dallo, non lontano dall'"),
+    "pt": _listed("não longe de, não longe do, não longe da"),
+    "nl": _listed("niet ver van"),
+}
+"""Phrases with a word that denies, and that say where something is: nothing is denied."""
 _DETERMINERS = _listed(
     """the, a, an, this, that, these, those, its, his, her, their, my, your, our, each, every, 's, very, for"""
 )

@@ -39,6 +39,10 @@ SAME_SHARE = 0.5
 """Own choice: with more of its things and events said to be the same as others, the verdict warns. Pronouns seldom are half of the nouns."""
 
 
+FEW = 6
+"""Own choice: words below which a text that is in no known language may only be too short to tell; above, two listed words are asked for."""
+
+
 @dataclass(frozen=True)
 class Reading:
     """The whole prompt, cut into claims and filler."""
@@ -119,7 +123,9 @@ def _cut(spec: WorldSpec, taken: list[tuple[int, int, str]], held: tuple[Held, .
 def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) -> Iterator[str]:
     for odd in odd_characters(spec.prompt):
         yield f"{odd.text!r} at character {odd.start}: {odd.why}"
-    if language is None:
+    if language is None and 0 < word_count(spec.prompt) < FEW:
+        yield f"the language is unknown, since {word_count(spec.prompt)} words are too few to tell it: numbers, negations and order words in filler were not looked for"
+    elif language is None:
         yield "the language is none with reviewed word lists, or mixed: numbers, negations and order words in filler were not looked for"
     told = [c for c in spec.claims.values() if c.type in ("thing", "event") and c.waived is None]
     alike = sum(c.same_as is not None for c in told)

@@ -27,6 +27,7 @@ from .roles import misplaced_roles
 from .spec import CLAIM_TYPES, Beat, WorldSpec
 from .stillness import stillness_of
 from .subjects import misplaced_subjects
+from .substance_looks import look_warnings
 
 __all__ = ["LONGEST", "Reading", "Span", "named_in", "prompt_record", "reading_of", "targets_of"]
 
@@ -137,6 +138,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
     yield from decoy_warnings(spec)
+    yield from look_warnings(spec)
     yield from deciding_warnings(spec, spans, language)
     readings = [
         words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))

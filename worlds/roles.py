@@ -86,6 +86,8 @@ class Surroundings(NamedTuple):
     """Words between the two, folded."""
     plain: bool
     """True where nothing but an article or another description stands before the first thing of the sentence."""
+    inverted: bool = False
+    """True where the sentence begins with the place of its one thing before the words, as `Into a block rolls a ball`."""
 
 
 def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[Misplaced]:
@@ -107,7 +109,7 @@ def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None
             yield from _touched(spec, span, place, language)
         if not atoms or not place.next:
             continue
-        turned = bool(TURNS[language] & set(place.between)) or bool(TURNS[language] & set(words_in(span.text)))
+        turned = bool(TURNS[language] & {*place.between, *words_in(span.text)}) or (language == "en" and place.inverted)
         kinds = verb_kinds(verb_of(spec.prompt, span)) if language == "en" else None
         known = [a for a in atoms if kinds is not None and a.kind in kinds & known_kinds()]
         clear = bool(known) and place.plain and not set(place.between) & (PREPOSITIONS - _led(known[0].kind))
@@ -180,6 +182,7 @@ def surroundings(spec: WorldSpec, spans: Sequence[Span], index: int) -> Surround
     """Bodies and words about the words of an event."""
     before: set[str] = set()
     opening: list[str] = []
+    things = 0
     for span in reversed(spans[:index]):
         if span.claim is None and SENTENCE.search(span.text):
             opening += words_in(sentence_end(span.text))
@@ -188,6 +191,7 @@ def surroundings(spec: WorldSpec, spans: Sequence[Span], index: int) -> Surround
             opening = words_in(span.text)
         elif span.type in ("thing", "count"):
             before |= bodies_of(spec, span.claim)
+            things += 1
     between: list[str] = []
     for span in spans[index + 1 :]:
         if span.claim is None:
@@ -197,9 +201,9 @@ def surroundings(spec: WorldSpec, spans: Sequence[Span], index: int) -> Surround
         elif span.type == "thing" and bodies_of(spec, span.claim):
             owner = spec.prompt[span.end : span.end + 2].translate({0x2019: "'"}) == "'s"
             if not owner:
-                return Surroundings(
-                    frozenset(before), bodies_of(spec, span.claim), tuple(between), not PREPOSITIONS & set(opening)
-                )
+                inverted = bool(ONWARDS & set(opening[:1])) and things == 1 and not between[:-1]
+                plain = not PREPOSITIONS & set(opening)
+                return Surroundings(frozenset(before), bodies_of(spec, span.claim), tuple(between), plain, inverted)
         elif span.type not in ("property", "count", "look"):
             break
     return Surroundings(frozenset(before), frozenset(), (), plain=False)

@@ -25,7 +25,7 @@ from .prompts.units import boundaries, letters, units_of, word_count
 from .repeats import is_repeat
 from .roles import misplaced_roles
 from .spec import CLAIM_TYPES, Beat, WorldSpec
-from .stillness import stillness_of
+from .stillness import stillness_of, stillness_warnings
 from .subjects import misplaced_subjects
 from .substance_looks import look_warnings
 
@@ -137,6 +137,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from (m.text for m in misplaced_subjects(spec, spans, language) if not m.sure)
     yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
+    yield from stillness_warnings(spec, language)
     yield from decoy_warnings(spec)
     yield from look_warnings(spec)
     yield from deciding_warnings(spec, spans, language)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import regex
 
-from .predicates import Count, Displacement, Eventually, Or, Speed
+from .claim_targets import named_in
+from .predicates import Count, Displacement, Eventually, Or, Speed, atoms_of
 from .prompts.languages import held_words
 from .prompts.units import units_of
 from .prompts.wordnet import lemmas
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from .claim_targets import Span
     from .spec import Requirement, SpecModel, WorldSpec
 
-__all__ = ["STIR", "Still", "loose_requirement", "stillness_of"]
+__all__ = ["STIR", "Still", "loose_requirement", "stillness_of", "stillness_warnings"]
 
 STIR = 0.1
 """Own choice: a body that goes a tenth of its least extent is seen to have moved."""
@@ -98,6 +99,23 @@ def stillness_of(prompt: str, spans: Sequence[Span], index: int, language: str |
         return None
     verb = regex.search(rf"\b(?:{VERBS[language]})\b", prompt[start:end], regex.IGNORECASE)
     return Still(verb.group(), sure=False) if verb is not None else None
+
+
+def stillness_warnings(spec: WorldSpec, language: str | None) -> Iterator[str]:
+    """A line for each claim of another type than a negation whose words say that something stays at rest, where nothing that it names bounds its motion."""
+    if language is None or language not in STATES:
+        return
+    for name, claim in spec.claims.items():
+        state = regex.search(rf"\b(?:{STATES[language]})\b", claim.quote, regex.IGNORECASE)
+        if state is None or claim.waived is not None or claim.type in ("negation", "event", "order"):
+            continue
+        told = {r: spec.story.requirements[r] for r in named_in(spec, name, "story/requirements") if r in spec.story.requirements}
+        denied = {r: q for r, q in told.items() if q.never}
+        lasting = [a for q in told.values() if not q.never for a in atoms_of(q.predicate)]
+        held = any(isinstance(a, Displacement | Speed) and a.when == "always" and a.max is not None for a in lasting)
+        if not held and (not denied or loose_requirement(spec, denied) is not None):
+            text = f"{claim.quote!r} says by {state.group()!r} that it does not move, and nothing that it names bounds its motion: mark it as negation, "
+            yield text + "by a requirement with never: true of a `displacement`"
 
 
 def _denied(prompt: str, spans: Sequence[Span], index: int) -> Still | None:

@@ -74,3 +74,18 @@ def test_where_the_rule_cannot_be_sure_the_verdict_warns() -> None:
         assert LINE not in said(text, never(NEVER_ROLLS))
         assert LINE in "".join(reading_of(told(text, never(NEVER_ROLLS))).warnings)
         assert LINE not in "".join(reading_of(told(text, never(STAYS))).warnings)
+
+
+def test_rest_that_is_claimed_as_a_place_is_warned_of_where_nothing_bounds_the_motion() -> None:
+    text = f"A {BALL} {ROLLS}. The {BLOCK} [stays in place](%s)."
+    kept = (
+        "/story/requirements",
+        {"stays": {"text": "it stays", "predicate": {**STAYS, "min": None, "max": 0.003, "when": "always"}}},
+    )
+    for by, given, right in (
+        ("place /graph/relations/on_shelf_b3", kept, False),
+        ("property stays", kept, True),
+        ("property b3", kept, False),
+    ):
+        assert (LINE not in "".join(reading_of(told(text % by, given)).warnings)) is right
+    assert LINE not in "".join(reading_of(told(text % "negation stays", never(STAYS))).warnings)

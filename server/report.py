@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..worlds.folder import WorldFolder
 from ..worlds.quoting import markdown_inline
-from ..worlds.verdicts import unusual_told, verdict_words
+from ..worlds.verdicts import asked_words, unusual_told, verdict_words
 
 if TYPE_CHECKING:
     from ..worlds.ledger import Ledger
@@ -75,7 +75,7 @@ def _quoted(text: str) -> str:
 def _row(row: Row) -> str:
     unit = "" if row.unit in ("", "1") else f" {markdown_inline(row.unit)}"
     measured = "not measured" if row.measured is None else f"{row.measured:.6g}{unit}"
-    bound = "" if row.bound is None else f", required {row.comparison} {row.bound:.6g}{unit}"
+    bound = "" if row.bound is None else f", required {asked_words(row.comparison, row.bound, '')}{unit}"
     where = f", first at {markdown_inline(row.first_failing_entity)}" if row.first_failing_entity else ""
     when = f" frame {row.first_failing_frame}" if row.first_failing_frame is not None else ""
     action = f". Next: {markdown_inline(row.corrections[0].action)}" if row.corrections else ""

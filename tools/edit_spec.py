@@ -13,6 +13,8 @@ __all__ = ["edit_spec"]
 
 SCENE_GROUPS = {"placement", "dimensions", "shape", "joints", "relations"}
 """Groups whose edits want the static checks first."""
+PROMPT_WARNINGS = 4
+"""Warnings about the words of the prompt that a reply shows."""
 
 
 def edit_spec(
@@ -121,7 +123,8 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     uncovered = [k for k, v in report.coverage.items() if not v]
     if uncovered:
         data["beats_no_shot_covers"] = uncovered[:20]
-    data |= _prompt_told(session)
+    told = _prompt_told(session)
+    data |= told
     found = audit["counts"]
     verdict = "the audit passes" if report.passed else f"the audit leaves {found['mandatory_open']} rows open"
     done = (
@@ -131,6 +134,7 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
         f"recorded as a weakening edit, printed with the acceptance: {w}" for w in outcome.get("weakenings_recorded", ())[:5]
     ]
     warnings += report.lacking
+    warnings += _where_told(told.get("prompt_judged", {}).get("warnings", []))
     moved = bool({"probe", "full"} & set(session.ledger.stages().values()))
     then = _next(session, report.passed, set(outcome.get("groups", ("shape",))) if moved else {"shape"})
     if moved and report.passed and set(outcome.get("stale", ())) == {"final", "seen"}:
@@ -147,6 +151,15 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     return ToolReply(answer(data, text, then, warnings), links=links)
 
 
+def _where_told(lines: list[str]) -> list[str]:
+    """A warning that says where those about the words of the prompt stand; none where there are none."""
+    return (
+        ["the words of the prompt have warnings of their own: prompt_judged.warnings, printed with the acceptance"]
+        if lines
+        else []
+    )
+
+
 def _prompt_told(session: Any) -> dict[str, Any]:
     """Shares of the prompt and warnings, or, without claims, the spans that the server proposes."""
     spec = session.spec
@@ -155,7 +168,10 @@ def _prompt_told(session: Any) -> dict[str, Any]:
 
         told = prompt_record(spec)
         kept = {k: told[k] for k in ("claimed", "filler", "waived")}
-        return {"prompt_judged": kept | ({"warnings": told["warnings"][:4]} if told["warnings"] else {})}
+        lines = told["warnings"][:PROMPT_WARNINGS]
+        more = len(told["warnings"]) - len(lines)
+        lines += [f"{more} more; the acceptance prints all"] if more else []
+        return {"prompt_judged": kept | ({"warnings": lines} if lines else {})}
     from ..worlds.prompts.proposals import proposal_text
 
     return {"claims_to_make": proposal_text(spec.prompt)}

@@ -10,6 +10,7 @@ from ..workflow.arguments import RowDetail, WaitSeconds, WorldId
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import RefusedError
 from ..worlds.requirements import Row
+from ..worlds.verdicts import asked_words
 
 __all__ = ["probe_sim"]
 
@@ -73,4 +74,5 @@ def probe_sim(
 
 def _line(row: Row) -> str:
     action = row.corrections[0].action if row.corrections else ""
-    return f"  {row.id}: measured {row.measured} {row.unit}, needs {row.comparison} {row.bound}. {action}"
+    asked = "" if row.bound is None else f", needs {asked_words(row.comparison, row.bound, row.unit)}"
+    return f"  {row.id}: measured {row.measured} {row.unit}{asked}. {action}"

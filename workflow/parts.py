@@ -12,7 +12,7 @@ from typing import Any
 
 from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
-from ..worlds.verdicts import prompt_told, unusual_told, verdict_words
+from ..worlds.verdicts import asked_words, prompt_told, unusual_told, verdict_words
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
 from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, line, ranked
@@ -259,9 +259,8 @@ def one_row(session: Session, row: str | None, *, offset: int, limit: int) -> di
     past, place = paged(session.ledger.history(row, limit=200), offset, limit, room=2500)
     place = {f"history_{k}": v for k, v in place.items()}
     data = {"row": found.model_dump(mode="json", exclude={"recipe"}, exclude_none=True), "history": past, **place}
-    measured = (
-        "" if found.measured is None else f": measured {found.measured:.6g}, needs {found.comparison} {found.bound} {found.unit}"
-    )
+    asked = "" if found.bound is None else f", needs {asked_words(found.comparison, found.bound, found.unit)}"
+    measured = "" if found.measured is None else f": measured {found.measured:.6g}{asked}"
     then = (
         "edit_spec with a hypothesis and one parameter group"
         if found.status in OPEN

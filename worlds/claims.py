@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .claim_targets import Span, named_in, targets_of
+from .deciding import deciding_warnings
+from .decoys import decoy_warnings
 from .denials import denied_verb, misdenied
 from .described import DESCRIBING, judged_words
 from .errors import InputError
@@ -23,7 +25,9 @@ from .prompts.units import boundaries, letters, units_of, word_count
 from .repeats import is_repeat
 from .roles import misplaced_roles
 from .spec import CLAIM_TYPES, Beat, WorldSpec
+from .stillness import stillness_of, stillness_warnings
 from .subjects import misplaced_subjects
+from .substance_looks import look_warnings
 
 __all__ = ["LONGEST", "Reading", "Span", "named_in", "prompt_record", "reading_of", "targets_of"]
 
@@ -34,6 +38,10 @@ LONGEST: Mapping[str, int] = {t: _SHORT if t in ("thing", "count", "property", "
 
 SAME_SHARE = 0.5
 """Own choice: with more of its things and events said to be the same as others, the verdict warns. Pronouns seldom are half of the nouns."""
+
+
+FEW = 6
+"""Own choice: words below which a text that is in no known language may only be too short to tell; above, two listed words are asked for."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +124,9 @@ def _cut(spec: WorldSpec, taken: list[tuple[int, int, str]], held: tuple[Held, .
 def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) -> Iterator[str]:
     for odd in odd_characters(spec.prompt):
         yield f"{odd.text!r} at character {odd.start}: {odd.why}"
-    if language is None:
+    if language is None and 0 < word_count(spec.prompt) < FEW:
+        yield f"the language is unknown, since {word_count(spec.prompt)} words are too few to tell it: numbers, negations and order words in filler were not looked for"
+    elif language is None:
         yield "the language is none with reviewed word lists, or mixed: numbers, negations and order words in filler were not looked for"
     told = [c for c in spec.claims.values() if c.type in ("thing", "event") and c.waived is None]
     alike = sum(c.same_as is not None for c in told)
@@ -127,6 +137,10 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from (m.text for m in misplaced_subjects(spec, spans, language) if not m.sure)
     yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
+    yield from stillness_warnings(spec, language)
+    yield from decoy_warnings(spec)
+    yield from look_warnings(spec)
+    yield from deciding_warnings(spec, spans, language)
     readings = [
         words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))
         for s in spans
@@ -213,7 +227,8 @@ def _only_read(spec: WorldSpec, spans: Sequence[Span], name: str, language: str 
     if claim.type == "order":
         return at is not None and not orders_said(spec, spans, at, language)
     if claim.type == "negation":
-        return at is not None and denied_verb(spec.prompt, spans, at, language) is None
+        known = at is None or denied_verb(spec.prompt, spans, at, language) or stillness_of(spec.prompt, spans, at, language)
+        return known is None
     return claim.type in DESCRIBING and not judged_words(spec, name)
 
 

@@ -1,7 +1,7 @@
 """The verb that a negation denies, and the kinds of event that it tells of: `does not fall` denies falls (R131, R155).
 
 In English a verb that is the name of a kind has to deny that kind; where the lexicon only thinks of kinds the verdict warns. Elsewhere what is
-denied is the agent's reading, which the verdict prints.
+denied is the agent's reading, which the verdict prints. Motion as such, `does not move`, is no kind: see `stillness.py`.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from .predicates.denying import denying
 from .prompts.languages import held_words
 from .prompts.lexicon import kinds_meant, known_kinds, labelled, lemmas, verb_kinds
 from .prompts.units import units_of
+from .stillness import loose_requirement, stillness_of
 
 if TYPE_CHECKING:
     from .claim_targets import Span
@@ -78,12 +79,22 @@ def misdenied(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> I
     for index, span in enumerate(spans):
         if span.type != "negation" or span.claim is None or spec.claims[span.claim].waived is not None:
             continue
-        verb = denied_verb(spec.prompt, spans, index, language)
         asked = {
             n: spec.story.requirements[n]
             for n in named_in(spec, span.claim, "story/requirements")
             if n in spec.story.requirements
         }
+        still = stillness_of(spec.prompt, spans, index, language)
+        if still is not None and asked:
+            why = loose_requirement(spec, asked)
+            if why is not None:
+                yield (
+                    span.claim,
+                    f"{spec.claims[span.claim].quote!r} says by {still.words!r} that it does not move, and {why}",
+                    still.sure,
+                )
+            continue
+        verb = denied_verb(spec.prompt, spans, index, language)
         if verb is None or not asked:
             continue
         kinds = {str(getattr(a, "kind", "")) for r in asked.values() for a in denying(r.predicate)}

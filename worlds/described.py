@@ -15,7 +15,7 @@ from .prompts.languages import language_of
 from .prompts.units import folded, units_of
 from .spec import ClaimType, WorldSpec
 
-__all__ = ["DESCRIBING", "Word", "alike", "coloured_bodies", "judged_words"]
+__all__ = ["DESCRIBING", "Word", "alike", "coloured_bodies", "judged_words", "same_noun"]
 
 DESCRIBING: Mapping[ClaimType, tuple[WordKind, ...]] = {
     "property": ("colour", "form", "material"),
@@ -102,6 +102,11 @@ def _saying(spec: WorldSpec, term: str) -> Iterable[str]:
     for name, claim in spec.claims.items():
         if claim.type == "property" and any(m.term == term for m in meanings(claim.quote, language, "form")):
             yield name
+
+
+def same_noun(quote: str, other: str) -> bool:
+    """True where two quotes of things end with the same word, but for its ending."""
+    return _one(_noun(quote), _noun(other))
 
 
 def _noun(quote: str) -> str:

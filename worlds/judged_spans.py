@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 
 from .prompts.descriptions import meanings
 from .prompts.numbers import number_in, quantity_in
+from .verdicts import asked_words
 
 __all__ = [
     "CLAIM_CHECKS",
@@ -182,7 +183,9 @@ def row_numbers(row: Mapping[str, Any]) -> str:
         return ""
     unit = "" if row.get("unit") in ("", "1", None) else f" {row['unit']}"
     bound = row.get("bound")
-    asked = f", required {row.get('comparison', '')} {bound:.6g}{unit}" if isinstance(bound, int | float) else ""
+    asked = ""
+    if isinstance(bound, int | float):
+        asked = f", required {asked_words(str(row.get('comparison', '')), bound, str(row.get('unit') or ''))}"
     return f"measured {row['measured']:.6g}{unit}{asked}"
 
 

@@ -1,81 +1,30 @@
 """Words of order and the two events that they put in order, by where their spans stand (R131, R155).
 
 `A before B` and `before B, A` say the same, and so do `B after A` and `after A, B`; `then` leads from what stands before it to the event of its own
-clause. Events that one subject does, bound by `and`, stand together: `rolls and falls, then`. Words that are not here, and languages without
-reviewed lists, leave the order to the agent's reading, which the verdict prints.
+clause. `first` and `finally` say that the event of their clause begins or ends what is told, `at the same time` that two events of its sentence, or
+one and the last before it, come at once. Events that one subject does, bound by `and`, stand together: `rolls and falls, then`. Words that are not
+in `prompts/order_words.py`, and languages without reviewed lists, leave the order to the agent's reading, which the verdict prints.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from collections.abc import Iterator, Sequence
+from itertools import pairwise, permutations
+from typing import TYPE_CHECKING, NamedTuple
 
 import regex
 
 from .prompts.held_lists import ORDERS
+from .prompts.order_words import ALONE, WORDS
 from .prompts.units import APOSTROPHES, folded, units_of
 
 if TYPE_CHECKING:
     from .claim_targets import Span
+    from .prompts.order_words import OrderKind
     from .spec import WorldSpec
 
-__all__ = ["Ordered", "orders_said"]
+__all__ = ["Ordered", "orders_said", "says_together"]
 
-Kind = Literal["then", "before", "after"]
-"""`then`: what stands before it comes first; `before`, `after`: of two clauses, as conjunctions."""
-
-
-def _listed(words: str) -> tuple[str, ...]:
-    return tuple(entry.strip() for entry in words.split(","))
-
-
-WORDS: Mapping[str, Mapping[Kind, tuple[str, ...]]] = {
-    "en": {
-        "then": _listed(
-            "then, afterwards, afterward, after that, after this, after which, thereafter, subsequently, whereupon, later, next, before long"
-        ),
-        "before": _listed("before, until, till"),
-        "after": _listed("after, as soon as, only after"),
-    },
-    "de": {
-        "then": _listed("dann, danach, daraufhin, anschließend, woraufhin, worauf, später"),
-        "before": _listed("bevor, ehe, bis"),
-        "after": _listed("nachdem, sobald, erst nachdem, nach"),
-    },
-    "fr": {
-        "then": _listed("puis, ensuite, après quoi, plus tard"),
-        "before": _listed("avant, avant de, avant que, avant qu', jusqu'à ce que"),
-        "after": _listed("après, après que, après qu', dès que, une fois que, aussitôt que"),
-    },
-    "es": {
-        "then": _listed("luego, después, entonces, a continuación, tras lo cual, más tarde"),
-        "before": _listed("antes de, antes de que, hasta que"),
-        "after": _listed("después de, después de que, en cuanto, tan pronto como, tras"),
-    },
-    "it": {
-        "then": _listed("poi, in seguito, successivamente, dopodiché, più tardi"),
-        "before": _listed("prima di, prima che, finché non, fino a quando"),
-        "after": _listed("dopo, dopo che, non appena, appena"),
-    },
-    "pt": {
-        "then": _listed("depois, então, em seguida, mais tarde"),
-        "before": _listed("antes de, antes que, até que"),
-        "after": _listed("depois de, depois que, assim que, logo que, após"),
-    },
-    "nl": {
-        "then": _listed("dan, daarna, vervolgens, waarna, later"),
-        "before": _listed("voordat, totdat, tot"),
-        "after": _listed("nadat, zodra, na"),
-    },
-    "ru": {
-        "then": _listed("потом, затем, после чего, после этого, позже"),
-        "before": _listed("прежде чем, перед тем как, до того как, пока не"),
-        "after": _listed("после того как, как только"),
-    },
-    "zh": {"then": _listed("然后, 随后, 接着, 之后, 后来"), "before": (), "after": ()},
-}
-"""Words of order by language and by what they do. Reviewed by hand; `while`, `at first`, `finally`, `one by one` say less and are not here."""
 _WHILE = regex.compile(
     r"\s*(?:\p{L}+\s+){0,2}(?:while|moment|moments|bit|time|instant|seconds?|minutes?|s|weile|moment|augenblick|zeit|sekunden?|minuten?|instant|"
     r"secondes?|rato|segundos?|minutos?|momento|secondi|secondo|minuti|po'|tempo|instante|tijdje|seconden?|ogenblik)\b",
@@ -83,6 +32,7 @@ _WHILE = regex.compile(
 )
 """Lengths of time behind `after`: they make it `then`, as `after a while`."""
 _AND = frozenset(("and", "und", "et", "y", "e", "en", "и", "并", "且"))
+_UNSPACED = ("zh", "ja")
 _SENTENCE = regex.compile(r"[.!?…;。！？；\n]|\s[—–]\s")
 _COMMA = regex.compile(r"[,，、]")
 _CLAUSE = regex.compile(
@@ -96,6 +46,8 @@ class Ordered(NamedTuple):
     earlier: tuple[str, ...]
     """Claims of events that stand together."""
     later: tuple[str, ...]
+    together: bool = False
+    """True where both come at once."""
 
 
 def orders_said(spec: WorldSpec, spans: Sequence[Span], index: int, language: str | None) -> list[Ordered]:
@@ -115,29 +67,51 @@ def orders_said(spec: WorldSpec, spans: Sequence[Span], index: int, language: st
         kind = "then"
     events = [k for k, s in enumerate(spans) if s.claim is not None and s.type in ("event", "negation")]
     left, right = [k for k in events if k < index], [k for k in events if k > index]
-    pairs = (
-        list(_then(spec, spans, index, left, right, language))
-        if kind == "then"
-        else list(_joined(spec, spans, index, kind, left, right))
-    )
+    if kind == "then":
+        pairs = list(_then(spec, spans, index, left, right, language))
+    elif kind in ("first", "last"):
+        pairs = list(_ends(spec, spans, index, kind, left, right))
+    elif kind == "together":
+        pairs = list(_at_once(spec, spans, index, left, right))
+    else:
+        pairs = list(_joined(spec, spans, index, kind, left, right))
     if any(_denies(spec, spans, k) for pair in pairs for k in pair):
         return []
+    if kind == "together":
+        return [Ordered((str(spans[a].claim),), (str(spans[b].claim),), together=True) for a, b in pairs]
     return [Ordered(_together(spec, spans, a, index, b), _together(spec, spans, b, index, a)) for a, b in pairs]
 
 
-def _kind(text: str, language: str | None) -> Kind | None:
+def _kind(text: str, language: str | None) -> OrderKind | None:
     """The way in which the words of a claim put events in order."""
-    plain = " ".join(folded(u.text.translate(APOSTROPHES)) for u in units_of(text)) if language != "zh" else text
-    listed = {word for words in WORDS.get(language or "", {}).values() for word in words}
+    plain = _plain(text, language)
+    own = WORDS.get(language or "", {})
+    listed = {word for words in own.values() for word in words}
     if any(" " in phrase and phrase not in listed and f" {phrase} " in f" {plain} " for phrase in ORDERS.get(language or "", ())):
         return None  # `one after another` has an `after` of its own.
-    found: list[tuple[int, Kind]] = []
-    for kind, words in WORDS.get(language or "", {}).items():
+    found: list[tuple[int, OrderKind]] = []
+    for kind, words in own.items():
         for word in words:
-            form = word if language == "zh" else " ".join(folded(u.text.translate(APOSTROPHES)) for u in units_of(word))
-            if form in plain if language == "zh" else f" {form} " in f" {plain} ":
+            form = _plain(word, language)
+            if kind in ALONE:
+                met = form == " ".join(w for w in plain.split() if w not in _AND)
+            else:
+                met = form in plain if language in _UNSPACED else f" {form} " in f" {plain} "
+            if met:
                 found.append((len(form), kind))
     return max(found)[1] if found else None
+
+
+def _plain(text: str, language: str | None) -> str:
+    """Words of a text, folded and apart by one blank; in languages without blanks the text without what stands around it."""
+    if language in _UNSPACED:
+        return text.strip(" ，,。、")
+    return " ".join(folded(u.text.translate(APOSTROPHES)) for u in units_of(text))
+
+
+def says_together(text: str, language: str | None) -> bool:
+    """True of words that say that two events come at once."""
+    return _kind(text, language) == "together"
 
 
 def _is_number(spans: Sequence[Span], at: int) -> bool:
@@ -204,8 +178,33 @@ def _then(
             yield left[-2], left[-1]
 
 
+def _ends(
+    spec: WorldSpec, spans: Sequence[Span], index: int, kind: OrderKind, left: list[int], right: list[int]
+) -> Iterator[tuple[int, int]]:
+    """The event of the clause of `first` before others, or that of `finally` behind them: those of its sentence, else the nearest one."""
+    near = [k for k in left[-1:] if not _CLAUSE.search(_between(spec, spans, k, index))]
+    ahead = [k for k in right[:1] if not _SENTENCE.search(_between(spec, spans, index, k))]
+    ahead = [k for k in ahead if not near or not _CLAUSE.search(_between(spec, spans, index, k))]
+    for own in (*near, *ahead):
+        before = [k for k in (*left, *right) if k < own][::-1]
+        behind = [k for k in right if k > own]
+        others = (behind or before) if kind == "first" else before
+        beside = [k for k in others if not _SENTENCE.search(_between(spec, spans, *sorted((k, own))))]
+        for other in dict.fromkeys((*beside, *others[:1])):
+            yield (own, other) if kind == "first" else (other, own)
+
+
+def _at_once(spec: WorldSpec, spans: Sequence[Span], index: int, left: list[int], right: list[int]) -> Iterator[tuple[int, int]]:
+    """Every two events of a sentence, and, where none of it stands before the word, the last one before that with each of them."""
+    mine = [k for k in left if not _SENTENCE.search(_between(spec, spans, k, index))]
+    mine += [k for k in right if not _SENTENCE.search(_between(spec, spans, index, k))]
+    if left and left[-1] not in mine:
+        mine = [left[-1], *mine]
+    yield from permutations(mine, 2)
+
+
 def _joined(
-    spec: WorldSpec, spans: Sequence[Span], index: int, kind: Kind, left: list[int], right: list[int]
+    spec: WorldSpec, spans: Sequence[Span], index: int, kind: OrderKind, left: list[int], right: list[int]
 ) -> Iterator[tuple[int, int]]:
     """The events of the two clauses that a conjunction joins, in the order that it tells."""
     if (

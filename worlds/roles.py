@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import regex
 
 from .claim_targets import Span, named_in
-from .predicates import atoms_of
+from .predicates import Contact, NoContact, atoms_of
 from .predicates.events import PairEvent
-from .prompts.lexicon import known_kinds, labelled, verb_kinds
+from .prompts.lexicon import known_kinds, labelled, lemmas, verb_kinds
 from .prompts.units import folded, units_of
 
 if TYPE_CHECKING:
@@ -62,6 +62,10 @@ STOP = regex.compile(r"[.;:!?…,()\n]|[—–]")
 SENTENCE = regex.compile(r"[.!?…;\n]")
 
 
+TOUCHES = frozenset(("touch", "graze", "brush", "meet", "hit", "strike", "bump", "scrape", "knock", "ram"))
+"""English verbs that a touch of two bodies judges. Reviewed by hand."""
+
+
 class Misplaced(NamedTuple):
     """An event whose predicate has its bodies in other places than the words."""
 
@@ -82,6 +86,8 @@ class Surroundings(NamedTuple):
     """Words between the two, folded."""
     plain: bool
     """True where nothing but an article or another description stands before the first thing of the sentence."""
+    inverted: bool = False
+    """True where the sentence begins with the place of its one thing before the words, as `Into a block rolls a ball`."""
 
 
 def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[Misplaced]:
@@ -99,13 +105,30 @@ def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None
             continue
         atoms = [a for a in _atoms(spec, span.claim) if isinstance(a, PairEvent) and a.kind in DOES]
         place = surroundings(spec, spans, index)
+        if place.next:
+            yield from _touched(spec, span, place, language)
         if not atoms or not place.next:
             continue
-        turned = bool(TURNS[language] & set(place.between)) or bool(TURNS[language] & set(words_in(span.text)))
+        turned = bool(TURNS[language] & {*place.between, *words_in(span.text)}) or (language == "en" and place.inverted)
         kinds = verb_kinds(verb_of(spec.prompt, span)) if language == "en" else None
         known = [a for a in atoms if kinds is not None and a.kind in kinds & known_kinds()]
         clear = bool(known) and place.plain and not set(place.between) & (PREPOSITIONS - _led(known[0].kind))
         yield from _told(spec, span.claim, atoms, place, turned=turned, sure=clear)
+
+
+def _touched(spec: WorldSpec, span: Span, place: Surroundings, language: str) -> Iterator[Misplaced]:
+    """Touches of other bodies than the one behind their words: it is that one which is touched, or never is."""
+    pairs = [{a.a, a.b} for a in _atoms(spec, str(span.claim)) if isinstance(a, Contact | NoContact)]
+    if not pairs or any(pair & place.next or "each" in pair for pair in pairs):
+        return
+    quote, others = spec.claims[str(span.claim)].quote, sorted(pairs[0] - place.before)
+    names = ", ".join(sorted(place.next)[:3])
+    verb = verb_of(spec.prompt, span).split()[:1] or [w for w in words_in(span.text) if TOUCHES & set(lemmas(w, "v"))]
+    known = language == "en" and any(TOUCHES & set(lemmas(w.casefold(), "v")) for w in verb)
+    clear = place.plain and not set(place.between) & (PREPOSITIONS - ONWARDS - {"by"})
+    text = f"{quote!r} is judged by a touch of {', '.join(others)}, and what stands behind it is {names}: name a touch of {names}"
+    if (known and clear) or pairs[0] & place.before:
+        yield Misplaced(str(span.claim), text, known and clear)
 
 
 def _led(kind: str) -> frozenset[str]:
@@ -159,6 +182,7 @@ def surroundings(spec: WorldSpec, spans: Sequence[Span], index: int) -> Surround
     """Bodies and words about the words of an event."""
     before: set[str] = set()
     opening: list[str] = []
+    things = 0
     for span in reversed(spans[:index]):
         if span.claim is None and SENTENCE.search(span.text):
             opening += words_in(sentence_end(span.text))
@@ -167,6 +191,7 @@ def surroundings(spec: WorldSpec, spans: Sequence[Span], index: int) -> Surround
             opening = words_in(span.text)
         elif span.type in ("thing", "count"):
             before |= bodies_of(spec, span.claim)
+            things += 1
     between: list[str] = []
     for span in spans[index + 1 :]:
         if span.claim is None:
@@ -176,9 +201,9 @@ def surroundings(spec: WorldSpec, spans: Sequence[Span], index: int) -> Surround
         elif span.type == "thing" and bodies_of(spec, span.claim):
             owner = spec.prompt[span.end : span.end + 2].translate({0x2019: "'"}) == "'s"
             if not owner:
-                return Surroundings(
-                    frozenset(before), bodies_of(spec, span.claim), tuple(between), not PREPOSITIONS & set(opening)
-                )
+                inverted = bool(ONWARDS & set(opening[:1])) and things == 1 and not between[:-1]
+                plain = not PREPOSITIONS & set(opening)
+                return Surroundings(frozenset(before), bodies_of(spec, span.claim), tuple(between), plain, inverted)
         elif span.type not in ("property", "count", "look"):
             break
     return Surroundings(frozenset(before), frozenset(), (), plain=False)

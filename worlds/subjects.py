@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from .categories.registry import shape_of
 from .claim_targets import Span, named_in
+from .postures import upright_said
 from .predicates import entities_of
 from .prompts.lexicon import known_kinds, verb_kinds
 from .roles import JOINS, PREPOSITIONS, STOP, TURNS, Misplaced, bodies_of, sentence_end, surroundings, verb_of, words_in
@@ -25,7 +26,7 @@ __all__ = ["misplaced_subjects"]
 
 
 def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[Misplaced]:
-    """Events and negations that are told of other bodies than those which their words are about.
+    """Events, negations and postures that are told of other bodies than those which their words are about.
 
     Args:
         spec: the specification.
@@ -35,7 +36,9 @@ def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | N
     if language != "en":
         return
     for index, span in enumerate(spans):
-        if span.type not in ("event", "negation") or span.claim is None or spec.claims[span.claim].waived is not None:
+        if span.claim is None or spec.claims[span.claim].waived is not None:
+            continue
+        if span.type not in ("event", "negation") and upright_said(spec.claims[span.claim], language) is None:
             continue
         told = _told(spec, span.claim)
         subject = _subject(spec, spans, index)

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
-__all__ = ["READ_BY", "ReadBy", "prompt_told", "reader_words", "unusual_told", "verdict_words"]
+__all__ = ["READ_BY", "ReadBy", "asked_words", "prompt_told", "reader_words", "unusual_told", "verdict_words"]
 
 ReadBy = Literal["nobody", "client", "model", "person"]
 """Who, beside the checks, compared the prompt with what is to be seen: an independent model or a person makes `accepted` unqualified."""
 READ_BY: tuple[ReadBy, ...] = get_args(ReadBy)
 _QUALIFIED: Mapping[str, str] = {"nobody": ", prompt read by nobody", "client": ", prompt read by its own client alone"}
 
+READINGS = (
+    "words that no rule understands and no row measures: that what their claim names is what they say is the agent's word alone"
+)
+"""Sentence beside `readings` in a reply."""
 _READERS: Mapping[str, str] = {
     "nobody": "nobody",
     "client": "its own client alone",
@@ -57,5 +61,17 @@ def prompt_told(record: Mapping[str, Any]) -> dict[str, Any]:
         silent = {k: c["static_because"] for k, c in clauses.items() if c.get("static_because")}
         return {"unmet_clauses": unmet, **({"clauses_without_event": silent} if silent else {})}
     kept = ("claimed", "filler", "waived", "filler_texts", "waivers", "language", "warnings", "read_by")
-    readings = {"readings": list(prompt["readings"])} if prompt.get("readings") else {}
+    readings = {"readings": list(prompt["readings"]), "readings_are": READINGS} if prompt.get("readings") else {}
     return {"prompt": {k: prompt[k] for k in kept if k in prompt} | readings}
+
+
+def asked_words(comparison: str, bound: float, unit: str) -> str:
+    """The bound of a row for a reader; that of a band is one of its ends.
+
+    Args:
+        comparison: of the row.
+        bound: its number.
+        unit: of that; empty or `1` where it has none.
+    """
+    number = f"{bound:.6g}" + ("" if unit in ("", "1") else f" {unit}")
+    return f"a value of the band that ends at {number}" if comparison == "in" else f"{comparison} {number}"

@@ -95,8 +95,9 @@ def test_a_position_goes_along_with_the_shape_of_the_same_entity(failed: Any, pa
 
 def test_a_world_beside_a_failed_one_of_its_prompt_is_told_so_at_once(failed: Any) -> None:
     again = failed.call("edit_spec", world="again", prompt=PROMPT, spec=small_spec())
-    (warning,) = again["warnings"]
+    warning, words = again["warnings"]
     assert "printed with the acceptance: started anew beside world w, which has failed rows" in warning
+    assert "prompt_judged.warnings" in words
     other = failed.call("edit_spec", world="other", prompt="A vase tips over and breaks on the floor.", spec={})
     assert other["warnings"] == []
 

@@ -171,6 +171,17 @@ def test_a_verdict_over_motion_that_comes_amid_static_checks_stays(
     assert (found.status, session.ledger.stages()[judged.id]) == ("fail", "probe")
 
 
+def test_an_edit_says_where_warnings_about_the_words_of_the_prompt_stand(world: Any) -> None:
+    """`row` is a noun that no claim takes up; claimed, nothing is left to warn of."""
+    told = edit_spec(world, world="w", patch=[{"op": "replace", "path": "/title", "value": "Another title"}]).data
+    assert told["prompt_judged"]["warnings"]
+    assert any("prompt_judged.warnings" in w for w in told["warnings"])
+    row = {"quote": "row", "type": "place", "by": ["/graph/relations/hits"]}
+    clean = edit_spec(world, world="w", patch=[{"op": "add", "path": "/claims/row", "value": row}]).data
+    assert "warnings" not in clean["prompt_judged"]
+    assert not any("prompt_judged" in w for w in clean["warnings"])
+
+
 def test_an_edit_tells_what_its_acceptance_will_ask_for(world: Any) -> None:
     without = [{"op": "replace", "path": f"/story/beats/{n}/causes", "value": []} for n in ("strike", "fall")]
     told = edit_spec(world, world="w", patch=without).data["warnings"]

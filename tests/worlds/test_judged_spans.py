@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from worldagent.testing.dishonest.cases import without_marks
 from worldagent.tests.worlds.audits.test_claims import world
 from worldagent.worlds.audits.audit import audit
-from worldagent.worlds.claims import prompt_record
+from worldagent.worlds.claims import prompt_record, reading_of
 from worldagent.worlds.judged_spans import JudgedSpan, first_shown, judged_spans, row_numbers, span_words
+from worldagent.worlds.verdicts import asked_words, prompt_told
 
 
 def record(**spans: dict[str, Any]) -> dict[str, Any]:
@@ -122,3 +124,30 @@ def test_causes_and_readers_of_a_claim_stand_in_its_note_and_what_fails_first() 
     kept = [r for r in rows if not r["id"].startswith("causal")]
     (read,) = judged_spans(record(it={"type": "event", "by": ["/story/beats/b"]}), kept)
     assert read.state == "pass", "a reader who sees nothing proves nothing"
+
+
+def test_the_bound_of_a_band_is_said_to_be_one_of_its_ends() -> None:
+    night = {"measured": 40.0, "bound": -6.0, "comparison": "in", "unit": "deg"}
+    assert row_numbers(night) == "measured 40 deg, required a value of the band that ends at -6 deg"
+    assert row_numbers({**night, "comparison": "<="}) == "measured 40 deg, required <= -6 deg"
+    assert asked_words(">=", 0.5, "1") == ">= 0.5"
+
+
+def test_readings_are_explained_where_they_stand() -> None:
+    told = prompt_told({"prompt": {"readings": {"at first": ["/story/beats/a"]}}})["prompt"]
+    assert told["readings"] == ["at first"]
+    assert "no row measures" in told["readings_are"]
+    assert "readings_are" not in prompt_told({"prompt": {"readings": {}}})["prompt"]
+
+
+def test_a_text_that_is_too_short_to_tell_its_language_is_said_to_be_short() -> None:
+    """`none with reviewed word lists` is of another language, or a mixed text."""
+    lines = [
+        reading_of(world(marked, prompt=without_marks(marked))).warnings
+        for marked in (
+            "[Ball](thing ball) [rolls](event roll)",
+            "[Kula](thing ball) [toczy się](event roll) po podłodze i spada w końcu.",
+        )
+    ]
+    assert "the language is unknown, since 2 words are too few to tell it" in lines[0][0]
+    assert "the language is none with reviewed word lists" in lines[1][0]

@@ -54,9 +54,13 @@ def test_honest_words_are_not_refused(name: str) -> None:
     assert refused(world(HONEST[name])) == []
 
 
-@pytest.mark.parametrize("name", ["active", "into", "passive", "passive in the span", "another clause", "German"])
+@pytest.mark.parametrize("name", ["active", "into", "inverted", "passive", "passive in the span", "another clause", "German"])
 def test_plain_honest_words_are_not_warned_of_either(name: str) -> None:
     assert warned(world(HONEST[name])) == []
+
+
+def test_what_stands_before_an_inverted_clause_is_what_is_hit() -> None:
+    assert warned(world(HONEST["inverted"], doer="b3", other="ball"))
 
 
 @pytest.mark.parametrize("name", ["active", "into", "passive"])

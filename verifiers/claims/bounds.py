@@ -6,6 +6,9 @@ STILL_BODIES = 3
 """[1] Own choice: bodies at rest that an event is asked of."""
 ORDER_SEEN = 0.02
 """[s] Least time apart at which people tell which of two things came first (Hirsh and Sherrick 1961, doi:10.1037/h0045283)."""
+AT_ONCE = 0.1
+"""[s] Own choice: greatest time between the beginnings of two events that come at the same time. What follows a blow by up to about a tenth of a
+second still seems to come with it (Michotte 1963, The Perception of Causality); who waits for a second one sees it later than that."""
 ALIKE = 0.1
 """[1] Own choice: bodies whose extents and volume differ by no more than this share, and their colour by no more than that in each of
 red, green and blue, look the same at a glance."""

@@ -26,7 +26,7 @@ from ..predicates.combine import substitute
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
-from .bounds import ALIKE
+from .lookalikes import alike
 from .mapping import told_of
 from .naming import beats_of
 from .repeats import repeats_of
@@ -157,20 +157,7 @@ def _lookalikes(candidate: Candidate, name: str, counted: Counted) -> list[str]:
     } | set(counted.bodies)
     rest = [n for n in candidate.solids if n not in spoken]
     own = [n for n in counted.bodies if n in candidate.solids] if "/parts/" not in counted.units[0] else []
-    return [n for n in rest if any(_alike(candidate, n, body) for body in own)]
-
-
-def _alike(candidate: Candidate, a: str, b: str) -> bool:
-    """True where two bodies look the same at a glance: extents, volume, colour."""
-    spec, volumes, extents, colours = candidate.spec, [], [], []
-    for name in (a, b):
-        entity = spec.entities[name]
-        extents.append(np.sort(np.array(entity.dimensions.size)))
-        volumes.append(sum(body.volume for body in candidate.entity(name).bodies))
-        colours.append(np.array(spec.materials[entity.material].appearance.color))
-    near = np.abs(extents[0] - extents[1]) <= ALIKE * np.maximum(extents[0], extents[1])
-    full = abs(volumes[0] - volumes[1]) <= ALIKE * max(volumes)
-    return bool(near.all() and full and (np.abs(colours[0] - colours[1]) <= ALIKE).all())
+    return [n for n in rest if any(alike(candidate, n, body) for body in own)]
 
 
 # ---------------------------------------------------------------- how many do it
@@ -273,7 +260,7 @@ def _others(
         if claim.type in ("thing", "count") and claim.waived is None and own & named:
             found |= dict.fromkeys(sorted(named - own))
     for n in candidate.solids:
-        if n not in own and any(b in candidate.solids and _alike(candidate, n, b) for b in bodies):
+        if n not in own and any(b in candidate.solids and alike(candidate, n, b) for b in bodies):
             found[n] = None
     return [n for n in found if n in spec.entities and not _told_itself(spec, n, kinds, own)]
 

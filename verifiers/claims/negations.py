@@ -10,18 +10,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...worlds.claims import targets_of
-from ...worlds.predicates import And, Count, Not, Or, Until, atoms_of, describe_predicate
+from ...worlds.decoys import unspoken
+from ...worlds.predicates import And, Count, Not, Or, Until, atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.registry import PREDICATES
 from ..forged.trial import forged_outcome, is_forged
 from ..predicates import evaluate
 from ..predicates.combine import substitute
 from ..rows.corrections import correction
 from ..rows.findings import Finding
+from .lookalikes import alike
+from .mapping import told_of
 from .naming import requirements_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ...worlds.candidate import Candidate
-    from ...worlds.spec import SpecModel, WorldSpec
+    from ...worlds.spec import Requirement, SpecModel, WorldSpec
 
 __all__ = ["negation_of"]
 
@@ -52,11 +57,30 @@ def negation_of(candidate: Candidate, name: str) -> Finding:
             pointers=(f"/story/requirements/{first}/predicate",),
         )
         return Finding("fail", said, float(len(vacuous)), 0.0, hints=(hint,), evidence=evidence)
+    twin = _by_a_twin(candidate, asked)
+    if twin is not None:
+        action = "claim the other body by words of its own, let it not happen to that one either, or take it away"
+        hint = correction(twin, "story", action, pointers=("/claims",))
+        return Finding("fail", f"{quote!r}, but {twin}", 1.0, 0.0, hints=(hint,), evidence=evidence)
     if unknown:
         # A probe that ended where the beats do has not seen all of it: that waits for the bake.
         over = (0, max((asked[r].frames or (0, last))[1] for r in unknown))
         return Finding("unverified", f"{quote!r}: {outcomes[unknown[0]].explanation}", evidence=evidence, frames=over)
     return Finding("pass", f"{quote!r}: {', '.join(asked)} held over frames 0..{last}", 0.0, 0.0, evidence=evidence)
+
+
+def _by_a_twin(candidate: Candidate, asked: Mapping[str, Requirement]) -> str | None:
+    """Words on what is denied of a body and happens to another that looks the same and that no claim speaks of; None where nothing does."""
+    spec, last = candidate.spec, candidate.last_frame
+    rest = [n for n in unspoken(spec) if n in candidate.solids]
+    for requirement in asked.values():
+        denied = [n for n in dict.fromkeys(entities_of(requirement.predicate)) if n in candidate.solids]
+        for body, other in ((b, o) for b in denied for o in rest if o not in denied and alike(candidate, b, o)):
+            first, end = requirement.frames or (0, last)
+            outcome = evaluate(candidate, told_of(requirement.predicate, body, other), (first, min(end, last)))
+            if outcome.status == "pass":
+                return f"{other!r} looks the same as {body!r}, no claim speaks of it, and of it it is true: {outcome.explanation}"
+    return None
 
 
 def _quoted(spec: WorldSpec, requirement: str) -> bool:

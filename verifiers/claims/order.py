@@ -7,7 +7,8 @@ is true as well where the later one
 - happened already before the earlier one came true, or lasts since then, and no other beat of the story tells of that.
 
 They are simultaneous where they come true, or begin, closer together than that. What a cause brings about may begin with it, as a box
-slides while it is pushed. `until` says that one thing lasts up to another: it has to last for a while before, and no longer throughout.
+slides while it is pushed. Two events come at the same time where they begin, or, of what has no beginning, come true, no more than `AT_ONCE`
+and one frame apart. `until` says that one thing lasts up to another: it has to last for a while before, and no longer throughout.
 """
 
 from __future__ import annotations
@@ -16,13 +17,15 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...worlds.drivers import behind
+from ...worlds.orders import says_together
 from ...worlds.predicates import Always, Until, atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.ordering import orderings_of
+from ...worlds.prompts.languages import language_of
 from ..predicates import beat_times, evaluate
 from ..predicates.events import EVENTS
 from ..rows.corrections import correction
 from ..rows.findings import Finding
-from .bounds import ORDER_SEEN
+from .bounds import AT_ONCE, ORDER_SEEN
 from .naming import beats_of, requirements_of
 
 if TYPE_CHECKING:
@@ -76,6 +79,8 @@ def order_of(candidate: Candidate, name: str) -> Finding:
     if open_ones:
         said = f"{quote!r}: {open_ones[0]} does not hold: {asked[open_ones[0]].explanation}"
         return Finding("fail" if asked[open_ones[0]].status == "fail" else "unverified", said)
+    if says_together(quote, language_of(spec.prompt)):
+        return _at_once(candidate, name)
     gaps = [*_of_beats(candidate, beats), *_of_predicates(candidate, name)]
     least = _least(candidate)
     if not gaps:
@@ -136,6 +141,36 @@ def _ordered(candidate: Candidate, predicate: Ordering, name: str, frames: tuple
     mine = Side(name, inner, frames, evaluate(candidate, inner, frames), beat)
     other = _beat(candidate, predicate.beat)
     return _gap(candidate, mine, other) if predicate.kind == "before" else _gap(candidate, other, mine)
+
+
+def _at_once(candidate: Candidate, name: str) -> Finding:
+    """The finding about a claim that the events that it names, or those of its predicates of order, come at the same time."""
+    spec, fps = candidate.spec, candidate.spec.simulation.fps
+    quote, beats = spec.claims[name].quote, beats_of(spec, name)
+    sides = [_beat(candidate, b) for b in beats]
+    last = spec.simulation.frames - 1
+    for r in requirements_of(spec, name):
+        frames = spec.story.requirements[r].frames or (0, last)
+        for ordering in orderings_of(spec.story.requirements[r].predicate):
+            if not isinstance(ordering, Until):
+                inner = _inner(ordering.predicate)
+                sides += [_beat(candidate, ordering.beat), Side(r, inner, frames, evaluate(candidate, inner, frames), None)]
+    starts = {s.name: s.first if s.begins is None else s.begins for s in sides}
+    known = {n: at for n, at in starts.items() if at is not None}
+    if len(known) < max(2, len(starts)):
+        return Finding(
+            "unverified", f"{quote!r}: nothing tells when {', '.join(n for n in starts if n not in known) or 'two events'} begins"
+        )
+    early, late = min(known, key=lambda n: known[n]), max(known, key=lambda n: known[n])
+    seconds, most = (known[late] - known[early]) / fps, AT_ONCE + 1.0 / fps
+    said = f"{quote!r}: {early} begins at frame {known[early]}, {late} at frame {known[late]}"
+    evidence = {"begin": known, "at_most_s": most}
+    if seconds <= most * (1.0 + 1e-9):
+        return Finding("pass", f"{said}: at the same time", seconds, most, evidence=evidence, comparison="<=")
+    said = f"{said}, {seconds:.2g} s apart"
+    action = f"let them begin at most {most:.2g} s apart"
+    hint = correction(said, "story", action, pointers=("/story/beats",))
+    return Finding("fail", said, seconds, most, hints=(hint,), evidence=evidence, comparison="<=")
 
 
 def _gap(candidate: Candidate, earlier: Side, later: Side) -> Gap:

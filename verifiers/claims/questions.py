@@ -38,11 +38,11 @@ EVENT = Question(
 )
 ORDER = Question(
     "claim:order",
-    "what the claim {0} tells comes true in its order, and neither the reverse nor both at once is true",
-    "least time from one event to the next, 0 where another order is true as well",
+    "what the claim {0} tells comes true in its order, and no other order of it is true",
+    "least time from one event to the next, 0 where another order is true as well; of events at the same time the time between them",
     "s",
     ">=",
-    "the longer of one frame and ORDER_SEEN",
+    "the longer of one frame and ORDER_SEEN; of events at the same time at most AT_ONCE and a frame",
     ("claim",),
     matrix_group="temporal",
 )

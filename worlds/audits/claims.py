@@ -12,6 +12,7 @@ from typing import Any
 
 from ..claims import Reading, named_in, reading_of
 from ..denials import misdenied
+from ..postures import posture_problems
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
@@ -105,6 +106,7 @@ def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
             allowed = ", ".join(f"/{root}" for root in _ALLOWED[claim.type])
             yield Problem(at, f"a claim of type {claim.type} is judged by {allowed}, not by {pointer!r}")
     yield from _optional(spec, name, claim)
+    yield from (Problem(f"{place}/by", text) for text in posture_problems(spec, name, claim))
     yield from _DUTIES.get(claim.type, _nothing)(spec, document, name, claim)
 
 
@@ -240,9 +242,7 @@ def _held(spec: WorldSpec, reading: Reading, held: Held) -> Iterator[Problem]:
     word = spec.prompt[held.start : held.end]
     span = next((s for s in reading.spans if s.start <= held.start and held.end <= s.end), None)
     if span is None or span.claim is None:
-        text = (
-            f"{word!r} at character {held.start} is a {held.kind} word and no claim takes it up: mark it as {_TYPE_OF[held.kind]}"
-        )
+        text = f"{word!r} at character {held.start} is a {held.kind} word and no claim takes it up: mark it as {_type_for(spec, held)}"
         yield Problem("/claims", text)
         return
     claim = spec.claims[span.claim]
@@ -252,9 +252,18 @@ def _held(spec: WorldSpec, reading: Reading, held: Held) -> Iterator[Problem]:
         held.kind == "number" and number_in(word, reading.language) == 1 and len(set(named_in(spec, span.claim, "entities"))) < 2
     )
     if lost and claim.waived is None and not (held.kind == "number" and ordinal_in(word, reading.language) is not None):
-        text = f"{word!r} of {claim.quote!r} is a {held.kind} word, which a claim of type {claim.type} does not judge: mark it as {_TYPE_OF[held.kind]}"
+        text = f"{word!r} of {claim.quote!r} is a {held.kind} word, which a claim of type {claim.type} does not judge: mark it as {_type_for(spec, held)}"
         yield Problem(f"/claims/{span.claim}/type", text)
 
 
+def _type_for(spec: WorldSpec, held: Held) -> str:
+    """Types that a held word may be marked as."""
+    if held.kind == "number" and (":" in spec.prompt[held.start : held.end] or _CLOCK.match(spec.prompt, held.end)):
+        return "time, with the words of the clock, by the sun of /look"
+    return _TYPE_OF[held.kind]
+
+
+_CLOCK = re.compile(r"\s*(?:[ap]\.?\s?m\b|o['’]clock\b|uhr\b|uur\b)", re.IGNORECASE)
+"""Words behind a number that make it a time of day."""
 _TYPE_OF = {"number": "count or quantity", "negation": "negation", "order": "order"}
 _NUMBERLESS = frozenset({"thing", "property", "event", "look"})

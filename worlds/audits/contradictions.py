@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from itertools import combinations, pairwise
 
 from ..claims import named_in, targets_of
+from ..orders import says_together
 from ..predicates.denying import certain, denying, implies
 from ..problems import Problem
 from ..prompts.languages import language_of
@@ -68,7 +69,9 @@ def _denied(spec: WorldSpec) -> Iterator[Problem]:
 
 
 def _orders(spec: WorldSpec) -> Iterator[Problem]:
-    steps = [step for name, _ in _claims(spec, "order") for step in steps_of(spec, name)]
+    language = language_of(spec.prompt)
+    told = [name for name, claim in _claims(spec, "order") if not says_together(claim.quote, language)]
+    steps = [step for name in told for step in steps_of(spec, name)]
     edges: dict[str, list[str]] = {}
     for step in steps:
         edges.setdefault(step.earlier, []).append(step.later)

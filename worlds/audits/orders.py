@@ -27,7 +27,10 @@ def order_problems(spec: WorldSpec, reading: Reading) -> Iterator[Problem]:
         steps = list(steps_of(spec, span.claim))
         if not said or not (steps or _untils(spec, span.claim)) or any(_meets(spec, span.claim, s, steps) for s in said):
             continue
-        quote, (earlier, later) = spec.claims[span.claim].quote, said[0]
+        if said[0].together:
+            yield Problem(f"/claims/{span.claim}/by", _apart(spec, span.claim, said))
+            continue
+        quote, earlier, later = spec.claims[span.claim].quote, said[0].earlier, said[0].later
         first, second = (" or ".join(repr(spec.claims[n].quote) for n in names[:3]) for names in (earlier, later))
         names = [_beats(spec, n) for n in (earlier, later)]
         told = " and ".join(f"{s.earlier} before {s.later}" for s in steps[:2]) or "another end"
@@ -37,6 +40,14 @@ def order_problems(spec: WorldSpec, reading: Reading) -> Iterator[Problem]:
         if all(names):
             text += f", as (order {names[0][0]} {names[1][0]})"
         yield Problem(f"/claims/{span.claim}/by", text)
+
+
+def _apart(spec: WorldSpec, name: str, said: list[Ordered]) -> str:
+    """Words on a claim of two events at once that names others than those beside its words."""
+    quotes = list(dict.fromkeys(spec.claims[n].quote for one in said for n in one.earlier))
+    beats = _beats(spec, (*said[0].earlier, *said[0].later))
+    text = f"{spec.claims[name].quote!r} says that two of {', '.join(map(repr, quotes[:4]))} come at once, and the claim names others: name their beats"
+    return text + (f", as (order {' '.join(beats[:2])})" if len(beats) > 1 else "")
 
 
 def _beats(spec: WorldSpec, claims: tuple[str, ...]) -> list[str]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ..bound_fields import spoken_of
 from ..claims import named_in
+from ..decoys import SPEAK
 from ..predicates import atoms_of, entities_of
 from ..predicates.events import PairEvent
 from ..problems import Problem
@@ -13,8 +14,6 @@ from ..spec import Beat, Requirement, WorldSpec
 
 __all__ = ["unclaimed_problems"]
 
-_SPEAK = ("thing", "count", "property", "place")
-"""Types of claims that say of a body which words it stands for."""
 _HELD = {"story/beats": "beat", "story/requirements": "requirement"}
 
 
@@ -24,7 +23,7 @@ def unclaimed_problems(spec: WorldSpec) -> Iterator[Problem]:
     Still ground may have no word of its own where a body only touches it: a ball lands on a floor that the prompt does not name. What is
     acted upon has one, and what is denied is denied of bodies of the prompt; matter without a shape, as rain, may have none.
     """
-    known = spoken_of(spec, types=_SPEAK)
+    known = spoken_of(spec, types=SPEAK)
     for name, claim in spec.claims.items():
         if claim.waived is not None:
             continue

@@ -134,7 +134,7 @@ REVIEWED: dict[str, str] = {
     "nT": "air arrow bus campfire circus cable canoe card carpet chalk cobble cobblestone coin crane crate cricket feather fork grain hedge jar jug key kite log mirror "
     "neighbour nest net object peg pen pit plank pole pot puddle raft rail ramp sack seesaw sled sledge sponge spoon spruce stone string textbook tile "
     "tyre wire",
-    "vE": "creak dangle hang leave lie rattle sit snap stand stay tow unspool unstack",
+    "vE": "creak dangle hang leave lie miss rattle sit snap stand stay tow unspool unstack",
     "nM": "flour gravel honey milk oil paper sand snow tin wood",
     "aP": "clear cool empty loose round solid total",
     "nTvS": "fish frame handle match post train",

@@ -12,6 +12,7 @@ from typing import Literal
 __all__ = [
     "ALONE",
     "ASIDES",
+    "FREE",
     "HAN_HELD",
     "INFINITIVES",
     "NADA_OF",
@@ -59,7 +60,8 @@ NEGATIONS: dict[str, tuple[str, ...]] = {
 ORDERS: dict[str, tuple[str, ...]] = {
     "en": _listed("""then, after, before, afterwards, afterward, finally, eventually, until, till, while, whilst, meanwhile, later, thereafter, whereupon
         subsequently, simultaneously, as soon as, at the same time, at first, at last, first, next, last, one after another
-        one after the other, one by one, one at a time, in turn, beforehand, at once, in the end"""),
+        one after the other, one by one, one at a time, in turn, beforehand, at once, in the end
+        at the same moment, at the same instant, firstly, lastly"""),
     "de": _listed("""dann, danach, davor, zuvor, zuerst, zunächst, erst, schließlich, nachdem, bevor, ehe, während, sobald, anschließend
         daraufhin, woraufhin, endlich, nacheinander, gleichzeitig, zugleich, zuletzt, später, vorher, nachher, bis, nach und nach, am ende, am schluss
         der reihe nach, einer nach dem anderen, eine nach der anderen, eins nach dem anderen, hintereinander, solange"""),
@@ -83,6 +85,16 @@ ORDERS: dict[str, tuple[str, ...]] = {
 }
 """Words that say what comes before what."""
 
+FREE: dict[str, tuple[str, ...]] = {
+    "en": _listed("not far from, not far off, not far away"),
+    "de": _listed("nicht weit von, nicht weit vom, nicht weit entfernt"),
+    "fr": _listed("pas loin de, pas loin d', pas loin du"),
+    "es": _listed("no lejos de, no lejos del, no muy lejos de, no muy lejos del"),
+    "it": _listed("non lontano da, non lontano dal, non lontano dalla, non lontano dallo, non lontano dall'"),
+    "pt": _listed("não longe de, não longe do, não longe da"),
+    "nl": _listed("niet ver van"),
+}
+"""Phrases with a word that denies, and that say where something is: nothing is denied."""
 _DETERMINERS = _listed(
     """the, a, an, this, that, these, those, its, his, her, their, my, your, our, each, every, 's, very, for"""
 )

@@ -14,7 +14,7 @@ from .function_words import FUNCTION_WORDS
 from .spelled import single_words
 from .units import Unit
 
-__all__ = ["han_numbers", "number_spans"]
+__all__ = ["han_numbers", "list_markers", "number_spans"]
 
 DOUBTFUL: dict[str, frozenset[str]] = {
     "en": frozenset(("one",)),
@@ -76,6 +76,10 @@ SAME_ONE = (*INDEFINITE, *"后後每这這那另同某哪一")
 ONLY_PICTURE = regex.compile(r"(?i)[23]d|[48]k")
 """Digits of kinds of pictures."""
 
+_MARKER = regex.compile(r"(?:^|\n|(?<=[.!?:;]\s))[ \t]*(\p{Nd}{1,2})\.\s+(?=\p{L})")
+_SOME_DAY = regex.compile(r"(?i)one\s+(?:day|morning|afternoon|evening|night)\b(?!\s+(?:later|after|long|of|only|alone))")
+"""At the start of a sentence, some day: it counts nothing."""
+_OPENS = regex.compile(r"(?:^|[.!?\n])\s*$")
 _ENUMERATED = regex.compile(r"\)(?:\s|$)")
 _HAN_NUMBER = regex.compile(r"[〇零一二三四五六七八九十百千万亿億两兩半]+|\p{Nd}+(?:[.,]\p{Nd}+)*")
 
@@ -86,10 +90,14 @@ def number_spans(
     """Spans of numbers in a language with blanks; neighbours are one, and `2)` is a word of order."""
     known = single_words(language) - NEVER[language]
     found: list[tuple[int, int, Literal["number", "order"]]] = []
-    last = -2
+    last, markers = -2, list_markers(text)
     for at, (unit, word) in enumerate(zip(units, words, strict=True)):
         digits = _has_digits(unit.text)
         if (at and words[at - 1] in LABELS[language]) or (language == "en" and _AGED.match(text, unit.end)):
+            continue
+        if unit.start in markers or (
+            language == "en" and _SOME_DAY.match(text, unit.start) and _OPENS.search(text[: unit.start])
+        ):
             continue
         if not digits and (word not in known or (word in DOUBTFUL[language] and not _counted(text, units, words, at, language))):
             continue
@@ -102,6 +110,13 @@ def number_spans(
             found.append((unit.start, unit.end, kind))
         last = at
     return found
+
+
+def list_markers(text: str) -> tuple[int, ...]:
+    """Places of the numbers that mark the items of a list, `1. ...`, `2. ...`: two or more, in order from 1; none where they are not."""
+    found = [(m.start(1), int(m.group(1))) for m in _MARKER.finditer(text)]
+    counted = [n for _, n in found] == list(range(1, len(found) + 1))
+    return tuple(start for start, _ in found) if counted and len(found) > 1 else ()
 
 
 def _has_digits(text: str) -> bool:

@@ -17,7 +17,19 @@ from typing import Literal
 import regex
 
 from .function_words import FUNCTION_WORDS
-from .held_lists import ALONE, ASIDES, HAN_HELD, INFINITIVES, NADA_OF, NEGATIONS, ONLY_WITH, ORDERS, UNLESS_BEFORE, UNLESS_BEHIND
+from .held_lists import (
+    ALONE,
+    ASIDES,
+    FREE,
+    HAN_HELD,
+    INFINITIVES,
+    NADA_OF,
+    NEGATIONS,
+    ONLY_WITH,
+    ORDERS,
+    UNLESS_BEFORE,
+    UNLESS_BEHIND,
+)
 from .held_numbers import han_numbers, number_spans
 from .numbers import hedge_spans
 from .units import APOSTROPHES, Unit, boundaries, folded, units_of
@@ -187,12 +199,16 @@ def _han_held(text: str, language: str) -> list[Held]:
 
 
 @cache
-def _phrases(language: str) -> dict[tuple[str, ...], HeldKind]:
+def _phrases(language: str) -> dict[tuple[str, ...], HeldKind | Literal["free"]]:
     """Entries as folded units."""
-    found: dict[tuple[str, ...], HeldKind] = {}
-    kinds: tuple[tuple[HeldKind, dict[str, tuple[str, ...]]], ...] = (("order", ORDERS), ("negation", NEGATIONS))
+    found: dict[tuple[str, ...], HeldKind | Literal["free"]] = {}
+    kinds: tuple[tuple[HeldKind | Literal["free"], dict[str, tuple[str, ...]]], ...] = (
+        ("order", ORDERS),
+        ("negation", NEGATIONS),
+        ("free", FREE),
+    )
     for kind, lists in kinds:
-        for entry in lists[language]:
+        for entry in lists.get(language, ()):
             # An elided word or contraction is a unit only beside another: `n'` of `n'a`, `n't` of `isn't`.
             found[(entry,) if entry in ("n'", "n't", "nessun'") else tuple(folded(unit.text) for unit in units_of(entry))] = kind
     return found
@@ -208,7 +224,8 @@ def _spaced_held(text: str, language: str) -> list[Held]:
         for count in range(min(longest, len(units) - at), 0, -1):
             kind = phrases.get(tuple(words[at : at + count]))
             if kind and _adjacent(text, units[at : at + count]) and _meant(text, units, words, (at, at + count), language):
-                found.append(Held(units[at].start, units[at + count - 1].end, kind))
+                if kind != "free":
+                    found.append(Held(units[at].start, units[at + count - 1].end, kind))
                 at += count
                 break
         else:

@@ -14,6 +14,7 @@ from worldagent.verifiers.forged.bodies import BODIES
 from worldagent.verifiers.forged.trial import forged_outcome, is_forged
 from worldagent.verifiers.predicates.events import EVENTS
 from worldagent.worlds.audits.claims import claim_problems
+from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates.models import Predicate
 
 DENIED = {"no": {"quote": "never", "type": "negation", "by": ["/story/requirements/no"]}}
@@ -140,3 +141,24 @@ def test_the_audit_refuses_to_deny_what_cannot_happen(name: str) -> None:
     spec = claimed(event_world(world), DENIED, requirements={"no": {"predicate": predicate, "never": True}})
     found = [p.text for p in claim_problems(spec) if p.pointer == "/story/requirements/no/predicate"]
     assert any("denies what cannot happen" in t and said in t for t in found) if said else found == []
+
+
+def test_what_is_denied_of_a_body_may_not_happen_to_one_that_looks_the_same_and_that_no_claim_speaks_of(tmp_path: Path) -> None:
+    """A box hits another, and the prompt says that it never touches the box: a third one far off is claimed in its place."""
+    document = event_world("hit").model_dump(mode="json")
+    decoy = {**document["entities"]["box"], "pose": {"position": [5.0, 5.0, document["entities"]["box"]["pose"]["position"][2]]}}
+    document["entities"]["decoy"] = decoy
+    document["simulation"]["solvers"]["rigid"]["members"].append("decoy")
+    touches = {"kind": "contact", "a": "hitter", "b": "decoy"}
+    things = {n: {"quote": n, "type": "thing", "by": [f"/entities/{n}"]} for n in ("hitter", "decoy")}
+    spec = parse_spec(document)
+    requirements = {"no": {"predicate": touches, "never": True}}
+
+    def row(folder: str, more: Any) -> Any:
+        return rows(tmp_path / folder, spec, {**DENIED, **things, **more}, requirements=requirements)["no"]
+
+    found = row("dishonest", {})
+    assert found.status == "fail"
+    assert "'box' looks the same as 'decoy', no claim speaks of it" in found.evidence["explanation"]
+    honest = row("honest", {"box": {"quote": "box", "type": "thing", "by": ["/entities/box"]}})
+    assert honest.status == "pass", honest.evidence

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from worldagent.tests.verifiers.claims.claimed import rows
-from worldagent.verifiers.claims.bounds import ORDER_SEEN
+from worldagent.verifiers.claims.bounds import AT_ONCE, ORDER_SEEN
 
 HITS = {"kind": "hits", "entity": "hitter", "other": "box"}
 SLIDES = {"kind": "slides", "entity": "box", "other": "floor"}
@@ -36,6 +36,25 @@ def test_two_events_at_once_are_in_no_order(tmp_path: Path) -> None:
     row = ordered(tmp_path, "drop", FALLS, FALLS)
     assert (row.status, row.measured) == ("fail", 0.0)
     assert "both at once" in row.evidence["true_rivals"][0]
+
+
+def test_what_comes_at_the_same_time_begins_together_and_a_second_apart_fails(tmp_path: Path) -> None:
+    """A drop and its landing are half a second apart; a slide and its slowing begin at once."""
+
+    def once(folder: str, world: str, first: Any, second: Any) -> Any:
+        beats = {"a": (first["entity"], first), "b": (second["entity"], second)}
+        thing = {"quote": "a ball", "type": "thing", "by": [f"/entities/{first['entity']}"]}
+        claims = {"c": {"quote": "At the same time", "type": "order", "by": ["/story/beats/a", "/story/beats/b"]}, "thing": thing}
+        return rows(tmp_path / folder, world, claims, beats=beats, prompt="At the same time, a ball and the other begin.")["c"]
+
+    apart = once("apart", "drop", FALLS, LANDS)
+    assert (apart.status, apart.comparison) == ("fail", "<="), apart.evidence
+    assert apart.measured is not None
+    assert apart.measured > AT_ONCE + 1 / 24
+    for folder, second in (("at once", {"kind": "slows", "entity": "box"}), ("turned", SLIDES)):
+        row = once(folder, "slide", {"kind": "slides", "entity": "box"}, second)
+        assert row.status == "pass", row.evidence
+        assert row.measured == 0.0
 
 
 def test_an_event_that_begins_with_another_does_not_come_after_it(tmp_path: Path) -> None:

@@ -59,8 +59,8 @@ def test_events_that_one_subject_does_stand_together_and_other_words_are_read_by
     single = f"A {BALL} {ROLLS}, a [block](thing b1) is [struck](event strike), [then](order %s) a {BLOCK} {FALLS}."
     assert "comes before" not in said(single % "strike fall")
     assert "'then' says that 'struck' comes before 'falls'" in said(single % "roll fall")
-    other = f"A {BALL} {ROLLS} [at first](order roll fall), and a {BLOCK} {FALLS}."
-    assert "at first" in prompt_record(told(other))["readings"]
+    other = f"A {BALL} {ROLLS} [in turn](order roll fall), and a {BLOCK} {FALLS}."
+    assert "in turn" in prompt_record(told(other))["readings"]
     assert "then" not in prompt_record(told(single % "strike fall"))["readings"]
 
 

@@ -47,6 +47,16 @@ def test_words_that_only_look_so_are_none(prompt: str) -> None:
     assert "is a negation word" not in said(prompt.replace("{ball}", BALL).replace("{rolls}", ROLLS))
 
 
+@pytest.mark.parametrize("clock", ["3 pm", "3 p.m.", "three o'clock", "15:30"])
+def test_a_time_of_day_is_advised_to_be_marked_as_time(clock: str) -> None:
+    number = clock.split()[0].split(":")[0]
+    found = said(f"A {BALL} {ROLLS} at {clock} onto a {BLOCK}.")
+    assert "mark it as time, with the words of the clock" in found, found
+    assert f"{number!r}" in found or clock in found
+    assert "mark it as count or quantity" in said(f"A {BALL} {ROLLS} into three {BLOCK}.")
+    assert "is a number word" not in said(f"A {BALL} {ROLLS} [at {clock}](time /look/sun_elevation_deg) onto a {BLOCK}.")
+
+
 def denied(marked: str, predicate: dict[str, Any]) -> str:
     return said(marked, ("/story/requirements", {"stays": {"text": "it happens", "predicate": predicate, "never": True}}))
 

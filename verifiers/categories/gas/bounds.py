@@ -16,9 +16,9 @@ SEEP = 0.02
 """[1] Of the greatest in the box: what second-order transport carries ahead of the way of the gas."""
 WARM = 0.02
 """[1] Of the greatest excess of a source over the ambient temperature: the same for what fluxes round over or under."""
-SLIVER = 0.05
-"""[1] Own choice: room of a cell below which it is not asked where its gas came from: a body that passes leaves such cells open by a hair, through
-faces that frames show as closed."""
+SLIVER = 0.3
+"""[1] Own choice: room of a cell below which it is not asked where its gas came from: all faces of a cell that a body fills so far may have their
+middles in it, and count as closed."""
 EVEN = 25.0
 """[K] Own choice: difference of temperatures against which heat and temperature are compared where gas comes neither warm nor cold: a fiftieth of it,
 half a kelvin, is what cells that bodies cut round."""

@@ -230,20 +230,20 @@ class Gas(GasFields):
 
     def step(self, seconds: float, solids: Solids | None = None) -> GasReport:
         """One step; solids that move are at its end where they are given."""
+        # Cells that solids which may move cut are as small as they are, also while these stand: no more leaves them than they hold.
+        held = self._at.room if self._moves else None
         if solids is not None:
             if not self._moves:
                 raise ValueError("solids of this gas stand; make it with moves=True")
-            held = self._at.room
             self._turn(solids, seconds)
         elif self._turned:
             self._stand(self._at)
-        moved = None if solids is None else held
-        report = self._step(seconds, moved)
+        report = self._step(seconds, held)
         self.regions.compress(self.run, self.projection.asked / self.cell, seconds, self._grown)
         return report
 
     def _step(self, seconds: float, held: NDArray[np.float32] | None) -> GasReport:
-        """A step; `held` is the room of cells at its start where solids move."""
+        """A step; `held` is the room of cells at its start where solids may move."""
         half = 0.5 * seconds if self.settings.scheme == "reflection" else seconds
         self._expand(seconds)
         iterations, capped = 0, False

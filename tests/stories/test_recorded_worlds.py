@@ -1,6 +1,6 @@
 """The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, planks splinter, a flag flutters, a jelly wobbles, sand
 topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out, a
-banner beside a campfire catches fire."""
+banner beside a campfire catches fire, a boulder that rolls off a ledge raises dust."""
 
 from __future__ import annotations
 
@@ -49,6 +49,10 @@ JUDGED: dict[str, tuple[str, ...]] = {
     ),
     "gas/chimney": (*(f"causal:{a}:over" for a in ("comes", "blows", "without:comes", "without:blows")), *GAS),
     "gas/kettle": ("causal:boils:steams", "causal:without:boils:steams", "category:gas:energy:air", *GAS),
+    "gas/rockfall": (
+        *("causal:rolls:drops", "causal:drops:lands", "causal:lands:spreads", "causal:without:lands:spreads"),
+        *GAS,
+    ),
     "particles/collapse": ("causal:opens:collapses", "causal:collapses:topples"),
     "particles/sparks": ("causal:sprays:falls",),
     "particles/rain": ("causal:falls:lands",),

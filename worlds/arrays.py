@@ -61,13 +61,16 @@ def cross(a: F64, b: F64) -> F64:
 
 def rotation_matrix(quaternion: F64) -> F64:
     """Rotation matrix of unit quaternions, shape (..., 4) -> (..., 3, 3)."""
-    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    held = np.asarray(quaternion, dtype=np.float64)
+    w, x, y, z = held[..., 0], held[..., 1], held[..., 2], held[..., 3]
+    found = np.empty((*held.shape[:-1], 3, 3))
+    found[..., 0, 0] = 1 - 2 * (y * y + z * z)
+    found[..., 0, 1], found[..., 0, 2] = 2 * (x * y - w * z), 2 * (x * z + w * y)
+    found[..., 1, 0], found[..., 1, 1] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z)
+    found[..., 1, 2] = 2 * (y * z - w * x)
+    found[..., 2, 0], found[..., 2, 1] = 2 * (x * z - w * y), 2 * (y * z + w * x)
+    found[..., 2, 2] = 1 - 2 * (x * x + y * y)
+    return found
 
 
 def quaternion_of(rotation: F64) -> F64:

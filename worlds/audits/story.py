@@ -152,17 +152,17 @@ def evidence_problems(spec: WorldSpec) -> list[Problem]:
     if spec.simulation.cloth:
         channels |= {"position", "quaternion"}  # sheets have no bodies, but predicates of poses measure their vertices
     for place, predicate in _said(spec):
-        own = {str(a.kind) for a in atoms_of(predicate) if _by_its_own(spec, a)}
+        own = {str(getattr(a, "kind", "")) for a in atoms_of(predicate) if _by_its_own(spec, a)}
         missing = [c for k in kinds_of(predicate) if k not in own for c in PREDICATES[k].channels if c not in channels]
         if missing:
             problems.append(Problem(place, f"no engine in use writes {sorted(set(missing))}"))
     return [*problems, *_without_bodies(spec), *_without_record(spec)]
 
 
-def _by_its_own(spec: WorldSpec, atom: Predicate) -> bool:
+def _by_its_own(spec: WorldSpec, atom: SpecModel) -> bool:
     """True of an event that a category meets by a definition of its own, whose evidence its own engine writes."""
     entity = spec.entities.get(str(getattr(atom, "entity", "")))
-    return entity is not None and atom.kind in CATEGORIES[entity.physics.category].meets
+    return entity is not None and getattr(atom, "kind", "") in CATEGORIES[entity.physics.category].meets
 
 
 def _said(spec: WorldSpec) -> list[tuple[str, Predicate]]:

@@ -154,8 +154,10 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
         "story": {
             "semantics": "A siege gun breaks a wall of bonded ashlar on a day without wind, until a gust comes.",
             "beats": {
+                "leaves": beat("the ball leaves its place", "hold", "ball", [fired - 1, fired + 3],
+                               {"kind": "displacement", "entity": "ball", "axis": [0, 1, 0], "min": 0.05}),
                 "fires": beat("the cannon fires", "charge", "ball", [fired - 1, fired + 3],
-                              {"kind": "displacement", "entity": "ball", "axis": [0, 1, 0], "min": 0.5}),
+                              {"kind": "displacement", "entity": "ball", "axis": [0, 1, 0], "min": 0.5}, "leaves"),
                 "strikes": beat("the ball strikes the wall", "stones", "wall", [fired, fired + 8],
                                 {"kind": "hits", "entity": "ball", "other": "wall"}, "fires"),
                 "breaches": beat("the ball breaks the wall", "stones", "wall", [fired, fired + 12],
@@ -172,7 +174,7 @@ def siege_spec(edge: float = 0.05, seconds: float = SECONDS) -> dict[str, Any]:
             },
         },
         "shots": {
-            "siege": {"frames": [0, last], "covers": ["fires", "strikes", "breaches", "collapses", "blows", "whips"], "subjects": ["wall", "flag"],
+            "siege": {"frames": [0, last], "covers": ["leaves", "fires", "strikes", "breaches", "collapses", "blows", "whips"], "subjects": ["wall", "flag"],
                       "keys": {"a": {"frame": 0, "position": [-3.2, -6.2, 2.3], "target": [0.7, 0, 1.65], "fov_deg": 50}}},
         },
         "simulation": {

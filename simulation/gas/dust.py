@@ -106,9 +106,10 @@ class Dust:
         size, radius = self._grid.cell**3, puff.radius
         while True:
             at, whole = self._window(puff.point, radius)
-            open_to = room[at].astype(np.float64) * (self._far(puff.point, at) <= radius)
+            within = self._far(puff.point, at) <= radius
+            open_to = room[at].astype(np.float64) * within
             total = float(open_to.sum()) * size
-            if total >= puff.volume or (whole and total == float(room.sum(dtype=np.float64)) * size):
+            if total >= puff.volume or (whole and within.all()):
                 break
             radius *= WIDER
         return at, np.where(open_to > 0.0, 1.0 / total if total > 0.0 else 0.0, 0.0)

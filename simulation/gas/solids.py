@@ -23,7 +23,7 @@ LEAST_OPEN = 0.05
 SQUEEZED = 0.25
 """Own choice: open share of faces from which on what moving solids drive through them is carried as it is."""
 ALONG = 1e-5
-"""Of the largest distance: corners this near to a surface lie on it, whatever rounding says."""
+"""[1] Share of the largest distance within which a corner lies on a surface, whatever rounding says."""
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ class GasJudge(Loose):
         found: list[list[Push]] = [[] for _ in range(candidate.frame_count)]
         for solver, instance in self.instances(candidate.spec).items():
             if dusts_of(candidate.spec, solver):
-                _raise(found, box_of(candidate, solver))
+                _add_dust(found, box_of(candidate, solver))
             surfaces = box_of(candidate, solver).surfaces if flammable_parts(candidate.spec, solver) else None
             if surfaces is None:
                 continue
@@ -134,7 +134,7 @@ class GasJudge(Loose):
         return gas_lines(candidate.spec)
 
 
-def _raise(found: list[list[Push]], box: GasBox) -> None:
+def _add_dust(found: list[list[Push]], box: GasBox) -> None:
     """Add to the pushes of each frame those of impacts that raise dust."""
     for source in box.sources:
         for puff in source.puffs:

@@ -35,7 +35,7 @@ class Source:
     drivers: tuple[Any, ...]
     """Of kind `emission`."""
     puffs: tuple[Puff, ...] = ()
-    """What impacts raise."""
+    """Dust of impacts."""
 
     @property
     def lower(self) -> F64:

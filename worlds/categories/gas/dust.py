@@ -58,10 +58,10 @@ def _body(spec: WorldSpec, place: str, key: str, name: str) -> Iterator[Problem]
     body = spec.entities.get(name)
     if body is None:
         return
-    if body.physics.category not in ("rigid", "elastic") or body.motion == "static":
+    if body.physics.category != "rigid" or body.motion == "static":
         yield Problem(
             place,
-            f"dust {key!r} comes of what {name!r} hits, which is {body.motion} {body.physics.category}; name rigid or elastic bodies that move",
+            f"dust {key!r} comes of what {name!r} hits, which is {body.motion} {body.physics.category}; name rigid bodies that move",
         )
     elif not any(name in i.members for i in spec.simulation.rigid.values()):
         yield Problem(place, f"dust {key!r} comes of what {name!r} hits, which no rigid instance moves; make it a member of one")

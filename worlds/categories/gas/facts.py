@@ -109,8 +109,8 @@ def dusty_box(entity: Entity, cell: float) -> tuple[F64, F64] | None:
 
 
 def yielding_mass(entity: Entity, bodies: Iterable[float]) -> float:
-    """Mass of an entity that an impact can stop [kg]: of all its bodies, since bonds and joints hold them; infinite of one that does not give way."""
-    return sum(bodies) if entity.motion == "dynamic" else math.inf
+    """Mass of an entity that an impact can stop [kg]: of all its bodies, since bonds and joints hold them; infinite of one that does not give way or has none."""
+    return (sum(bodies) or math.inf) if entity.motion == "dynamic" else math.inf
 
 
 def fuel_of(physics: GasPhysics) -> Fuel | None:

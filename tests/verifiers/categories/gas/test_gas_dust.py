@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.simulation.gas.dust import Dust, Puff
 from worldagent.testing.worlds.simulated_worlds import simulate
 from worldagent.testing.worlds.small_gas import DUST_PROMPT, dust_spec
 from worldagent.verifiers.categories.gas.check import category_rows, numerical_rows
@@ -13,6 +14,7 @@ from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.registry import JUDGES
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.categories.gas.audit import gas_problems
+from worldagent.worlds.categories.gas.facts import Grid
 from worldagent.worlds.spec import WorldSpec
 
 FALL = 0.15
@@ -87,3 +89,12 @@ def test_the_audit_names_a_body_that_cannot_raise_it() -> None:
     spec["simulation"]["drivers"]["kick"]["bodies"] = ["floor"]
     found = {p.pointer: p.text for p in gas_problems(WorldSpec.model_validate({"prompt": DUST_PROMPT, **spec}))}
     assert "static rigid" in found["/simulation/drivers/kick/bodies/0"]
+
+
+def test_more_dust_than_the_box_has_room_for_fills_all_of_it() -> None:
+    spec = _spec()
+    dust = Dust({}, spec.entities["dust"], {}, {}, Grid((3, 3, 3), 0.1, np.zeros(3)), 24)
+    room = np.random.default_rng(1).uniform(0.1, 1.0, (3, 3, 3)).astype(np.float32)
+    at, share = dust.shares(Puff(0.0, np.full(3, 0.01), 0.02, 1e3), room)
+    assert float((share * room[at]).sum()) * 0.1**3 == pytest.approx(1.0)
+    assert share.shape == room.shape

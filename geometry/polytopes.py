@@ -96,7 +96,7 @@ def _one_side(solid: Solid, vertices: F64, slack: F64, tolerance: float) -> tupl
     separation = -deepest[rows, facet]
     point = vertices[rows, vertex]
     foot = point - separation[:, None] * facets.normals[facet]
-    inside = (slack[rows, :, vertex] + separation[:, None] * (facets.normals @ facets.normals.T)[facet]).min(axis=1) >= -tolerance
+    inside = (slack[rows, :, vertex] + separation[:, None] * (facets.normals[facet] @ facets.normals.T)).min(axis=1) >= -tolerance
     return separation, inside, point, foot, facets.normals[facet]
 
 

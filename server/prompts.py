@@ -21,8 +21,9 @@ Make a physical world from the prompt between the lines and bring it to acceptan
 {prompt}
 ---
 
-1. Read skill://world-building/SKILL.md, or for land outdoors skill://outdoor-terrain/SKILL.md and its example.json
-   (inspect_world(part='guide') has both); then inspect_world(part='schema') part by part as you need it.
+1. inspect_world(part='guide', prompt=...) with the text between the lines: what the skills say of it, with an example. Then
+   skill://world-building/SKILL.md, or for land outdoors skill://outdoor-terrain/SKILL.md and its example.json
+   (inspect_world(part='guide') has both), and inspect_world(part='schema') part by part as you need it.
 2. edit_spec: create the world with this very prompt; give every entity real
    dimensions, a material and a solver; write beats with measurable predicates; plan shots; mark the prompt in `claims`, so that
    every word that says something names what it is judged by.

@@ -62,7 +62,7 @@ def edit_spec(
 
     Create with `world`, `prompt` and `spec` (or a part of it, the rest by patches); edit with `world` and `patch`; say with `claims`,
     then or later, which words of the prompt mean which thing or beat. Learn the
-    fields part by part from inspect_world(part='schema', pointer=...), the procedure from inspect_world(part='guide').
+    fields part by part from inspect_world(part='schema', pointer=...), the procedure from inspect_world(part='guide', prompt=...).
     Units are SI (m, kg, s, rad), Z is up, frame k is the state at k / fps seconds.
     Returns: revision, the prompt with spans proposed for its claims, the audit's open rows, what became stale. Refused: another prompt; a patch that does not validate; after failed rows an edit without hypothesis
     or of several parameter groups at once. Nothing changes when it is refused.

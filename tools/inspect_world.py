@@ -48,7 +48,7 @@ def inspect_world(
         Part,
         Field(
             description="overview: where the world stands, what comes next; schema: what a specification can say, part by part; "
-            "guide: the skills, file by file; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
+            "guide: what the skills say of a prompt, or they themselves, file by file; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
             "row: one row in full with its history; revisions, iterations: edits, and what repairs did; "
             "state: poses and speeds at a frame or over frames; events: contact begins; records: energy, momentum, ... over time; "
             "wet: what liquids wetted up to a frame, when and how deep; "
@@ -65,6 +65,13 @@ def inspect_world(
             "for a whole small world; empty for the index. guide: a file, e.g. world-building/SKILL.md; empty for the list"
         ),
     ] = "",
+    prompt: Annotated[
+        str | None,
+        Field(
+            description="For guide: the prompt, verbatim; returns its words marked, kinds of event for its verbs, the sections "
+            "of skills and a worked example that fit, in at most 15,000 characters"
+        ),
+    ] = None,
     row: Annotated[str | None, Field(description="For row: its id")] = None,
     status: Annotated[
         Literal["open", "fail", "unverified", "pass", "not_applicable"] | None,
@@ -114,6 +121,10 @@ def inspect_world(
     if part == "schema":
         return ToolReply(parts.schema(pointer))
     if part == "guide":
+        if prompt is not None:
+            from ..workflow.prompt_guide import prompt_guide
+
+            return ToolReply(prompt_guide(prompt))
         return ToolReply(parts.guide(pointer, offset=offset))
     if world is None:
         from ..worlds.folder import world_ids

@@ -7,7 +7,7 @@ import json
 
 from ..worlds.errors import InputError
 
-__all__ = ["entry_of"]
+__all__ = ["entry_of", "sections_of"]
 
 
 def entry_of(text: str, entry: str) -> str:
@@ -20,7 +20,7 @@ def entry_of(text: str, entry: str) -> str:
     """
     if not entry:
         return text
-    sections = _sections(text)
+    sections = sections_of(text)
     if sections:
         found = next((heading for heading in sections if heading.lower() == entry.replace("-", " ").lower()), None)
         if found is not None:
@@ -39,7 +39,7 @@ def entry_of(text: str, entry: str) -> str:
     return json.dumps(table[entry], indent=1, ensure_ascii=False)
 
 
-def _sections(text: str) -> dict[str, str]:
+def sections_of(text: str) -> dict[str, str]:
     """Sections of a Markdown text by their headings of the second level; none for other files."""
     if not text.startswith(("---\n", "# ")):
         return {}

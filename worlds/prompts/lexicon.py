@@ -10,6 +10,7 @@ from itertools import groupby, pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import english
+from .languages import language_of
 from .parts import Word, words_of
 from .wordnet import known_kinds, lemmas, type_shares, verb_kinds, votes
 
@@ -20,6 +21,7 @@ __all__ = [
     "Labelled",
     "Reading",
     "Warned",
+    "events_in",
     "kinds_meant",
     "known_kinds",
     "labelled",
@@ -223,6 +225,14 @@ def _misfits(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
             others = ", ".join(sorted(kinds))
             says = f"the verb tells of {others}: name a beat of such a kind, or look whether it says what is judged"
             yield Warned(reading.start, reading.end, verb, judged, says)
+
+
+def events_in(text: str) -> Iterator[tuple[str, frozenset[str]]]:
+    """Verbs of change or motion of an English text in their order, each with the kinds of event that fit it; none where no kind is known."""
+    for word in labelled(text) if language_of(text) == "en" else ():
+        if word.type == "event":
+            quote = text[word.start : word.end]
+            yield quote, verb_kinds(quote, _after(Reading(word.start, word.end, "event"), quote, text)) or frozenset()
 
 
 def kinds_meant(kinds: Collection[str]) -> frozenset[str]:

@@ -1,0 +1,86 @@
+"""The guide of a prompt: sections, kinds of event and an example that fit its words, within one reply."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.testing.prompts import strangers
+from worldagent.workflow.answers import size_of
+from worldagent.workflow.prompt_guide import CHARACTERS, SKILLS, prompt_guide
+from worldagent.workflow.table_entries import sections_of
+from worldagent.worlds.errors import InputError
+from worldagent.worlds.prompts.marks import parse_marks
+
+GUIDES = sorted(SKILLS.glob("*/guide.json"))
+
+
+@pytest.mark.parametrize(
+    ("prompt", "skills", "kinds", "example"),
+    [
+        ("A kettle steams on a stove under a lamp.", {"gas"}, {"rises"}, "gas/kettle.json"),
+        ("A clay pot falls onto the tiles and shatters.", {"fracture"}, {"falls"}, "fracture/pot.json"),
+        ("A log drifts down a river and jams at a footbridge.", {"coupled-systems", "liquids"}, {"drifts", "jams"}, "outdoor-terrain/example.json"),
+        ("A red flag flutters in the wind.", {"cloth"}, {"flutters"}, "cloth/flag.json"),
+        ("Sand runs out when the gate opens, and the heap topples a tile.", {"particles"}, {"opens", "topples"}, "particles/collapse.json"),
+        ("Rauch zieht aus dem Schornstein.", {"gas"}, set(), "gas/chimney.json"),
+        ("A red jelly falls on a plate and wobbles.", {"elastic-bodies"}, {"wobbles", "falls"}, "elastic-bodies/jelly.json"),
+    ],
+)  # fmt: skip
+def test_words_call_for_skills_kinds_of_event_and_an_example(
+    prompt: str, skills: set[str], kinds: set[str], example: str
+) -> None:
+    told = prompt_guide(prompt)
+    assert skills <= set(told["skills"])
+    assert kinds <= set(told["kinds"])
+    assert told["example"]["file"] == example
+    for name in skills:
+        assert any(place.startswith(f"{name}/SKILL.md#") for place in told["sections"])
+
+
+def test_any_prompt_is_answered_within_its_characters_and_what_is_left_out_has_its_place() -> None:
+    prompts = [s.text for s in strangers()][:60]
+    assert len(prompts) == 60
+    for prompt in [*prompts, "x", " ".join(p for p in prompts)]:
+        told = prompt_guide(prompt)
+        assert size_of(told) <= CHARACTERS
+        assert len(told["sections"]) >= 3
+        for place in told["more"]:
+            name, heading = place.split("/SKILL.md#")
+            assert heading in sections_of((SKILLS / name / "SKILL.md").read_text())
+
+
+def test_the_marked_text_is_the_prompt() -> None:
+    prompt = "A glass jug tips over and shatters, and its honey pours onto the oak floor."
+    told = prompt_guide(prompt)
+    marks = parse_marks(told["marked"], prompt)
+    assert [m.quote for m in marks][:3] == ["glass", "jug", "tips over"]
+    assert set(told["densities"]) == {"glass", "wood"}
+    assert "pours" in told["events"]["pours"]
+
+
+def test_a_prompt_of_no_known_word_says_so_and_leads_on() -> None:
+    told = prompt_guide("一个球滚下斜坡。")
+    assert not told["skills"]
+    assert "inspect_world(part='guide')" in told["warnings"][0]
+    assert "the language is zh" in told["warnings"][1]
+
+
+@pytest.mark.parametrize("prompt", ["", "  ", ". ,", "a" * 20_001])
+def test_no_prompt_and_one_that_is_too_long_are_refused(prompt: str) -> None:
+    with pytest.raises(InputError, match="give 1 word to 20000 characters"):
+        prompt_guide(prompt)
+
+
+@pytest.mark.parametrize("path", GUIDES, ids=lambda p: p.parent.name)
+def test_what_a_guide_names_is_there(path: Path) -> None:
+    guide: dict[str, Any] = json.loads(path.read_text())
+    headings = sections_of((path.parent / "SKILL.md").read_text())
+    assert set(guide["sections"]) <= set(headings)
+    assert all((path.parent / file).is_file() for file in guide["examples"])
+
+
+def test_every_skill_but_that_of_repair_has_its_guide() -> None:
+    assert {p.parent.name for p in GUIDES} == {p.parent.name for p in SKILLS.glob("*/SKILL.md")} - {"repair"}

@@ -1,0 +1,239 @@
+"""What the skills say of one prompt: its words marked, kinds of event for its verbs, sections, densities and a worked example.
+
+Each skill names its words, and which of its sections and examples they call for, in `guide.json`. A start for whoever builds: nothing is judged by it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..physics.substances import DENSITY_RANGES
+from ..worlds.errors import InputError
+from ..worlds.predicates.registry import PREDICATES
+from ..worlds.prompts.descriptions import meanings
+from ..worlds.prompts.languages import language_of
+from ..worlds.prompts.lexicon import events_in, kinds_meant
+from ..worlds.prompts.proposals import proposal_text
+from ..worlds.prompts.units import folded, units_of, word_count
+from .answers import answer, call, size_of
+from .table_entries import sections_of
+
+__all__ = ["CHARACTERS", "prompt_guide"]
+
+CHARACTERS = 15_000
+"""Of the whole answer as JSON."""
+LONGEST_PROMPT = 20_000
+MARKED = 2_000
+"""Characters of marked text; of a longer prompt its beginning."""
+EXAMPLE = 4_200
+"""Characters of the worked example."""
+EVENTS = 8
+"""Verbs that are told of."""
+KINDS = 4
+"""Kinds of event of one verb."""
+ALIKE = 4
+"""Letters that a verb begins with as a kind of event does that is called after it; such a kind comes first."""
+SKILLS_TOLD = 4
+"""Skills of the prompt's own words whose sections are told."""
+OWN_SHARE = 0.65
+"""Of the room for sections, what goes to skills that words of the prompt call for; the rest to what every world needs."""
+ENDING = 3
+"""Letters by which a word may be longer than an entry of a list: endings of English and German."""
+BASE = ("world-building", "rigid-bodies")
+"""Skills of every world, after those that its words call for."""
+SKILLS = Path(__file__).resolve().parent.parent / "skills"
+_DEFAULT = ("world-building", "examples/two_blocks.json")
+
+
+class _Guide(NamedTuple):
+    """`guide.json` of one skill."""
+
+    words: tuple[str, ...]
+    sections: Mapping[str, tuple[str, ...]]
+    """By heading the words that call for it; none: always."""
+    examples: Mapping[str, tuple[str, ...]]
+
+
+class _Called(NamedTuple):
+    """A skill that a prompt calls for."""
+
+    name: str
+    because: tuple[str, ...]
+    """Words of the prompt."""
+
+
+def prompt_guide(prompt: str) -> dict[str, Any]:
+    """The guide of a prompt, in `CHARACTERS` at most.
+
+    Raises:
+        InputError: the prompt is empty or too long.
+    """
+    if not word_count(prompt) or len(prompt) > LONGEST_PROMPT:
+        raise InputError(
+            f"the prompt has {len(prompt)} characters and {word_count(prompt)} words; give 1 word to {LONGEST_PROMPT} characters of it, verbatim"
+        )
+    words = [folded(u.text) for u in units_of(prompt)]
+    called = _called(words)
+    told = called[:SKILLS_TOLD]
+    data: dict[str, Any] = {
+        "part": "guide",
+        "marked": proposal_text(prompt[:MARKED]),
+        "skills": {c.name: list(c.because[:6]) for c in called},
+        **_events(prompt),
+        "densities": _densities(prompt),
+        "rules": json.loads((SKILLS / "world-building" / "rules.json").read_text("utf-8")),
+        "example": _example(words, [c.name for c in told]),
+    }
+    data["sections"], left = _sections(words, told, CHARACTERS - size_of(data) - 1_400)
+    data["more"] = left
+    then = "edit_spec(world=..., prompt=..., spec=..., claims=...): claims is `marked` with a target for each type, see world-building/SKILL.md#Claims"
+    said = f"what the skills say of this prompt: {', '.join(c.name for c in told) or 'bodies alone'}"
+    return answer(data, said, then, _doubts(prompt, called))
+
+
+def _doubts(prompt: str, called: list[_Called]) -> list[str]:
+    language = language_of(prompt)
+    found = []
+    if not called:
+        found.append(
+            f"no word of it calls for a skill by its lists (English, German): choose by {call('inspect_world', part='guide')}"
+        )
+    if language != "en":
+        found.append(f"the language is {language or 'unknown'}: verbs are looked up in English alone")
+    if len(prompt) > MARKED:
+        found.append(f"only its first {MARKED} characters are marked; edit_spec proposes spans of all of it at creation")
+    return found
+
+
+# ---------------------------------------------------------------- skills
+
+
+@cache
+def _guides() -> Mapping[str, _Guide]:
+    found = {}
+    for path in sorted(SKILLS.glob("*/guide.json")):
+        data = json.loads(path.read_text("utf-8"))
+        found[path.parent.name] = _Guide(
+            tuple(w for told in data["words"].values() for w in told.split()),
+            {k: tuple(v.split()) for k, v in data["sections"].items()},
+            {k: tuple(v.split()) for k, v in data["examples"].items()},
+        )
+    return found
+
+
+def _meant(entry: str, word: str) -> bool:
+    """Whether a word of the prompt is an entry of a list, but for its ending; an entry with `*` begins compounds too."""
+    if entry.endswith("*"):
+        return word.startswith(entry[:-1])
+    return word.startswith(entry) and len(word) - len(entry) <= ENDING
+
+
+def _among(entries: tuple[str, ...], words: list[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(w for w in words if any(_meant(e, w) for e in entries)))
+
+
+def _called(words: list[str]) -> list[_Called]:
+    """Skills by how many words of the prompt call for them."""
+    found = [_Called(name, _among(guide.words, words)) for name, guide in _guides().items()]
+    return sorted((c for c in found if c.because), key=lambda c: -len(c.because))
+
+
+def _wanted(name: str, words: list[str]) -> list[str]:
+    """Sections of a skill: those that words call for, then those of every prompt, in the order of its list."""
+    sections = _guides()[name].sections
+    own = [h for h, entries in sections.items() if entries and _among(entries, words)]
+    return [*own, *(h for h, entries in sections.items() if not entries)]
+
+
+def _sections(words: list[str], called: list[_Called], room: int) -> tuple[dict[str, str], list[str]]:
+    """Texts of sections by `skill/SKILL.md#heading`, as many as there is room for, and the places of what is left out."""
+    own = [c.name for c in called if c.name not in BASE]
+    groups = [(own, int(room * OWN_SHARE) if own else 0), ([*BASE], room)]
+    texts = {f"{name}/SKILL.md#{h}": _text(name, h) for names, _ in groups for name in names for h in _wanted(name, words)}
+    told: dict[str, str] = {}
+    for names, most in groups:
+        spare = min(most, room - size_of(told))
+        for k, name in enumerate(names):
+            share = spare // (len(names) - k)
+            for place in (p for p in texts if p.startswith(f"{name}/")):
+                cost = size_of({place: texts[place]})
+                if cost <= share:
+                    told[place] = texts[place]
+                    share, spare = share - cost, spare - cost
+    # What no skill's own share had room for may fit into what the others left.
+    for place, text in texts.items():
+        if place not in told and size_of({**told, place: text}) <= room:
+            told[place] = text
+    return told, [place for place in texts if place not in told]
+
+
+def _text(name: str, heading: str) -> str:
+    """A section of a skill without its heading."""
+    return sections_of((SKILLS / name / "SKILL.md").read_text("utf-8"))[heading].partition("\n")[2]
+
+
+# ---------------------------------------------------------------- words
+
+
+def _events(prompt: str) -> dict[str, Any]:
+    """Verbs of the prompt with kinds of event that fit, and what each kind is true of."""
+    verbs: dict[str, list[str]] = {}
+    events = sorted(k for k in PREDICATES if PREDICATES[k].event)
+    for quote, kinds in events_in(prompt):
+        called = [k for k in events if k[:ALIKE] == quote[:ALIKE].casefold()]
+        own = called + [k for k in events if k in kinds and k not in called]
+        verbs.setdefault(quote, (own or [k for k in events if kinds_meant([k]) & kinds])[:KINDS])
+    verbs = dict(list(verbs.items())[:EVENTS])
+    told = dict.fromkeys(k for kinds in verbs.values() for k in kinds)
+    return {"events": verbs, "kinds": {k: PREDICATES[k].gloss for k in told}}
+
+
+def _densities(prompt: str) -> dict[str, list[float]]:
+    """Substances that the prompt names -> least and largest density [kg/m^3]."""
+    named = [m.term for m in meanings(prompt, language_of(prompt), "material")]
+    return {s: list(DENSITY_RANGES[s]) for s in dict.fromkeys(named) if s in DENSITY_RANGES}
+
+
+# ---------------------------------------------------------------- example
+
+
+def _example(words: list[str], called: list[str]) -> dict[str, Any]:
+    """The recorded world that most words of the prompt call for, or the first of the first skill, as much of it as there is room for."""
+    known = [(name, file, entries) for name in called for file, entries in _guides()[name].examples.items()]
+    by_words = max(known, key=lambda one: len(_among(one[2], words)), default=None)
+    name, file = by_words[:2] if by_words is not None else _DEFAULT
+    world = _world((SKILLS / name / file).read_text("utf-8"))
+    told: dict[str, Any] = {"file": f"{name}/{file}", "prompt": world["prompt"]}
+    left = []
+    for member, value in _parts(world):
+        if size_of({**told, member: value}) <= EXAMPLE:
+            told[member] = value
+        else:
+            left.append(member)
+    return {**told, "left_out": left} if left else told
+
+
+def _world(text: str) -> dict[str, Any]:
+    """A whole specification; of an example that is a list of calls, that of its first."""
+    data: dict[str, Any] = json.loads(text)
+    if "calls" not in data:
+        return data
+    first = data["calls"][0]["arguments"]
+    return {"prompt": first["prompt"], **first["spec"]}
+
+
+def _parts(world: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Pointers of a world and what stands there, what is hardest to guess first."""
+    yield from ((f"/terrains/{n}", t) for n, t in world.get("terrains", {}).items())
+    yield "/simulation", world["simulation"]
+    matter = {n: e for n, e in world["entities"].items() if e.get("physics", {}).get("category", "rigid") != "rigid"}
+    yield from ((f"/entities/{n}", e) for n, e in matter.items())
+    yield from ((f"/story/beats/{n}", b) for n, b in world["story"]["beats"].items())
+    yield from ((f"/entities/{n}", e) for n, e in world["entities"].items() if n not in matter)
+    yield from ((f"/materials/{n}", m) for n, m in world["materials"].items())
+    yield "/graph", world.get("graph", {})
+    yield "/shots", world.get("shots", {})

@@ -10,6 +10,8 @@ from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..execution import Job
 
 __all__ = ["job"]
@@ -41,7 +43,7 @@ def job(
     running, done, failed, cancelled, lost), progress 0 to 1, seconds so far, what it does and about how long it still takes,
     or what it waits for. Not for: starting work. Next: the reply's `next`.
     """
-    from ..workflow.waiting import follow, patience
+    from ..workflow.waiting import cut_short, follow, patience
 
     if action == "list":
         return _listed(context, world, states, limit, offset, detail=detail)
@@ -52,7 +54,9 @@ def job(
         context.jobs.request_cancel(job_id)
         return _told(context, context.jobs.wait(job_id, CANCEL_S), detail=detail)
     found = context.jobs.get(job_id)
-    return _told(context, follow(context, found, patience(wait_s) if action == "wait" else 0.0), detail=detail)
+    waited = action == "wait"
+    ended = follow(context, found, patience(wait_s) if waited else 0.0)
+    return _told(context, ended, detail=detail, warnings=cut_short(wait_s) if waited else ())
 
 
 def _listed(
@@ -73,7 +77,7 @@ def _listed(
     return ToolReply(answer(data, f"{len(page)} of {total} jobs, newest first, {len(unended)} of them not ended", then))
 
 
-def _told(context: ToolContext, job: Job, *, detail: bool) -> ToolReply:
+def _told(context: ToolContext, job: Job, *, detail: bool, warnings: Sequence[str] = ()) -> ToolReply:
     """A job, with the reply of the tool that started it once it is done."""
     from ..workflow.answers import answer, job_answer
     from ..workflow.job_kinds import again
@@ -81,7 +85,7 @@ def _told(context: ToolContext, job: Job, *, detail: bool) -> ToolReply:
 
     data = job_data(job, context.jobs, detail=detail)
     if not job.ended:
-        return ToolReply(job_answer(data))
+        return ToolReply(job_answer({**data, "warnings": list(warnings)}))
     if job.state != "done":
         error = f"; {job.error['message']}" if job.error else ""
         what = again(job)

@@ -14,7 +14,7 @@ from .context import ToolContext
 from .job_kinds import ENTRIES, KINDS, again
 from .session import Session
 
-__all__ = ["ENV_WAIT", "ended_data", "follow", "job_data", "patience", "progress_text", "start_and_wait"]
+__all__ = ["ENV_WAIT", "cut_short", "ended_data", "follow", "job_data", "patience", "progress_text", "start_and_wait"]
 
 ENV_WAIT = "WORLDAGENT_WAIT_MAX_S"
 """Environment variable: the longest that a call waits for a job, whatever `wait_s` it was given [s]."""
@@ -32,6 +32,14 @@ def patience(wait_s: float) -> float:
     except ValueError:
         longest = WAIT_MAX_S
     return min(wait_s, longest)
+
+
+def cut_short(wait_s: float) -> list[str]:
+    """Warning of a call that was to wait for longer than calls wait here; none where it waited as long as it was asked to."""
+    longest = patience(wait_s)
+    if longest >= wait_s:
+        return []
+    return [f"waited {longest:g} s of wait_s={wait_s:g}: no call waits longer here ({ENV_WAIT}); the job goes on, wait again"]
 
 
 def _duration(seconds: float) -> str:
@@ -181,7 +189,8 @@ def start_and_wait(
     if not job.ended:
         if context.handover is not None:
             context.handover.job_id = job.id
-        return job_data(job, context.jobs)
+            return job_data(job, context.jobs)
+        return {**job_data(job, context.jobs), "warnings": cut_short(wait_s)}
     data = ended_data(job)
     if job.finished is not None and job.finished < began:
         note = f"nothing changed since job {job.id}: this is its result; nothing was run again"

@@ -103,6 +103,15 @@ def test_no_call_waits_longer_than_clients_do(monkeypatch):
     assert waiting.patience(240.0) == 200.0
 
 
+def test_a_wait_that_was_cut_short_says_so_and_by_what(context, gate, monkeypatch):
+    monkeypatch.setenv(waiting.ENV_WAIT, "0.2")
+    made = _gated(context, gate)
+    assert job(context, "wait", job_id=made.id, wait_s=0.1).data["warnings"] == []
+    (told,) = job(context, "wait", job_id=made.id, wait_s=200).data["warnings"]
+    assert "waited 0.2 s of wait_s=200" in told
+    assert waiting.ENV_WAIT in told
+
+
 def test_a_waiting_call_gives_a_sign_of_life_where_nothing_moves(context, gate, told, monkeypatch):
     monkeypatch.setattr(waiting, "POLL_S", 0.02)
     monkeypatch.setattr(waiting, "SIGN_S", 0.1)

@@ -26,6 +26,7 @@ def made(agent: Any, never: dict[str, Any], claims: str | None = CLAIMS) -> dict
     return found
 
 
+@pytest.mark.slow
 def test_a_german_prompt_is_claimed_in_one_call_and_accepted_without_a_waiver(agent: Any) -> None:
     assert made(agent, TIPS)["audit"]["passed"]
     assert len(CLAIMS) < 1500

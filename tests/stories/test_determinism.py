@@ -124,6 +124,7 @@ def _processes_of(row: dict[str, Any]) -> list[int]:
     return [int(row[k]) for k in ("pid", "task_pid") if row.get(k)]
 
 
+@pytest.mark.slow
 def test_a_cancelled_bake_resumes_to_the_same_bytes(
     long_probed: Path, unbroken: dict[str, bytes], tmp_path: Path, agent_of: Any
 ) -> None:

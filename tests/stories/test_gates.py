@@ -71,6 +71,7 @@ def test_an_edit_of_the_story_closes_final_until_accepted_again(accepted: Any) -
     assert verdict["verdict"] == "accepted"
 
 
+@pytest.mark.slow
 def test_a_beat_that_did_not_happen_leaves_the_candidate_incomplete_and_preserved(accepted: Any) -> None:
     accepted.edit(("/story/beats/fall/predicate/min", 0.5))
     verdict = accepted.call("run_checks", world="w", scope="acceptance")

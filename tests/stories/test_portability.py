@@ -31,6 +31,7 @@ def _worldagent(*arguments: str, where: Path, **environment: str) -> tuple[int, 
     return done.returncode, json.loads(done.stdout) if done.stdout.strip() else done.stderr
 
 
+@pytest.mark.slow
 def test_a_copied_folder_is_verified_with_equal_digests_and_not_written_to(copy: Path, loop: Any, tmp_path: Path) -> None:
     away = copy.rename(tmp_path / "elsewhere and renamed")
     before = _tree(away)
@@ -61,6 +62,7 @@ def test_a_bundle_is_verified_by_the_command_alone(loop: Any, tmp_path: Path) ->
     assert sorted(p.name for p in tmp_path.iterdir()) == ["page.html", "proof.zip"]
 
 
+@pytest.mark.slow
 def test_a_bundle_is_verified_where_pictures_are_made_by_another_variant(loop: Any, tmp_path: Path) -> None:
     (bundle,) = (loop.workspace / "w" / "acceptance").glob("*.zip")
     code, verdict = _worldagent("verify", str(bundle), where=tmp_path, WORLDAGENT_MITSUBA_VARIANT="scalar_rgb")

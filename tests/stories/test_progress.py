@@ -26,6 +26,7 @@ def share(told: list[Progress], start: str) -> list[float]:
     return [p.done / p.total for p in told if p.total and p.message.startswith(start)]
 
 
+@pytest.mark.slow
 def test_judging_counts_and_the_same_motion_is_judged_again_without_simulating(
     copy: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

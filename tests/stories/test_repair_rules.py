@@ -41,6 +41,7 @@ def test_two_causal_groups_at_once_are_refused_after_a_failure(failed: Any, patc
     assert "step" in text
 
 
+@pytest.mark.slow
 def test_a_second_change_waits_for_the_test_of_the_first(failed: Any, patch: Patch) -> None:
     failed.edit(("/entities/ball/physics/linear_velocity/0", 0.6), hypothesis=WHY)
     text = failed.refused("edit_spec", world="w", patch=patch(FASTER), hypothesis=WHY)

@@ -53,6 +53,7 @@ def rows_of(agent: Any) -> dict[str, tuple[str, bool]]:
     return {r.id: (r.status, r.mandatory) for r in ledger.rows() if r.check == "review"}
 
 
+@pytest.mark.slow
 def test_nobody_reads_unless_the_owner_names_a_reader(accepted: Any) -> None:
     told = accepted.call("run_checks", world="w", scope="review")
     assert told["read_by"] == "nobody"
@@ -66,6 +67,7 @@ def test_nobody_reads_unless_the_owner_names_a_reader(accepted: Any) -> None:
     assert (verdict["verdict"], verdict["read_by"]) == ("accepted", "nobody")
 
 
+@pytest.mark.slow
 def test_a_model_that_sees_everything_is_in_the_verdict_and_asked_once(accepted: Any, named: Any) -> None:
     with serving(reading({})) as fake:
         named(fake.url)
@@ -147,6 +149,7 @@ def test_an_edit_of_a_look_makes_the_answers_stale_and_a_review_of_other_picture
     assert [r["standing"] for r in found["reviews"]] == ["of another bake, or of other parts of the prompt", "of this very bake"]
 
 
+@pytest.mark.slow
 def test_a_picture_that_was_replaced_since_is_told_by_verify(accepted: Any, named: Any) -> None:
     with serving(reading({})) as fake:
         named(fake.url)

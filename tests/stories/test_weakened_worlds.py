@@ -170,6 +170,7 @@ def _as_far_as_it_goes(agent: Any, world: str, spec: Spec, prompt: str = PROMPT,
     return "\n".join(said), agent.call("inspect_world", world=world)
 
 
+@pytest.mark.slow
 def test_the_sound_world_is_accepted(agents: Any) -> None:
     """Otherwise nothing below would prove anything."""
     assert _as_far_as_it_goes(agents, "sound", small_spec())[1]["last_verdict"]["verdict"] == "accepted"

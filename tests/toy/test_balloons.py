@@ -73,6 +73,7 @@ def test_the_example_of_the_guide_is_this_one(tree: Path) -> None:
     assert re.sub(r" +", " ", stat.strip()) in re.sub(r" +", " ", told), f"print this in CONTRIBUTING.md:\n{stat}"
 
 
+@pytest.mark.slow
 def test_balloons_are_specified_baked_judged_and_drawn(tree: Path) -> None:
     """Every test over a registry, for balloons, and the whole loop of a client; in a process of its own, which imports the copy."""
     environment = {**os.environ, "PYTHONPATH": str(tree.parent), "PYTHONSAFEPATH": "1", "PYTHONDONTWRITEBYTECODE": "1"}

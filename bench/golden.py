@@ -4,8 +4,8 @@ python -m worldagent.bench.golden record [--only CHECK] [--worlds]   # write tes
 python -m worldagent.bench.golden record --processor                 # write rows that only this processor rounds otherwise
 python -m worldagent.bench.golden compare [--only CHECK] [--worlds]  # print each difference; 1 where there is one
 
-Of every mechanism of every suite the first world picked by hand is judged by the suite's check; `--worlds` takes the accepted worlds
-and those that the skills record instead, built and baked anew, with the rows of their acceptance.
+Of every mechanism of every suite the first world picked by hand is judged by the suite's check; a broken one that is not found, or a sound
+one that is refused, is told before its rows are looked at. `--worlds` takes the accepted worlds and those that the skills record instead, built and baked anew, with the rows of their acceptance.
 
 What breaks or folds multiplies rounding: a processor with AVX-512 sums in another order than one with AVX2, and the pieces fly
 elsewhere. `tests/golden/processors/<check>.json` holds such rows as another processor measured them, of the same status and bound.
@@ -21,7 +21,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..execution.processes import core_count
 from ..testing.defects.accepted import recorded, rejudge, specifications
@@ -29,7 +29,7 @@ from ..testing.defects.judge import judge_one
 from ..testing.defects.suites import CHECKS, suite_of
 from ..worlds.requirements import Row
 
-__all__ = ["FIELDS", "GOLDEN", "compare", "differences", "main", "rows_of_suite", "write"]
+__all__ = ["FIELDS", "GOLDEN", "Found", "compare", "differences", "main", "rows_of_suite", "write"]
 
 GOLDEN = Path(__file__).parents[1] / "tests" / "golden"
 FIELDS = ("id", "status", "measured", "bound", "unit", "first_failing_entity", "first_failing_frame")
@@ -55,15 +55,30 @@ def data_of(rows: Iterable[Row]) -> World:
     return sorted(([getattr(row, name) for name in FIELDS] for row in rows), key=lambda r: str(r[0]))
 
 
-def rows_of_suite(check: str) -> dict[str, World]:
+class Found(NamedTuple):
+    """Rows of worlds, and what is wrong with their verdicts."""
+
+    rows: dict[str, World]
+    misjudged: list[str]
+    """Lines about broken worlds that are not found and sound ones that are refused."""
+
+
+def rows_of_suite(check: str) -> Found:
     """Rows of the first hand-picked world of every mechanism of a suite, by mechanism."""
-    suite = suite_of(check)
-    return {m.name: data_of(judge_one(suite.check, m, m.hand_picked[0], SEED).rows) for m in suite.mechanisms}
+    suite, found = suite_of(check), Found({}, [])
+    for mechanism in suite.mechanisms:
+        verdict = judge_one(suite.check, mechanism, mechanism.hand_picked[0], SEED)
+        found.rows[mechanism.name] = data_of(verdict.rows)
+        if not (verdict.detected if mechanism.broken else not verdict.alarm):
+            found.misjudged.append(
+                f"{check}: {mechanism.name} is {'broken and not found' if mechanism.broken else 'sound and refused'}"
+            )
+    return found
 
 
-def rows_of_worlds() -> dict[str, World]:
+def rows_of_worlds() -> Found:
     """Rows of the acceptance of every accepted world and every one that a skill records."""
-    return {name: data_of(rejudge(name, spec).rows) for name, spec in (*specifications(), *recorded())}
+    return Found({name: data_of(rejudge(name, spec).rows) for name, spec in (*specifications(), *recorded())}, [])
 
 
 def _same(a: Any, b: Any) -> bool:
@@ -150,12 +165,12 @@ def write(name: str, found: dict[str, World], folder: Path | None = None) -> Non
     (folder / f"{name}.json").write_text(f"{{\n{worlds}\n}}\n")
 
 
-def _judge(name: str) -> dict[str, World]:
+def _judge(name: str) -> Found:
     return rows_of_worlds() if name == "worlds" else rows_of_suite(name)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command; 0 where nothing differs."""
+    """The command; 0 where nothing differs and every world is judged rightly."""
     parser = argparse.ArgumentParser(prog="golden", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("record", "compare"))
     parser.add_argument("--only", action="append", choices=CHECKS, help="only this suite (repeatable)")
@@ -165,7 +180,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     names = ["worlds"] if options.worlds else list(options.only or CHECKS)
     wrong = 0
     with ProcessPoolExecutor(min(core_count(), len(names)), mp_context=get_context("spawn")) as pool:
-        for name, found in zip(names, pool.map(_judge, names), strict=True):
+        for name, (found, misjudged) in zip(names, pool.map(_judge, names), strict=True):
+            wrong += len(misjudged)
+            for line in misjudged:
+                print(line, flush=True)
             if options.what == "record" and options.processor:
                 if others := rounded_otherwise(name, json.loads(json.dumps(found))):
                     write(name, others, PROCESSORS)

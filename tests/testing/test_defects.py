@@ -14,19 +14,16 @@ from worldagent.testing.defects.judge import interval
 
 EACH_KIND = 12
 MECHANISMS = 6
-SLOW = ("liquid_soft", "navigability", "causal", "liquid", "contact", "interpenetration", "cloth", "fracture", "gas")
-"""Suites whose worlds take seconds to simulate; their first broken and their first sound mechanism are fast, but for liquid_soft.
-
-`make golden` judges a seeded world of every mechanism in every run of CI; `test_liquid_soft.py` has one world of each kind.
-"""
 
 
 def _first(check: str) -> list[Mechanism]:
+    """The first broken and the first sound mechanism; those of liquid_soft take minutes, and `test_liquid_soft.py` has one of each kind."""
     return [] if check == "liquid_soft" else [suite_of(check).of(broken=broken)[0] for broken in (True, False)]
 
 
+# `make golden` judges this very world of every mechanism in each run of CI.
 CASES = [
-    pytest.param(check, m, id=f"{check}-{m.name}", marks=[pytest.mark.slow] if check in SLOW and m not in _first(check) else [])
+    pytest.param(check, m, id=f"{check}-{m.name}", marks=[] if m in _first(check) else [pytest.mark.slow])
     for check in CHECKS
     for m in suite_of(check).mechanisms
 ]

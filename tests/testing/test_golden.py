@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from worldagent.bench import golden
+from worldagent.testing.defects.suites import suite_of
 
 ROW = ["scale:cube", "pass", 0.25, 0.5, "m", None, None]
 
@@ -36,7 +38,8 @@ def test_what_differs_is_told(now: dict[str, golden.World], told: list[str]) -> 
 
 def test_rows_of_a_suite_are_recorded_and_compared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(golden, "GOLDEN", tmp_path)
-    found = golden.rows_of_suite("scale")
+    found, misjudged = golden.rows_of_suite("scale")
+    assert misjudged == []
     assert golden.compare("scale", found) == ["scale: nothing is recorded; run `python -m worldagent.bench.golden record`"]
     golden.write("scale", found)
     assert golden.compare("scale", found) == []
@@ -45,6 +48,15 @@ def test_rows_of_a_suite_are_recorded_and_compared(tmp_path: Path, monkeypatch: 
     kept[world][0][1] = "unverified"
     (tmp_path / "scale.json").write_text(json.dumps(kept))
     assert len(golden.compare("scale", found)) == 1
+
+
+def test_a_world_that_is_judged_wrongly_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    suite = suite_of("scale")
+    broken, sound = (suite.of(broken=b)[0] for b in (True, False))
+    swapped = (replace(broken, broken=False), replace(sound, broken=True))
+    monkeypatch.setattr(golden, "suite_of", lambda check: replace(suite, mechanisms=swapped))
+    found = golden.rows_of_suite("scale")
+    assert found.misjudged == [f"scale: {broken.name} is sound and refused", f"scale: {sound.name} is broken and not found"]
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from .described import DESCRIBING, judged_words
 from .errors import InputError
 from .nouns import noun_of
 from .orders import orders_said
+from .place_things import place_warnings
 from .predicates import atoms_of, entities_of
 from .predicates.events import PairEvent, event_atoms
 from .prompts import lexicon as words
@@ -141,6 +142,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from decoy_warnings(spec)
     yield from look_warnings(spec)
     yield from deciding_warnings(spec, spans, language)
+    yield from place_warnings(spec, spans, language)
     readings = [
         words.Reading(s.start, s.end, s.type, _kinds(spec, s.claim))
         for s in spans

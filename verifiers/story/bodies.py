@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import Beat, SpecModel, WorldSpec
 
-__all__ = ["Deeds", "acting_atoms", "deeds_of", "involved", "moved_bodies", "spoken_bodies"]
+__all__ = ["Deeds", "acting_atoms", "deeds_of", "involved", "moved_bodies", "spoken_bodies", "standing_atoms"]
 
 
 def involved(spec: WorldSpec, beat: Beat) -> list[str]:
@@ -77,6 +77,15 @@ def deeds_of(candidate: Candidate, beat: Beat) -> list[Deeds]:
         else:
             choices.append(deeds)
     return [*(Deeds(1, {body: atoms}) for body, atoms in own.items()), *choices]
+
+
+def standing_atoms(predicate: SpecModel, body: str) -> Iterator[SpecModel]:
+    """Atoms that an `and` joins and that tell of a body where or how it is, and not that something happens to it: `rests_on` beside `stops`."""
+    if isinstance(predicate, And):
+        for member in predicate.of:
+            yield from standing_atoms(member, body)
+    elif getattr(predicate, "entity", None) == body and not _happens(predicate, str(getattr(predicate, "kind", ""))):
+        yield predicate
 
 
 def acting_atoms(predicate: SpecModel) -> Iterator[SpecModel]:

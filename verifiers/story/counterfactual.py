@@ -18,7 +18,7 @@ from ...worlds.errors import EvidenceError
 from ..predicates import evaluate, last_needed
 from ..rows.corrections import postponed
 from ..rows.findings import Finding, judged
-from .bodies import deeds_of
+from .bodies import deeds_of, standing_atoms
 from .causal_corrections import not_prevented, other_body_hints
 from .edges import edges_of
 from .interventions import FollowsError, preventions
@@ -153,12 +153,17 @@ class _Variants:
         def needs(_: str, atom: SpecModel) -> bool:
             return any(r is not None and evaluate(r.candidate, atom, edge.effect.frames).status == "fail" for r in runs)
 
-        idle = dict.fromkeys(body for part in deeds for body in part.lacking(needs))
+        # What stops because it is held in the air stops anyway; that it rests on the table is the part of it that needs the cause.
+        idle = [
+            body
+            for body in dict.fromkeys(body for part in deeds for body in part.lacking(needs))
+            if not any(needs(body, atom) for atom in standing_atoms(edge.effect.predicate, body))
+        ]
         if not idle:
             return None
-        first, causes = next(iter(idle)), ", ".join(edge.effect.causes)
+        first, causes = idle[0], ", ".join(edge.effect.causes)
         text = f"without {edge.cause_id} {edge.effect_id} does not come, but {', '.join(idle)} does its part of it in every run without one of {causes}"
-        hints, told = other_body_hints(edge, first), {"anyway": list(idle)}
+        hints, told = other_body_hints(edge, first), {"anyway": idle}
         return Finding("fail", text, float(len(idle)), 0.0, "1", first, hints=hints, evidence=told, comparison="<=")
 
     def _run(self, way: Prevention) -> Rerun:

@@ -10,7 +10,7 @@ import pytest
 from worldagent.testing.defects._causal_untold import UNTOLD
 from worldagent.testing.defects.judge import judge_one
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
-from worldagent.verifiers.story.bodies import acting_atoms, deeds_of, moved_bodies, spoken_bodies
+from worldagent.verifiers.story.bodies import acting_atoms, deeds_of, moved_bodies, spoken_bodies, standing_atoms
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import (
     And,
@@ -84,6 +84,19 @@ def test_who_is_moved_and_who_is_spoken_of(tmp_path: Path) -> None:
     assert moved_bodies(spec, asked) == ("one", "two")
     assert spoken_bodies(spec, asked) == ("one", "two", "three")
     assert [getattr(a, "kind", "") for a in acting_atoms(asked.predicate)] == ["topples", "contact"]
+
+
+def test_where_a_body_stands_is_of_its_own_atoms_that_an_and_joins(tmp_path: Path) -> None:
+    rests = RestsOn(entity="one", on="floor")
+    joined = And(
+        of=[
+            FAR["one"],
+            And(of=[rests, RestsOn(entity="two", on="floor")]),
+            Or(of=[StaysIn(entity="one", region="home"), FAR["two"]]),
+        ]
+    )
+    assert list(standing_atoms(joined, "one")) == [rests]
+    assert list(standing_atoms(FAR["one"], "one")) == []
 
 
 @pytest.mark.parametrize("name", ["one-of-two", "one-comes-anyway", "passed-on", "each-its-own"])

@@ -67,8 +67,8 @@ pictures.
 Units are SI, Z is up, quaternions are (w, x, y, z), frame k is the state at k / fps. Angles are in degrees only where a \
 name says so.
 
-Read first inspect_world(part='guide', prompt=...): what the skills say of your prompt, with an example. More as resource or by \
-inspect_world(part='guide', pointer=...): skill://world-building/SKILL.md, skill://outdoor-terrain/SKILL.md for land outdoors. \
+Read first inspect_world(part='guide', prompt=...): what the skills say of your prompt. More as resource or by \
+part='guide', pointer=...: skill://world-building/SKILL.md, skill://outdoor-terrain/SKILL.md for land outdoors. \
 Then parts of the schema as you need them: inspect_world(part='schema', pointer='Shot'). worldagent://schema/world is all of it \
 (over 230 kB), worldagent://capabilities tells engines, species and caps."""
 """What a client shows its model about this server; clients cut it at 2 KB."""

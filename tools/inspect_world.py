@@ -68,8 +68,8 @@ def inspect_world(
     prompt: Annotated[
         str | None,
         Field(
-            description="For guide: the prompt, verbatim; returns its words marked, kinds of event for its verbs, the sections "
-            "of skills and a worked example that fit, in at most 15,000 characters"
+            description="For guide: a prompt; returns its words marked, kinds of event, and the sections of skills and the example "
+            "that fit it, in 15,000 characters"
         ),
     ] = None,
     row: Annotated[str | None, Field(description="For row: its id")] = None,

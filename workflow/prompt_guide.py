@@ -1,4 +1,4 @@
-"""What the skills say of one prompt: its words marked, kinds of event for its verbs, sections, densities and a worked example.
+"""The guide of one prompt, from the skills: its words marked, kinds of event for its verbs, sections, densities and a worked example.
 
 Each skill names its words, and which of its sections and examples they call for, in `guide.json`. A start for whoever builds: nothing is judged by it.
 """
@@ -230,10 +230,10 @@ def _parts(world: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Pointers of a world and what stands there, what is hardest to guess first."""
     yield from ((f"/terrains/{n}", t) for n, t in world.get("terrains", {}).items())
     yield "/simulation", world["simulation"]
-    matter = {n: e for n, e in world["entities"].items() if e.get("physics", {}).get("category", "rigid") != "rigid"}
-    yield from ((f"/entities/{n}", e) for n, e in matter.items())
+    entities = sorted(world["entities"].items(), key=lambda item: -size_of(item[1].get("physics", {})))
+    yield from ((f"/entities/{n}", e) for n, e in entities[:1])
     yield from ((f"/story/beats/{n}", b) for n, b in world["story"]["beats"].items())
-    yield from ((f"/entities/{n}", e) for n, e in world["entities"].items() if n not in matter)
+    yield from ((f"/entities/{n}", e) for n, e in entities[1:])
     yield from ((f"/materials/{n}", m) for n, m in world["materials"].items())
     yield "/graph", world.get("graph", {})
     yield "/shots", world.get("shots", {})

@@ -71,6 +71,7 @@ def _unbroken():
     return digests, checkpoints
 
 
+@pytest.mark.slow
 def test_the_same_specification_gives_the_same_bytes():
     digests, checkpoints = _unbroken.__wrapped__()
     again, points = _unbroken()

@@ -184,6 +184,7 @@ def test_a_job_outlives_its_client_and_its_server(long_probed: Path, tmp_path: P
         later.call("job", action="cancel", job_id=job)
 
 
+@pytest.mark.slow
 def test_a_torn_tail_is_not_trusted(long_probed: Path, unbroken: dict[str, bytes], tmp_path: Path) -> None:
     """Half a frame, a digest without a frame, and a frame that no digest knows."""
     workspace = shutil.copytree(long_probed, tmp_path / "ws")

@@ -62,6 +62,7 @@ def _open(record: dict[str, Any]) -> dict[str, dict[str, Any]]:
     return {r["id"]: r for r in record["rows"] if r["mandatory"] and r["status"] in ("fail", "unverified")}
 
 
+@pytest.mark.slow
 def test_statuses_written_into_the_ledger_open_nothing(failed: Any) -> None:
     folder = failed.workspace / "w"
     with sqlite3.connect(folder / "ledger.sqlite") as db:
@@ -292,6 +293,7 @@ def judge_or_error(folder: Path) -> str:
         return str(error)
 
 
+@pytest.mark.slow
 def test_another_run_in_place_of_the_baked_one_is_found(copy: Path, failed_folder: Path) -> None:
     """The frames, digests and checkpoints of a whole other simulation, consistent in themselves."""
     from worldagent.simulation.schedule import run_frames
@@ -311,6 +313,7 @@ def test_another_run_in_place_of_the_baked_one_is_found(copy: Path, failed_folde
     assert found["delivery:replay"]["first_failing_frame"] == 0
 
 
+@pytest.mark.slow
 def test_an_index_that_renames_bodies_is_found(copy: Path) -> None:
     path = _bake(copy) / "index.json"
     data = json.loads(path.read_text())

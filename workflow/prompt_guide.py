@@ -151,14 +151,14 @@ def _wanted(name: str, words: list[str]) -> list[str]:
 
 def _sections(words: list[str], called: list[_Called], room: int) -> tuple[dict[str, str], list[str]]:
     """Texts of sections by `skill/SKILL.md#heading`, as many as there is room for, and the places of what is left out."""
-    own = [c.name for c in called if c.name not in BASE]
-    groups = [(own, int(room * OWN_SHARE) if own else 0), ([*BASE], room)]
+    own = {c.name: len(c.because) for c in called if c.name not in BASE}
+    groups = [(own, int(room * OWN_SHARE) if own else 0), (dict.fromkeys(BASE, 1), room)]
     texts = {f"{name}/SKILL.md#{h}": _text(name, h) for names, _ in groups for name in names for h in _wanted(name, words)}
     told: dict[str, str] = {}
-    for names, most in groups:
-        spare = min(most, room - size_of(told))
-        for k, name in enumerate(names):
-            share = spare // (len(names) - k)
+    for weights, most in groups:
+        spare, rest = min(most, room - size_of(told)), sum(weights.values())
+        for name, weight in weights.items():
+            share, rest = spare * weight // rest, rest - weight
             for place in (p for p in texts if p.startswith(f"{name}/")):
                 cost = size_of({place: texts[place]})
                 if cost <= share:
@@ -202,10 +202,10 @@ def _densities(prompt: str) -> dict[str, list[float]]:
 
 
 def _example(words: list[str], called: list[str]) -> dict[str, Any]:
-    """The recorded world that most words of the prompt call for, or the first of the first skill, as much of it as there is room for."""
-    known = [(name, file, entries) for name in called for file, entries in _guides()[name].examples.items()]
-    by_words = max(known, key=lambda one: len(_among(one[2], words)), default=None)
-    name, file = by_words[:2] if by_words is not None else _DEFAULT
+    """The recorded world that most words of the prompt call for, or else the first of the first skill, as much of it as there is room for."""
+    known = [(name, file, len(_among(e, words))) for name in called for file, e in _guides()[name].examples.items()]
+    asked = [one for one in known if one[2] or one[0] == called[0]]
+    name, file, _ = max(asked, key=lambda one: one[2], default=(*_DEFAULT, 0))
     world = _world((SKILLS / name / file).read_text("utf-8"))
     told: dict[str, Any] = {"file": f"{name}/{file}", "prompt": world["prompt"]}
     left = []

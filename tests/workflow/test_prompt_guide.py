@@ -52,6 +52,12 @@ def test_any_prompt_is_answered_within_its_characters_and_what_is_left_out_has_i
             assert heading in sections_of((SKILLS / name / "SKILL.md").read_text())
 
 
+def test_the_skill_that_most_words_call_for_has_most_room_and_no_strange_example_is_shown() -> None:
+    told = prompt_guide("A beach ball floats across a pool, and the wind blows it against a wooden raft.")
+    assert next(iter(told["sections"])) == "coupled-systems/SKILL.md#Floating"
+    assert told["example"]["file"] == "world-building/examples/two_blocks.json"
+
+
 def test_the_marked_text_is_the_prompt() -> None:
     prompt = "A glass jug tips over and shatters, and its honey pours onto the oak floor."
     told = prompt_guide(prompt)

@@ -5,7 +5,8 @@ python -m worldagent.bench.golden record --processor                 # write row
 python -m worldagent.bench.golden compare [--only CHECK] [--worlds]  # print each difference; 1 where there is one
 
 Of every mechanism of every suite the first world picked by hand is judged by the suite's check; a broken one that is not found, or a sound
-one that is refused, is told before its rows are looked at. `--worlds` takes the accepted worlds and those that the skills record instead, built and baked anew, with the rows of their acceptance.
+one that is refused, is told before its rows are looked at. `--worlds` takes the accepted worlds and those that the skills record instead,
+built and baked anew, with the rows of their acceptance.
 
 What breaks or folds multiplies rounding: a processor with AVX-512 sums in another order than one with AVX2, and the pieces fly
 elsewhere. `tests/golden/processors/<check>.json` holds such rows as another processor measured them, of the same status and bound.

@@ -1,4 +1,4 @@
-"""What a run of all tests has collected."""
+"""Key under which a run of all tests keeps the slow ones that it collected."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from .table_entries import sections_of
 __all__ = ["CHARACTERS", "prompt_guide"]
 
 CHARACTERS = 15_000
-"""Of the whole answer as JSON."""
+"""Most characters of the whole answer as compact JSON."""
 LONGEST_PROMPT = 20_000
 MARKED = 2_000
 """Characters of marked text; of a longer prompt its beginning."""
@@ -40,7 +40,7 @@ ALIKE = 4
 SKILLS_TOLD = 4
 """Skills of the prompt's own words whose sections are told."""
 OWN_SHARE = 0.65
-"""Of the room for sections, what goes to skills that words of the prompt call for; the rest to what every world needs."""
+"""[1] Share of the room for sections that skills get which words of the prompt call for; what every world needs gets the rest."""
 ENDING = 3
 """Letters by which a word may be longer than an entry of a list: endings of English and German."""
 BASE = ("world-building", "rigid-bodies")
@@ -126,7 +126,7 @@ def _guides() -> Mapping[str, _Guide]:
 
 
 def _meant(entry: str, word: str) -> bool:
-    """Whether a word of the prompt is an entry of a list, but for its ending; an entry with `*` begins compounds too."""
+    """True where a word of the prompt is an entry of a list, but for its ending; an entry with `*` begins compounds too."""
     if entry.endswith("*"):
         return word.startswith(entry[:-1])
     return word.startswith(entry) and len(word) - len(entry) <= ENDING

@@ -32,9 +32,9 @@ def place_warnings(spec: WorldSpec, spans: Sequence[Span], language: str | None)
         if span.claim is None or span.type != "place" or spec.claims[span.claim].waived is not None:
             continue
         bodies = [n for n in named_in(spec, span.claim, "entities") if n in spec.entities]
+        called = {name for name, own in things.items() if own & set(bodies)}
         for noun in nouns:
             text = spec.prompt[noun.start : noun.end]
-            called = {name for name, own in things.items() if own & set(bodies)}
             if not span.start <= noun.start < span.end or not called or any(_same(spec, name, text) for name in called):
                 continue
             elsewhere = [b for name, own in things.items() if _same(spec, name, text) for b in sorted(own)]

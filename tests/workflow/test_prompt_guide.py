@@ -43,7 +43,7 @@ def test_words_call_for_skills_kinds_of_event_and_an_example(
 def test_any_prompt_is_answered_within_its_characters_and_what_is_left_out_has_its_place() -> None:
     prompts = [s.text for s in strangers()][:60]
     assert len(prompts) == 60
-    for prompt in [*prompts, "x", " ".join(p for p in prompts)]:
+    for prompt in [*prompts, "x", " ".join(prompts)]:
         told = prompt_guide(prompt)
         assert size_of(told) <= CHARACTERS
         assert len(told["sections"]) >= 3

@@ -6,8 +6,6 @@ import pytest
 from worldagent.tests.worlds.audits.test_bindings import BALL, BLOCK, told
 from worldagent.worlds.claims import reading_of
 
-NO = ", no 'table'"
-
 
 def lines(marked: str) -> str:
     return "".join(w for w in reading_of(told(marked)).warnings if "is judged against" in w)

@@ -11,6 +11,7 @@ from .inline import run_inline
 from .job import BULK, ENDED_STATES, INTERACTIVE, JOB_STATES, NORMAL, Cancelled, Job, JobState, Progress, result_of
 from .jobs import JobStore
 from .parts import Part, Tell
+from .processes import core_count, die_with_parent, in_task
 from .queue import Standing
 from .terms import Terms
 from .usage import machine_memory
@@ -31,6 +32,9 @@ __all__ = [
     "Standing",
     "Tell",
     "Terms",
+    "core_count",
+    "die_with_parent",
+    "in_task",
     "machine_memory",
     "memory_cap",
     "result_of",

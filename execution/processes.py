@@ -22,6 +22,7 @@ __all__ = [
     "end_group",
     "end_stragglers",
     "host_id",
+    "in_task",
     "is_alive",
     "signal_group",
     "start_time",
@@ -91,6 +92,11 @@ def _prctl(option: int, argument: int | bytes) -> None:
         import ctypes
 
         ctypes.CDLL(None, use_errno=True).prctl(option, argument)
+
+
+def in_task() -> bool:
+    """Whether this is the process of a job, or one below it: forked for it alone, and with no thread of Python's but the first."""
+    return TAG in os.environ
 
 
 def die_with_parent(parent: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
@@ -11,6 +11,9 @@ from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import RefusedError
 from ..worlds.requirements import Row
 from ..worlds.verdicts import asked_words
+
+if TYPE_CHECKING:
+    from ..workflow.session import Session
 
 __all__ = ["probe_sim"]
 
@@ -28,12 +31,19 @@ def probe_sim(
             description="Spacing of liquids and radius of grains in this probe over production's; 2 costs about a sixteenth",
         ),
     ] = 1.0,
+    stop_at: Annotated[
+        Literal["first_failure", "never"],
+        Field(
+            description="first_failure ends a run of which more than 10 s are left when a row fails for good; never shows all rows"
+        ),
+    ] = "first_failure",
 ) -> ToolReply:
     """Simulate to 0.75 s after the last beat with production settings, judge the motion, and freeze the settings if it passes.
 
     Use it when the static rows pass, and again after every repair. It covers preroll, activation, first contact, peak response
     and early settling (a world that is meant to rest has none of them). Liquids and grains run at their production resolution, or coarser as
     asked: then the bake must show the same beats in the same order and within 15 % of the times that the probe promised.
+    Rows are judged while it runs; a stopped, cancelled or failed run keeps its frames, which can be seen and judged, and goes on when called again.
     Refused while the audit or a static row fails; when a liquid's spacing does not resolve a wall, a passage or a source, with its name.
     Returns: passed, phases (frames), open rows with measured value, bound, first failing entity and frame, ranked causes and
     suggested patches, and a link to a contact sheet; or a job_id when it takes longer than wait_s.
@@ -50,6 +60,27 @@ def probe_sim(
 
     session = Session.open(context.workspace, world)
     report = session.require_audit("probe_sim")
+    _require_static(session)
+    freeze = session.freeze()
+    overrides = overrides_for(session.spec, coarser)
+    known = session.ledger.freeze(freeze)
+    told = {} if known is None else known["detail"]
+    ended = known is not None and "stopped" not in told and told.get("overrides", {}) == overrides
+    whole = ended and is_whole(session, freeze, "probe")
+    if not whole:
+        require_room(context.workspace, session.spec)
+    through = stop_at == "never"
+    key = f"probe:{freeze}:{session.revision}{f':{coarser:g}' if overrides else ''}{':whole' if through else ''}"
+    payload = {"detail": detail, **({"coarser": coarser} if overrides else {}), **({"stop_at": stop_at} if through else {})}
+    data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
+    if "state" in data:
+        data["estimate_s"] = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
+        data["estimate_of"] = "moving its liquids and gases once, checks and runs without a cause apart,"
+    return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.lacking]}, detail)
+
+
+def _require_static(session: Session) -> None:
+    """Check the geometry; errors as the tool."""
     rows, _, _ = session.check_static()
     open_rows = [r for r in rows if r.mandatory and r.status in ("fail", "unverified") and r.check != "shots"]
     if open_rows:
@@ -57,19 +88,6 @@ def probe_sim(
             "probe_sim needs passing static rows; mend these with edit_spec or place_object first:\n"
             + "\n".join(_line(r) for r in open_rows[:8])
         )
-    freeze = session.freeze()
-    overrides = overrides_for(session.spec, coarser)
-    known = session.ledger.freeze(freeze)
-    whole = known is not None and known["detail"].get("overrides", {}) == overrides and is_whole(session, freeze, "probe")
-    if not whole:
-        require_room(context.workspace, session.spec)
-    key = f"probe:{freeze}:{session.revision}{f':{coarser:g}' if overrides else ''}"
-    payload = {"detail": detail, **({"coarser": coarser} if overrides else {})}
-    data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
-    if "state" in data:
-        data["estimate_s"] = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
-        data["estimate_of"] = "moving its liquids and gases once, checks and runs without a cause apart,"
-    return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.lacking]}, detail)
 
 
 def _line(row: Row) -> str:

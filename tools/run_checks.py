@@ -141,6 +141,9 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
             "full": call("run_checks", world=world, scope="acceptance"),
             "review": call("run_checks", world=world, scope="acceptance"),
         }[data["scope"]]
+        if "stopped_at" in data:
+            text = f"{text}; frames 0..{data['stopped_at']} of {data['of_frames']} are there"
+            then = call("probe_sim", world=world)
         later = data.get("waiting_for_motion", 0) if data["scope"] == "static" else 0
         good = found["mandatory_open"] <= later
         if data["scope"] == "review":

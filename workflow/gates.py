@@ -52,6 +52,7 @@ def require_probe(session: Session, freeze: str) -> dict[str, Any]:
 
 def _open_of_record(session: Session, known: dict[str, Any]) -> list[str]:
     """Ids of rows that the record of a probe leaves open, or lacks although the specification it judged demands them."""
+    from ..simulation.probe import probe_frames
     from ..verifiers.stored import demanded_of_motion
     from ..worlds.spec import WorldSpec
 
@@ -59,8 +60,12 @@ def _open_of_record(session: Session, known: dict[str, Any]) -> list[str]:
     last, kept = int(rows.get("last", -1)), rows.get("mandatory", {})
     found = [i for i, (status, _) in kept.items() if status == "fail"]
     found += [i for i, (status, needed) in kept.items() if status == "unverified" and (needed is None or needed <= last)]
-    demanded = demanded_of_motion(WorldSpec.model_validate_json(judged[0])) if judged is not None else frozenset({"revision"})
-    return found + sorted(demanded - kept.keys())
+    if judged is None:
+        return [*found, "revision"]
+    spec = WorldSpec.model_validate_json(judged[0])
+    if last < (needed := probe_frames(spec) - 1):
+        found.append(f"frames {last + 1}..{needed}, before which it ended")
+    return found + sorted(demanded_of_motion(spec) - kept.keys())
 
 
 def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:

@@ -42,7 +42,9 @@ KINDS: dict[str, JobKind] = {
         ("terrain", "entity", "size", "center", "cells", "material", "hypothesis"),
         keeps="keeps a landscape that is built",
     ),
-    "probe": JobKind(NORMAL, 6 * HOUR_S, "probe_sim", ("coarser",)),
+    "probe": JobKind(
+        NORMAL, 6 * HOUR_S, "probe_sim", ("coarser", "stop_at"), keeps="goes on from the last checkpoint of the probe"
+    ),
     "accept": JobKind(NORMAL, 12 * HOUR_S, "run_checks", fixed={"scope": "acceptance"}),
     "review": JobKind(NORMAL, HOUR_S, "run_checks", fixed={"scope": "review"}, keeps="keeps answers that are recorded"),
     "bake": JobKind(BULK, 48 * HOUR_S, "bake_sim", keeps="goes on from the last checkpoint of the bake"),

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext, Part
 from ..worlds.canonical import spec_digest
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
-from ..worlds.folder import WorldFolder
 from ..worlds.verdicts import prompt_told, unusual_told, verdict_words
 from .estimates import Pace
-from .gates import require_acceptance, require_probe, require_true_geometry, stored_rows
+from .gates import require_acceptance, require_probe, require_true_geometry
 from .landscapes import terrain
 from .pictures import film_sheet, motion_sheet
+from .probes import judge_probe, probe, probe_candidate
 from .rows import summary
 from .session import Session
+from .work import Work, first_true_frames, open_work, with_variants
 
 if TYPE_CHECKING:
-    from ..worlds.built import BuiltEntity
     from ..worlds.candidate import Candidate
 
 __all__ = ["accept", "bake", "check", "final", "probe", "review", "terrain"]
@@ -60,111 +58,7 @@ JUDGED = 1.0 - 1e-9
 """Part of an acceptance that is the judgement; the report takes a moment."""
 
 
-class _Work(NamedTuple):
-    """The world of a job; its geometry is read or built once, here."""
-
-    session: Session
-    freeze: str
-    """Of its present specification, written to its candidate folder."""
-    built: dict[str, BuiltEntity]
-
-    def candidate(self, stage: Literal["probe", "full"]) -> Candidate:
-        """The caches of the freeze; errors as `open_candidate`."""
-        from ..worlds.candidate import open_candidate
-
-        return open_candidate(self.session.folder, self.freeze, stage, self.built)
-
-
-def _work(payload: dict[str, Any]) -> _Work:
-    """Open the world of a job."""
-    from ..construction import build_world, built_paths
-    from ..simulation.freeze import open_freeze
-
-    session = Session.at(WorldFolder.at(Path(payload["folder"])))
-    built, _ = build_world(session.folder, session.spec)
-    files = built_paths(session.folder, session.spec)
-    return _Work(session, open_freeze(session.folder, session.spec, built, files, session.revision), built)
-
-
-def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
-    """Probe the present settings; a pass freezes them."""
-    from ..simulation.probe import probe_frames, run_probe
-    from ..simulation.schedule import stretch_count
-    from ..verifiers.checks import judging_share, names_of, run_checks
-    from ..verifiers.stored import open_in_probe
-    from ..verifiers.story.phases import find_phases
-    from ..worlds.bake_plan import groups_of
-    from ..worlds.coarsening import overrides_for
-
-    session, freeze, built = _work(payload)
-    total, known = probe_frames(session.spec), session.ledger.freeze(freeze)
-    split, stretches = 1.0 - judging_share(session.spec, "probe"), stretch_count(session.spec)
-    pace = Pace(Part(context.progress, 0.0, split, alike=stretches))
-    coarser = float(payload.get("coarser") or 1.0)
-    overrides = overrides_for(session.spec, coarser)
-    started, seconds = time.monotonic(), {}
-    candidate = run_probe(session.folder, freeze, built=built, overrides=overrides, progress=pace, check=context.check)
-    if pace.reports >= total * len(groups_of(session.spec)):
-        seconds["simulated"] = time.monotonic() - started
-    candidate = _keeping(candidate, session.folder, freeze)
-    rows = run_checks(candidate, progress=Part(context.progress, split, 1.0), seconds=seconds)
-    open_rows = [r.id for r in open_in_probe(rows, candidate.last_frame)]
-    with session.ledger.together():  # a kill leaves the change untested, or all of its test
-        session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
-        rows = session.cited(rows)
-        changed = session.record(rows, stage="probe", checks=names_of("probe"))
-    try:
-        phases: dict[str, Any] = {
-            k: v for k, v in vars(find_phases(candidate)).items() if isinstance(v, (int, float, type(None)))
-        }
-    except EvidenceError as error:  # what moves without end has no phases; the rows say so
-        phases = {"none": str(error)}
-    session.ledger.put_freeze(
-        freeze,
-        session.revision,
-        passed=not open_rows,
-        detail={
-            "frames": total,
-            "failing": open_rows,
-            "digest": candidate.digest,
-            "events": _events(candidate),
-            "rows": stored_rows(rows, candidate.last_frame),
-            **_spent(seconds, known),
-            **({"coarser": coarser, "overrides": overrides} if overrides else {}),
-        },
-    )
-    picture = motion_sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
-    return {
-        "passed": not open_rows,
-        "freeze": freeze[:16],
-        "frames_probed": total,
-        "phases": phases,
-        **({"overrides": overrides} if overrides else {}),
-        "changed_rows": len(changed),
-        **summary(rows),
-        "picture": picture,
-    }
-
-
-def _keeping(candidate: Candidate, folder: WorldFolder, freeze: str) -> Candidate:
-    """The candidate, with a place for the runs without its causes. Acceptance has none: it simulates for itself."""
-    return dataclasses.replace(candidate, variants=folder.candidate(freeze) / "variants")
-
-
-def _spent(seconds: Mapping[str, float], known: dict[str, Any] | None) -> dict[str, float]:
-    """Seconds that the frames and their judgement took; of frames that were there before, as they were measured then."""
-    before = {} if known is None else {k: v for k, v in known["detail"].items() if k in ("simulated_s", "judged_s")}
-    return before | {f"{name}_s": round(value, 2) for name, value in seconds.items()}
-
-
-def _events(candidate: Any) -> dict[str, int | None]:
-    """First true frame of every beat: what the probe promises about the bake."""
-    from ..verifiers.predicates import evaluate
-
-    return {n: evaluate(candidate, b.predicate, b.frames).first_true_frame for n, b in candidate.spec.story.beats.items()}
-
-
-def _same_probe(work: _Work, detail: Mapping[str, Any]) -> Candidate | None:
+def _same_probe(work: Work, detail: Mapping[str, Any]) -> Candidate | None:
     """The probe of the freeze, if it ran at production settings and its digest is the one on record; else None."""
     if detail.get("overrides"):
         return None
@@ -187,7 +81,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .measurements import refuted
     from .promises import promise_row
 
-    work = _work(payload)
+    work = open_work(payload)
     session, freeze, built = work
     record = require_probe(session, freeze)
     total = session.spec.simulation.frames
@@ -200,7 +94,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     candidate = run_bake(session.folder, freeze, built=built, progress=part, check=context.check, reuse=not forged, probe=probe)
     seconds = round(time.monotonic() - began, 2)
     rows = run_checks(candidate, plates=False, progress=Part(context.progress, split, 1.0))
-    promised, found = record["detail"]["events"], _events(candidate)
+    promised, found = record["detail"]["events"], first_true_frames(candidate)
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
     rows = session.cited(rows)
     changed = session.record(rows, stage="full", checks=names_of("full"), keep=rerun_ids(session.spec) | plate_ids(session.spec))
@@ -221,41 +115,35 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
 
 def check(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
-    """Run the checks of one scope again on what is there."""
+    """Run the checks of one scope again on what is there, of a probe also where it was stopped or still goes on."""
     from ..verifiers.checks import names_of, plate_ids, rerun_ids, run_checks
     from ..verifiers.delivery.binding import cache_row
-    from ..verifiers.stored import open_in_probe
     from ..worlds.baked import bake_record
 
-    work = _work(payload)
+    work = open_work(payload)
     session, freeze = work.session, work.freeze
-    stage = payload["scope"]
-    candidate = work.candidate(stage)
-    if stage == "probe":
-        candidate = _keeping(candidate, session.folder, freeze)
-    done = names_of(stage) if payload.get("only") is None else payload["only"]
+    stage, only = payload["scope"], payload.get("only")
+    if stage == "probe" and only is None:
+        # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
+        known = session.ledger.freeze(freeze)
+        settings = {} if known is None else {k: v for k, v in known["detail"].items() if k in ("coarser", "overrides")}
+        found = judge_probe(work, probe_candidate(work), Part(context.progress), seconds={}, settings=settings)
+        return {
+            "scope": stage,
+            **{k: v for k, v in found.items() if k not in ("passed", "freeze", "phases", "overrides", "picture")},
+        }
+    candidate = work.candidate("full") if stage == "full" else with_variants(probe_candidate(work), session.folder, freeze)
+    done = names_of(stage) if only is None else only
     wanted = any(i.partition(":")[0] in done for i in plate_ids(session.spec))
     looking = LOOKING if stage == "full" and wanted else 0.0
     if looking:
         plates_of(work, context)
-    rows = run_checks(candidate, only=payload.get("only"), plates=bool(looking), progress=Part(context.progress, looking, 1.0))
+    rows = run_checks(candidate, only=only, plates=bool(looking), progress=Part(context.progress, looking, 1.0))
     if stage == "full" and "delivery" in done:
         rows.append(cache_row(candidate, bake_record(session.folder.ledger_path, freeze)))
-    whole = stage == "probe" and payload.get("only") is None
-    open_rows = [r.id for r in open_in_probe(rows, candidate.last_frame)]
     with session.ledger.together():  # as in a probe
-        if whole:
-            session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
         rows = session.cited(rows)
         changed = session.record(rows, stage=stage, checks=done, keep=() if stage == "probe" else rerun_ids(session.spec))
-    if whole:
-        # The same motion, judged completely again (after an edit of the story or the shots): as good as a new probe.
-        known = session.ledger.freeze(freeze)
-        kept = ("simulated_s", "judged_s", "coarser", "overrides")
-        spent = {} if known is None else {k: v for k, v in known["detail"].items() if k in kept}
-        detail = {"frames": candidate.frame_count, "failing": open_rows, "digest": candidate.digest, "events": _events(candidate)}
-        detail |= {"rows": stored_rows(rows, candidate.last_frame), **spent}
-        session.ledger.put_freeze(freeze, session.revision, passed=not open_rows, detail=detail)
     return {"scope": stage, "changed_rows": len(changed), **summary(rows)}
 
 
@@ -263,14 +151,14 @@ def review(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Have the bake read by the model that the server's owner named; without one, write what a reader needs."""
     from .review.conduct import read_world
 
-    work = _work(payload)
+    work = open_work(payload)
     if payload.get("ask", True):
         plates_of(work, context)
     context.progress(LOOKING, 1, "account, pictures, and the reader's answers")
     return read_world(work.session, work.candidate("full"), context.check, ask=payload.get("ask", True))
 
 
-def plates_of(work: _Work, context: JobContext, *, distrust: bool = False) -> None:
+def plates_of(work: Work, context: JobContext, *, distrust: bool = False) -> None:
     """Render the plates of a bake that are missing or stale; `distrust` as in `make_plates`."""
     from .plates import allowed_seconds, make_plates
 
@@ -288,7 +176,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .review.verdict import reviewed
     from .siblings import easier_beside
 
-    work = _work(payload)
+    work = open_work(payload)
     session, freeze, built = work
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
@@ -351,7 +239,7 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..rendering import render_sequence, write_video
     from .plates import require_seen
 
-    work = _work(payload)
+    work = open_work(payload)
     session, freeze = work.session, work.freeze
     accepted = require_acceptance(session, freeze)
     candidate = work.candidate("full")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any, Literal
 
 import numpy as np
 
 from ..worlds.arrays import F64
+from ..worlds.begun import open_begun, unfinished
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.channels import QUANTITIES
 from ..worlds.coarsening import coarsened, read_overrides
@@ -27,7 +29,7 @@ MAX_SAMPLES = 40
 
 
 def latest_candidate(session: Session, stage: str = "best") -> Candidate:
-    """The bake of the present settings, else their probe, else the static scene (for `static` or `best`).
+    """The bake of the present settings, else their probe, else as much of one as is written, else the static scene (for `static` or `best`).
 
     Raises:
         RefusedError: the asked stage is not there.
@@ -50,12 +52,27 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
         if wanted == "probe":
             spec = coarsened(spec, read_overrides(session.folder.candidate(freeze) / "probe"))
         return Candidate(found.folder, spec, found.built, found.stage, found.caches, found.artifact, found.digest)
-    if stage == "best":
-        return static
+    begun = None if stage == "full" else _begun(session, freeze, ("full", "probe") if stage == "best" else ("probe",))
+    if begun is not None or stage == "best":
+        return begun or static
     raise RefusedError(
         f"there is no {'bake' if stage == 'full' else stage} of the present settings; call {'bake_sim' if stage == 'full' else 'probe_sim'} "
         f"first{_left(session) if stage == 'probe' else ''}"
     )
+
+
+def _begun(session: Session, freeze: str, stages: tuple[Literal["probe", "full"], ...]) -> Candidate | None:
+    """The frames so far of a bake or probe that goes on, was stopped or failed; None where there are none."""
+    for stage in stages:
+        try:
+            found = open_begun(session.folder, freeze, stage).candidate
+        except EvidenceError:
+            continue
+        spec = session.spec
+        if stage == "probe":
+            spec = coarsened(spec, read_overrides(session.folder.candidate(freeze) / "probe"))
+        return dataclasses.replace(found, spec=spec)
+    return None
 
 
 def _left(session: Session) -> str:
@@ -134,12 +151,15 @@ def measured(
         raise InputError(f"unknown entities {unknown}{hint} the world has {sorted(session.spec.entities)[:30]}")
     first, last = frames or (0, candidate.last_frame)
     if not 0 <= first <= last <= candidate.last_frame:
-        more = "; probe_sim gives motion" if candidate.stage == "static" else ""
+        more = (
+            "; probe_sim gives motion" if candidate.stage == "static" else f" ({left})" if (left := unfinished(candidate)) else ""
+        )
         raise InputError(
             f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {candidate.stage} run{more}"
         )
     unjudged = session.shown(candidate, last)
     head = {"source": candidate.artifact, "stage": candidate.stage, **({"unjudged": unjudged} if unjudged else {})}
+    head |= {"run": left} if (left := unfinished(candidate)) else {}
     same = {"entities": entities, "frames": None if frames is None else [first, last]}
     if part == "state":
         names = entities or list(session.spec.entities)

@@ -40,8 +40,14 @@ def motion_answer(world: str, kind: str, data: dict[str, Any], detail: Detail) -
         frames = f"{data['frames']} frames baked"
         passed = f"{frames}, {data['counts']['pass']} rows pass"
         then = call("run_checks", world=world, scope="acceptance")
+    if "stopped_at" in data:
+        by = f" by {', '.join(data['stopped_by'])}" if data["stopped_by"] else ""
+        frames = f"ended at frame {data['stopped_at']} of {data['of_frames']}{by}; rows of later frames are not reached"
     failed = f"{frames}; {data['counts']['fail']} rows fail, {open_count} mandatory ones are open"
     repair = "edit_spec: mend the first open row with one hypothesis and one parameter group, then probe_sim again"
+    if "stopped_at" in data:
+        rest = call("probe_sim", world=world, stop_at="never")
+        repair = f"{repair}; or its other rows first: {rest}" if data["counts"]["fail"] else rest
     said = rows_answer(world, data, detail, passed if data["passed"] else failed, then if data["passed"] else repair)
     name = data.get("picture")
     links = ((str(name), f"worldagent://worlds/{world}/pictures/{name}", "image/jpeg"),) if isinstance(name, str) else ()

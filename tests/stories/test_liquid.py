@@ -124,7 +124,7 @@ def test_a_surface_forged_in_the_probe_with_its_digest_does_not_reach_the_bake(p
     freeze = _freeze(session.folder)
     record = session.ledger.freeze(freeze)
     assert record is not None
-    work, detail = jobs._Work(session, freeze, dict(candidate.built)), record["detail"]
+    work, detail = jobs.Work(session, freeze, dict(candidate.built)), record["detail"]
     taken = jobs._same_probe(work, detail)
     assert taken is not None
     assert taken.digest == candidate.digest

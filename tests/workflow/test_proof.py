@@ -68,7 +68,7 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
     edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
     session = Session.open(tmp_path, "w")
     session.ledger.put_bake("f" * 64, 1, "d", {})
-    monkeypatch.setattr(jobs, "_work", lambda payload: jobs._Work(session, "f" * 64, {}))
+    monkeypatch.setattr(jobs, "open_work", lambda payload: jobs.Work(session, "f" * 64, {}))
     monkeypatch.setattr(jobs, "require_true_geometry", lambda session, built: None)
     monkeypatch.setattr(jobs, "plates_of", lambda *_, **__: None)
     monkeypatch.setattr(
@@ -88,9 +88,9 @@ def test_a_judgement_that_is_killed_amid_its_entry_leaves_the_change_untested(
     session = Session.open(tmp_path, "w")
     failed = Row(id="beat:roll", check="beat", group="temporal", predicate="p", status="fail", artifact="x")
     session.ledger.add_iteration(1, "it rolls too slowly", "velocities", [failed])
-    candidate = SimpleNamespace(last_frame=35, frame_count=36, digest="d", spec=session.spec)
-    monkeypatch.setattr(jobs, "_work", lambda payload: jobs._Work(session, "f" * 64, {}))
-    monkeypatch.setattr(jobs, "_keeping", lambda candidate, *_: candidate)
+    candidate = SimpleNamespace(last_frame=35, frame_count=36, digest="d", spec=session.spec, caches={})
+    monkeypatch.setattr(jobs, "open_work", lambda payload: jobs.Work(session, "f" * 64, {}))
+    monkeypatch.setattr("worldagent.workflow.probes.with_variants", lambda candidate, *_: candidate)
     monkeypatch.setattr("worldagent.worlds.candidate.open_candidate", lambda *_: candidate)
     monkeypatch.setattr("worldagent.verifiers.checks.run_checks", lambda *_, **__: [failed])
 

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.arrays import F64
+from ...worlds.begun import unfinished
 from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import is_invariant
@@ -318,7 +319,7 @@ def _finding(candidate: Candidate, phases: Phases) -> Finding:
     why = phases.notes.get(missing[0], "the phase before it is missing")
     grows, more = phases.course is Course.GROWS, _more_frames(candidate, phases)
     return Finding(
-        "fail",
+        "unverified" if unfinished(candidate) else "fail",
         f"no {missing[0].replace('_', ' ')} within frames 0..{phases.last_frame}: {why}",
         *counts,
         entity=next(iter(reversed(who)), None),

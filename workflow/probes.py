@@ -1,0 +1,230 @@
+"""Probes as jobs: simulated and judged at once, stopped where the motion is known to be wrong, recorded however they end."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..execution import Cancelled, JobContext, Part
+from ..worlds.errors import EngineError, EvidenceError
+from .estimates import Pace
+from .gates import stored_rows
+from .live_judge import DECISIVE, LiveJudge
+from .pictures import motion_sheet
+from .rows import summary
+from .work import Work, first_true_frames, open_work, with_variants
+
+if TYPE_CHECKING:
+    from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Row
+
+__all__ = ["judge_probe", "probe", "probe_candidate"]
+
+WORTH_STOPPING_S = 10.0
+"""A run that will end sooner goes on, so that all its rows are known at once [s]. Own choice."""
+NAMED = 3
+"""Failing rows that progress names."""
+_KEPT = ("simulated_s", "judged_s")
+"""Of frames that were there before, what they took then."""
+
+
+class _StoppedError(Exception):
+    """The run was ended since a row fails that more frames cannot mend."""
+
+
+class _Attended:
+    """A run that is judged while it goes on: passes its progress on, records what fails, and stops it.
+
+    Args:
+        context: of the job.
+        work: its world.
+        judge: looks at the frames.
+        stop: whether the first failure ends the run.
+    """
+
+    def __init__(self, context: JobContext, work: Work, judge: LiveJudge, *, stop: bool) -> None:
+        self._context, self._work, self._judge, self._stop = context, work, judge, stop
+        self.failing: dict[str, Row] = {}
+        self._began: tuple[float, float] | None = None
+        self._left = 0.0
+
+    def progress(self, report: Pace, done: float, total: int, message: str) -> None:
+        """Pass on how far the run is, and what fails so far."""
+        now = time.monotonic()
+        first, since = self._began = self._began or (done, now)
+        pace = (now - since) / (done - first) if done > first else 0.0
+        self._left = (total - done) * pace
+        more = f" and {len(self.failing) - NAMED} more" if len(self.failing) > NAMED else ""
+        told = f"; fails already: {', '.join(list(self.failing)[:NAMED])}{more}" if self.failing else ""
+        report(done, total, f"{message}{told}")
+
+    def check(self) -> None:
+        """Take in what the judge has found, and end the run where it should end.
+
+        Raises:
+            Cancelled: the caller wants it to end.
+            _StoppedError: a row fails, and the run would take long yet.
+        """
+        self._context.check()
+        fresh = [row for news in self._judge.news() for row in news.rows if row.id not in self.failing]
+        if fresh:
+            self.failing |= {row.id: row for row in fresh}
+            self._work.session.record(fresh, stage="probe")  # so that a kill leaves it on record
+        if self._stop and self.failing and self._left > WORTH_STOPPING_S:
+            raise _StoppedError
+
+    def settle(self) -> None:
+        """Close the test of the changes that this run was for with what is known, where it is ended from outside."""
+        if self.failing:
+            rows = list(self.failing.values())
+            session = self._work.session
+            session.ledger.close_iterations(self._work.freeze[:16], list(self.failing), rows, revision=session.revision)
+
+
+def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Probe the present settings; a pass freezes them."""
+    from ..simulation.probe import probe_frames, run_probe
+    from ..simulation.schedule import stretch_count
+    from ..verifiers.checks import judging_share
+    from ..worlds.bake_plan import groups_of
+    from ..worlds.coarsening import overrides_for
+
+    judge = LiveJudge(Path(payload["folder"]))
+    work = open_work(payload)
+    session, freeze, built = work
+    judge.watch(freeze)
+    total = probe_frames(session.spec)
+    split, stretches = 1.0 - judging_share(session.spec, "probe"), stretch_count(session.spec)
+    coarser = float(payload.get("coarser") or 1.0)
+    overrides = overrides_for(session.spec, coarser)
+    attended = _Attended(context, work, judge, stop=payload.get("stop_at") != "never")
+    pace = Pace(Part(context.progress, 0.0, split, alike=stretches))
+    started, stopped = time.monotonic(), False
+    seconds: dict[str, float] = {}
+    try:
+        candidate = run_probe(
+            session.folder, freeze, built=built, overrides=overrides, check=attended.check,
+            progress=lambda done, whole, text: attended.progress(pace, done, whole, text),
+        )  # fmt: skip
+        if pace.reports >= total * len(groups_of(session.spec)):
+            seconds["simulated"] = time.monotonic() - started
+    except _StoppedError:
+        candidate, stopped = probe_candidate(work), True
+    except EngineError as error:
+        raise _failed(work, error, context) from error
+    except Cancelled:
+        attended.settle()
+        raise
+    finally:
+        judge.close()
+    told = Part(context.progress, split, 1.0)
+    settings = {"coarser": coarser, "overrides": overrides} if overrides else {}
+    return judge_probe(
+        work, candidate, told, seconds=seconds, settings=settings, stopped=list(attended.failing) if stopped else None
+    )
+
+
+def probe_candidate(work: Work) -> Candidate:
+    """The probe of the present settings, or as much of it as there is.
+
+    Raises:
+        EvidenceError: it has no frame yet.
+    """
+    from ..worlds.begun import open_begun
+
+    try:
+        return work.candidate("probe")
+    except EvidenceError:
+        return open_begun(work.session.folder, work.freeze, "probe", (work.session.spec, work.built)).candidate
+
+
+def judge_probe(
+    work: Work,
+    candidate: Candidate,
+    progress: Part,
+    *,
+    seconds: dict[str, float],
+    settings: Mapping[str, Any],
+    stopped: Sequence[str] | None = None,
+) -> dict[str, Any]:
+    """Judge a probe and record it, by all checks, where a row has stopped it by those that decide; only a complete one freezes its settings.
+
+    Args:
+        work: its world.
+        candidate: its frames, or those that there are.
+        progress: told of the checks.
+        seconds: what simulating took, if it was measured.
+        settings: those that differ from production's.
+        stopped: ids of the rows that ended the run early.
+    """
+    from ..simulation.probe import probe_frames
+    from ..verifiers.checks import names_of, run_checks
+    from ..verifiers.stored import open_in_probe
+    from ..worlds.begun import unfinished
+
+    session, freeze = work.session, work.freeze
+    early = bool(unfinished(candidate)) or stopped is not None
+    known = session.ledger.freeze(freeze)
+    kept = {} if known is None else {k: v for k, v in known["detail"].items() if k in _KEPT and not early}
+    judged = with_variants(candidate, session.folder, freeze)
+    checks = names_of("probe") if stopped is None else DECISIVE
+    rows = run_checks(judged, only=checks, progress=progress, seconds=seconds, reruns=not early)
+    open_rows = [r.id for r in open_in_probe(rows, candidate.last_frame)]
+    with session.ledger.together():  # a kill leaves the change untested, or all of its test
+        session.ledger.close_iterations(freeze[:16], open_rows, rows, revision=session.revision)
+        rows = session.cited(rows)
+        changed = session.record(rows, stage="probe", checks=checks)
+    passed, stops = not open_rows and not early, list(stopped or ())
+    spent = {**kept, **{f"{name}_s": round(value, 2) for name, value in seconds.items()}}
+    detail = {**_record(candidate, rows, open_rows), **spent, **settings, **({"stopped": stops} if early else {})}
+    session.ledger.put_freeze(freeze, session.revision, passed=passed, detail=detail)
+    picture = motion_sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
+    ended = {"stopped_at": candidate.last_frame, "of_frames": probe_frames(session.spec), "stopped_by": stops}
+    return {
+        "passed": passed,
+        "freeze": freeze[:16],
+        "frames_probed": candidate.frame_count,
+        **(ended if early else {}),
+        "phases": _phases(candidate),
+        **({"overrides": settings["overrides"]} if settings.get("overrides") else {}),
+        "changed_rows": len(changed),
+        **summary(rows),
+        "picture": picture,
+    }
+
+
+def _record(candidate: Candidate, rows: Sequence[Row], open_rows: list[str]) -> dict[str, Any]:
+    """Part of a probe's record that its frames decide."""
+    return {
+        "frames": candidate.frame_count,
+        "failing": open_rows,
+        "digest": candidate.digest,
+        "events": first_true_frames(candidate),
+        "rows": stored_rows(rows, candidate.last_frame),
+    }
+
+
+def _phases(candidate: Candidate) -> dict[str, Any]:
+    """Frames of the phases that are found."""
+    from ..verifiers.story.phases import find_phases
+
+    try:
+        return {k: v for k, v in vars(find_phases(candidate)).items() if isinstance(v, (int, float, type(None)))}
+    except EvidenceError as error:  # what moves without end has no phases; the rows say so
+        return {"none": str(error)}
+
+
+def _failed(work: Work, error: EngineError, context: JobContext) -> EngineError:
+    """The error of an engine, after what it left was judged: with the frames that there are, and the rows that fail there."""
+    try:
+        candidate = probe_candidate(work)
+    except EvidenceError:
+        return error
+    found = judge_probe(work, candidate, Part(context.progress, 0.9, 1.0), seconds={}, settings={}, stopped=[])
+    failing = [r["id"] for r in found["open_rows"] if r.get("status") == "fail"]
+    rows = f"; failing there: {', '.join(failing[:NAMED])}" if failing else ""
+    return EngineError(
+        f"{error}. Frames 0..{candidate.last_frame} are whole and judged{rows}: look at them with render_shot and inspect_world(part='state')"
+    )

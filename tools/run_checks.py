@@ -145,7 +145,7 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
             text = f"{text}; frames 0..{data['stopped_at']} of {data['of_frames']} are there"
             then = call("probe_sim", world=world)
         later = data.get("waiting_for_motion", 0) if data["scope"] == "static" else 0
-        good = found["mandatory_open"] <= later
+        good = found["mandatory_open"] <= later or ("stopped_at" in data and not found["fail"])
         if data["scope"] == "review":
             text = f"{text}; read by {data['read_by']}"
         if only:

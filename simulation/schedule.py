@@ -17,9 +17,9 @@ from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
 from ..worlds.writers import writers_of
 from .protocol import Within
-from .runs import Run, make_run
+from .runs import Run, make_run, reads
 
-__all__ = ["checkpoint_path", "run_frames", "stretch_count"]
+__all__ = ["checkpoint_path", "run_frames", "run_groups", "stretch_count"]
 
 SLOW_FRAME_SECONDS = 2.0
 """A frame that takes longer tells how far it is and in what steps [s]: else a step that has become a thousand times shorter, or a frame
@@ -110,21 +110,43 @@ def run_frames(
         EngineError: a solver failed.
     """
     groups, stretches = groups_of(spec), stretch_count(spec)
-    caches: dict[str, Cache] = {}
 
     def tell(stretch: int, done: float, total: int, message: str) -> None:
         if progress is not None:
             progress(stretch * total + done, stretches * total, message)
 
-    for rank, names in enumerate(groups):
-        say = _Frames(partial(tell, rank), check, names, frames)
-        caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
+    caches = run_groups(spec, built, folder, frames=frames, tell=tell, check=check, reuse=reuse)
     if spec.simulation.liquid:
         from .surfaces import map_wet_solids, mesh_liquids, take_made
 
         take_made(spec, caches, earlier or {})
         mesh_liquids(spec, built, caches, progress=partial(tell, len(groups)), check=check)
         map_wet_solids(spec, built, caches, progress=partial(tell, len(groups) + 1), check=check)
+    return caches
+
+
+def run_groups(
+    spec: WorldSpec,
+    built: Mapping[str, BuiltEntity],
+    folder: Path,
+    *,
+    frames: int,
+    tell: Callable[[int, float, int, str], None],
+    check: Callable[[], None] | None = None,
+    reuse: bool = True,
+    only: frozenset[str] | None = None,
+) -> dict[str, Cache]:
+    """Simulate frames of instances into `folder/<solver>/`, group after group, without surfaces; arguments and errors as `run_frames`.
+
+    `tell` takes (rank of the group, done, total, message). `only` names instances: the groups of these run, and those that they read.
+    """
+    caches: dict[str, Cache] = {}
+    wanted = None if only is None else only.union(*(reads(spec, name) for name in only))
+    for rank, names in enumerate(groups_of(spec)):
+        if wanted is not None and wanted.isdisjoint(names):
+            continue
+        say = _Frames(partial(tell, rank), check, names, frames)
+        caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
     return caches
 
 

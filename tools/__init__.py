@@ -2,7 +2,7 @@
 
 from ..workflow.context import Handover, Picture, ToolBinding, ToolContext, ToolReply
 from ..workflow.links import WORLD_VIEW
-from ..workflow.motion_replies import motion_reply
+from ..workflow.motion_replies import motion_reply, sketch_reply
 from .bake_sim import bake_sim
 from .build_terrain import build_terrain, landscape_reply
 from .edit_spec import edit_spec
@@ -51,7 +51,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         "Probe the simulation",
         read_only=False,
         idempotent=True,
-        jobs={"probe": motion_reply},
+        jobs={"probe": motion_reply, "sketch": sketch_reply},
         meta=_found_by("short test run of a rigid-body simulation"),
     ),
     ToolBinding(

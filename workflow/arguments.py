@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from .rows import Detail
 
@@ -17,3 +17,16 @@ WaitSeconds = Annotated[
 ]
 RowDetail = Annotated[Detail, Field(description="full: open rows with all evidence and causes")]
 Hypothesis = Annotated[str, Field(description="After a failed row: what causes it and why this cures it")]
+
+
+class Sketch(BaseModel):
+    """Part of a motion to simulate, and how coarse."""
+
+    model_config = ConfigDict(extra="forbid")
+    until: Annotated[int | str, Field(description="last frame, or a beat: to its last frame")]
+    coarser: Annotated[float, Field(ge=1, le=4, description="factor of spacings, cells and radii")] = 2.0
+    steps: Annotated[float, Field(ge=1, le=4, description="factor of the step of rigid instances")] = 1.0
+    only: Annotated[
+        list[str] | None,
+        Field(min_length=1, max_length=16, description="instances; those that they exchange with or read run along"),
+    ] = None

@@ -110,8 +110,6 @@ class Change:
         unseen = "" if failing else unjudged(ledger, untested=True)
         if not failing and not unseen:
             return told
-        if unseen:
-            unseen += " (while the settings are still these, run_checks(scope='probe') judges them)"
         if len(self.hypothesis.strip()) < 10:
             why = unseen or f"{len(failing)} rows fail ({', '.join(r.id for r in failing[:5])})"
             told.append(
@@ -158,11 +156,14 @@ def unjudged(ledger: Ledger, *, untested: bool = False) -> str:
     if not looks:
         return ""
     latest = looks[-1]
+    if latest["stage"] == "sketch":
+        return f"rows failed in a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"
     run = {"full": "bake"}.get(latest["stage"], latest["stage"])
-    return (
+    told = (
         f"frames 0..{latest['last']} of the {run} {latest['freeze'][:16]} (revision {latest['revision']}) were looked at, and it was "
         "never judged, so that they count as evidence"
     )
+    return f"{told} (while the settings are still these, run_checks(scope='probe') judges them)" if untested else told
 
 
 def is_static(ledger: Ledger, iteration: Mapping[str, Any]) -> bool:

@@ -45,6 +45,7 @@ KINDS: dict[str, JobKind] = {
     "probe": JobKind(
         NORMAL, 6 * HOUR_S, "probe_sim", ("coarser", "stop_at"), keeps="goes on from the last checkpoint of the probe"
     ),
+    "sketch": JobKind(INTERACTIVE, HOUR_S, "probe_sim", ("sketch",)),
     "accept": JobKind(NORMAL, 12 * HOUR_S, "run_checks", fixed={"scope": "acceptance"}),
     "review": JobKind(NORMAL, HOUR_S, "run_checks", fixed={"scope": "review"}, keeps="keeps answers that are recorded"),
     "bake": JobKind(BULK, 48 * HOUR_S, "bake_sim", keeps="goes on from the last checkpoint of the bake"),

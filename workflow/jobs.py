@@ -17,12 +17,13 @@ from .pictures import film_sheet, motion_sheet
 from .probes import judge_probe, probe, probe_candidate
 from .rows import summary
 from .session import Session
+from .sketches import sketch
 from .work import Work, first_true_frames, open_work, with_variants
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
 
-__all__ = ["accept", "bake", "check", "final", "probe", "review", "terrain"]
+__all__ = ["accept", "bake", "check", "final", "probe", "review", "sketch", "terrain"]
 
 WARM = (
     "cv2",

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..execution import Job
     from ..worlds.spec import WorldSpec
 
-__all__ = ["motion_answer", "motion_reply", "require_room"]
+__all__ = ["motion_answer", "motion_reply", "require_room", "sketch_answer", "sketch_reply"]
 
 
 def require_room(workspace: Path, spec: WorldSpec) -> None:
@@ -59,3 +59,25 @@ def motion_reply(job: Job) -> ToolReply:
     from .waiting import ended_data
 
     return motion_answer(str(job.world), job.kind, ended_data(job), job.payload.get("detail", "concise"))
+
+
+def sketch_answer(world: str, data: dict[str, Any], detail: Detail) -> ToolReply:
+    """Reply of a sketch: its state while it runs, else what it shows."""
+    if "state" in data:
+        return ToolReply(job_answer(data))
+    coarse = "coarser than production" if data["left_coarser"] else "at production settings"
+    failing = data["counts"]["fail"]
+    text = f"sketch of {data['frames_sketched']} frames, {coarse}: {failing} rows fail; it freezes nothing and no row of the matrix is from it"
+    repair = "edit_spec: mend the first open row with one hypothesis and one parameter group, then sketch or probe again"
+    said = rows_answer(world, data, detail, text, repair if failing else call("probe_sim", world=world))
+    name = str(data["picture"])
+    return ToolReply(
+        said, links=((name, f"worldagent://worlds/{world}/pictures/{name}", "image/jpeg"),) if data["picture"] else ()
+    )
+
+
+def sketch_reply(job: Job) -> ToolReply:
+    """Reply for a sketch that has ended."""
+    from .waiting import ended_data
+
+    return sketch_answer(str(job.world), ended_data(job), job.payload.get("detail", "concise"))

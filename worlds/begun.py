@@ -11,12 +11,13 @@ from .errors import EvidenceError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from .built import BuiltEntity
     from .folder import WorldFolder
     from .spec import WorldSpec
 
-__all__ = ["Begun", "open_begun", "unfinished"]
+__all__ = ["Begun", "begun_in", "open_begun", "unfinished"]
 
 DIGEST_CHARACTERS = 64
 """Of a SHA-256 in hex: a shorter line is still being written."""
@@ -48,10 +49,18 @@ def open_begun(
     where = folder.candidate(freeze) / ("probe" if stage == "probe" else "bake")
     if stage == "probe":
         spec = coarsened(spec, read_overrides(where))
+    try:
+        return begun_in(folder, where, spec, built)
+    except EvidenceError:
+        raise EvidenceError(f"the {stage} {freeze[:16]} has written no frame yet") from None
+
+
+def begun_in(folder: WorldFolder, where: Path, spec: WorldSpec, built: Mapping[str, BuiltEntity]) -> Begun:
+    """Open the frames that a run of a specification has written in a folder of a world; errors as `open_begun`."""
     written = {name: _written(Cache(where / name)) for name in spec.simulation.solvers}
     count = min((n for n in written.values() if n), default=0)
     if not count:
-        raise EvidenceError(f"the {stage} {freeze[:16]} has written no frame yet")
+        raise EvidenceError(f"{where.name!r} has no frame yet")
     caches = {name: Cache(where / name).until(count - 1) for name, n in written.items() if n}
     unmoved = {m for name, n in written.items() if not n for m in spec.simulation.solvers[name].members}
     artifact = folder.relative(where)

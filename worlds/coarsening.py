@@ -19,11 +19,15 @@ from .folder import write_atomically
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["COARSEST", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "write_overrides"]
+__all__ = ["COARSEST", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "sketched", "write_overrides"]
 
 COARSEST = 2.0
 """Own choice: a liquid of twice the spacing, or grains of twice the radius, have an eighth of the particles and about a sixteenth of the cost; coarser ones lose the
 layers and passages that production resolves."""
+SKETCHIEST = 4.0
+"""Own choice: a sixty-fourth of the particles; fewer show no flow."""
+LONGEST_STEP = 5e-3
+"""Of a rigid instance, as its field has it [s]."""
 OVERRIDES = "overrides.json"
 """File of them in the folder of a probe."""
 
@@ -64,17 +68,50 @@ def coarsened(spec: WorldSpec, overrides: Mapping[str, float]) -> WorldSpec:
     Raises:
         EvidenceError: an override is no knob of this world, or out of its range.
     """
-    known, entities = _knobs(spec), dict(spec.entities)
+    known = _knobs(spec)
     for pointer, value in overrides.items():
         least = known.get(pointer, math.nan)
         if not least <= value <= COARSEST * least * (1.0 + 1e-9):
             raise EvidenceError(
                 f"the probe overrides {pointer} with {value:g}, which is no setting that probes may leave coarser; call probe_sim again"
             )
+    return _with_knobs(spec, overrides)
+
+
+def _with_knobs(spec: WorldSpec, values: Mapping[str, float]) -> WorldSpec:
+    """The specification with other values of knobs."""
+    entities = dict(spec.entities)
+    for pointer, value in values.items():
         _, _, name, _, knob = pointer.split("/")
         physics = entities[name].physics.model_copy(update={knob: value})
         entities[name] = entities[name].model_copy(update={"physics": physics})
-    return spec.model_copy(update={"entities": entities}) if overrides else spec
+    return spec.model_copy(update={"entities": entities}) if values else spec
+
+
+def sketched(spec: WorldSpec, coarser: float, steps: float) -> tuple[WorldSpec, dict[str, float]]:
+    """The specification that a sketch runs, and by pointer the values that it leaves coarser than production.
+
+    A sketch vouches for nothing, so that it may also lengthen the step of rigid contact.
+
+    Args:
+        spec: production settings.
+        coarser: factor of spacings, cells and radii.
+        steps: factor of the steps of rigid instances, to at most the longest that a specification allows.
+
+    Raises:
+        InputError: a factor is out of range.
+    """
+    for name, factor in (("coarser", coarser), ("steps", steps)):
+        if not 1.0 <= factor <= SKETCHIEST:
+            raise InputError(f"{name} of a sketch is {factor:g}; allowed: 1 (production settings) to {SKETCHIEST:g}")
+    values = {pointer: value * coarser for pointer, value in _knobs(spec).items()} if coarser > 1 else {}
+    told, solvers = dict(values), dict(spec.simulation.solvers)
+    for name, solver in spec.simulation.rigid.items() if steps > 1 else ():
+        step = min(solver.settings.step * steps, LONGEST_STEP)
+        solvers[name] = solver.model_copy(update={"settings": solver.settings.model_copy(update={"step": step})})
+        told[f"/simulation/solvers/{name}/settings/step"] = step
+    plan = spec.simulation.model_copy(update={"solvers": solvers})
+    return _with_knobs(spec, values).model_copy(update={"simulation": plan}), told
 
 
 def read_overrides(probe: Path) -> dict[str, float]:

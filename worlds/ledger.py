@@ -293,7 +293,7 @@ class Ledger(ReviewLedger):
 
         Args:
             freeze: of the motion.
-            stage: `probe` or `full`.
+            stage: `probe` or `full`; `sketch`, where rows of one failed.
             revision: present one.
             last: last frame that was shown.
         """

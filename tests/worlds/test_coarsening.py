@@ -5,9 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 from worldagent.testing.worlds.small_grains import SAND_PROMPT, sand_spec
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
-from worldagent.worlds.coarsening import COARSEST, coarsened, overrides_for, read_overrides, write_overrides
+from worldagent.worlds.categories.rigid.models import RigidSettings
+from worldagent.worlds.coarsening import (
+    COARSEST,
+    LONGEST_STEP,
+    coarsened,
+    overrides_for,
+    read_overrides,
+    sketched,
+    write_overrides,
+)
 from worldagent.worlds.errors import EvidenceError, InputError
 from worldagent.worlds.spec import WorldSpec
 
@@ -67,3 +77,25 @@ def test_a_damaged_record_is_named(tmp_path: Path) -> None:
     (tmp_path / "overrides.json").write_text("[1]")
     with pytest.raises(EvidenceError, match=r"overrides\.json"):
         read_overrides(tmp_path)
+
+
+def test_a_sketch_also_lengthens_the_step_of_bodies_to_what_a_specification_allows() -> None:
+    spec = world()
+    step = spec.simulation.rigid["rigid"].settings.step
+    other, told = sketched(spec, 3.0, 2.0)
+    assert told == {POINTER: pytest.approx(0.09), "/simulation/solvers/rigid/settings/step": pytest.approx(2 * step)}
+    assert other.simulation.rigid["rigid"].settings.step == pytest.approx(2 * step)
+    assert other.entities["water"].physics.resolution == pytest.approx(0.09)  # type: ignore[union-attr]
+    assert sketched(spec, 1.0, 1.0) == (spec, {})
+    longest = spec.model_copy(deep=True)
+    longest.simulation.rigid["rigid"].settings.__dict__["step"] = 0.004
+    assert sketched(longest, 1.0, 4.0)[1] == {"/simulation/solvers/rigid/settings/step": LONGEST_STEP}
+    with pytest.raises(ValidationError, match=r"less than or equal to 0\.005"):
+        RigidSettings(step=1.001 * LONGEST_STEP)
+    assert RigidSettings(step=LONGEST_STEP)
+
+
+@pytest.mark.parametrize(("coarser", "steps"), [(0.9, 1.0), (4.1, 1.0), (1.0, 0.5), (1.0, 5.0)])
+def test_factors_of_a_sketch_out_of_range_are_refused(coarser: float, steps: float) -> None:
+    with pytest.raises(InputError, match=r"allowed: 1 .* to 4"):
+        sketched(world(), coarser, steps)

@@ -1,0 +1,100 @@
+"""Sketches: a part of the motion, coarse and quick, that tests a hypothesis and freezes nothing."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..execution import JobContext, Part
+from ..worlds.errors import InputError
+from ..worlds.hints import did_you_mean
+from .arguments import Sketch
+from .live_judge import DECISIVE
+from .pictures import motion_sheet
+from .rows import summary
+from .work import Work, first_true_frames, open_work
+
+if TYPE_CHECKING:
+    from ..worlds.spec import WorldSpec
+
+__all__ = ["end_of", "sketch"]
+
+SIMULATING = 0.8
+"""Part of a sketch that its frames take, for progress alone."""
+
+
+def end_of(spec: WorldSpec, asked: Sketch) -> int:
+    """Last frame of a sketch.
+
+    Raises:
+        InputError: there is no such frame, beat or instance.
+    """
+    beats, last = spec.story.beats, spec.simulation.frames - 1
+    if unknown := [n for n in asked.only or () if n not in spec.simulation.solvers]:
+        hint = did_you_mean(unknown[0], spec.simulation.solvers) or ";"
+        raise InputError(f"sketch.only names {unknown[0]!r}{hint} the world has {sorted(spec.simulation.solvers)}")
+    if isinstance(asked.until, str):
+        if asked.until not in beats:
+            hint = did_you_mean(asked.until, beats) or ";"
+            raise InputError(f"sketch.until is {asked.until!r}{hint} allowed: a frame, 1 to {last}, or a beat of {sorted(beats)}")
+        return beats[asked.until].frames[1]
+    if not 1 <= asked.until <= last:
+        raise InputError(f"sketch.until is {asked.until}; allowed: a frame, 1 to {last}, or a beat of {sorted(beats)}")
+    return asked.until
+
+
+def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
+    """Simulate a sketch, judge its frames by the checks that decide, and count it as the test of what was changed."""
+    from ..simulation.schedule import run_groups
+    from ..worlds.coarsening import sketched
+
+    work = open_work(payload)
+    session, freeze = work.session, work.freeze
+    asked = Sketch.model_validate(payload["sketch"])
+    spec, coarsened = sketched(session.spec, asked.coarser, asked.steps)
+    end, began = end_of(spec, asked), time.monotonic()
+    root = session.folder.candidate(freeze) / "sketch"
+    shutil.rmtree(root, ignore_errors=True)
+    told, groups = Part(context.progress, 0.0, SIMULATING), max(1, len(spec.simulation.solvers))
+    run_groups(
+        spec, work.built, root, frames=end + 1, check=context.check, reuse=False,
+        only=None if asked.only is None else frozenset(asked.only), tell=partial(_tell, told, groups),
+    )  # fmt: skip
+    simulated = time.monotonic() - began
+    told_of = _judged(work, spec, root, Part(context.progress, SIMULATING, 1.0))
+    spent = {"simulated": round(simulated, 1), "judged": round(time.monotonic() - began - simulated, 1)}
+    return {"frames_sketched": end + 1, "seconds": spent, "left_coarser": coarsened, **told_of}
+
+
+def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str, Any]:
+    """Judge the frames of a sketch and record the test that they are; the part of the reply about them."""
+    from ..verifiers.checks import run_checks
+    from ..verifiers.story.questions import PHASES_SHOWN
+    from ..worlds.begun import begun_in
+
+    session, freeze = work.session, work.freeze
+    candidate, unmoved = begun_in(session.folder, root, spec, work.built)
+    found = run_checks(candidate, only=DECISIVE, reruns=False, plates=False, progress=progress)
+    rows = [r for r in found if not unmoved & {*r.entities} and r.question != PHASES_SHOWN.id]  # a sketch is no whole run
+    failing = [r.id for r in rows if r.mandatory and r.status == "fail"]
+    with session.ledger.together():
+        session.ledger.close_iterations(f"sketch {freeze[:9]}", failing, rows, revision=session.revision)
+        if failing:  # known before any probe says so: the next edit answers it
+            session.ledger.add_look(freeze, "sketch", session.revision, candidate.last_frame)
+        rows = session.cited(rows)
+    picture = motion_sheet(candidate, session.folder, f"sketch_{freeze[:8]}.jpg")
+    return {
+        "left_out": sorted(unmoved),
+        "beats_true_from": {
+            n: f for n, f in first_true_frames(candidate).items() if not unmoved & {session.spec.story.beats[n].subject}
+        },
+        **summary([r for r in rows if r.status != "unverified"]),
+        "picture": picture,
+    }
+
+
+def _tell(told: Part, groups: int, rank: int, done: float, total: int, message: str) -> None:
+    told(rank * total + done, groups * total, message)

@@ -122,18 +122,20 @@ def _afloat(
                 f"{on!r} is dry at x, y = {pose.position[0]:.4g}, {pose.position[1]:.4g} m; give river, or `at` over water"
             )
         level, density = water["level"], FRESH_WATER
+        note = {"note": "the water of a landscape is drawn only and bears nothing; build_terrain(liquid=...) simulates it"}
     else:
         contract = spec.entities.get(on)
         if contract is None or contract.physics.category != "liquid":
             liquids = [n for n, e in spec.entities.items() if e.physics.category == "liquid"]
             raise InputError(f"{on!r} is no liquid; afloat is one of {liquids + sorted(spec.terrains)}")
+        note = {}
         level, density = scene.level(on, pose.position), spec.materials[contract.material].density
     mass, center = scene.mass(asked.names)
     line = float_line(body, pose, mass, center, density=density, level=level)
     told["afloat"] = {
         "level": round(level, 4), "draught": round(line.draught, 4), "freeboard": round(line.freeboard, 4),
         "mass": float(f"{mass:.5g}"), "displaced": float(f"{line.displaced:.5g}"), "liquid_density": density,
-        "lever": float(f"{line.lever:.3g}"),
+        "lever": float(f"{line.lever:.3g}"), **note,
     }  # fmt: skip
     return line.pose
 

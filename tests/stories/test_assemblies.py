@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.testing.worlds.small_liquids import CRATE, LINER, tank_spec
+from worldagent.testing.worlds.small_liquids import PROMPT as TANK
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.tests.stories.yard import CART, MARKED, PROMPT, WHEELS, yard_spec
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.requirements import Correction, Row
@@ -79,6 +82,20 @@ def test_a_group_moves_as_one_change_after_a_failure(yard: Any) -> None:
         {"op": "replace", "path": "/simulation/joints/axle_fl/anchor/0", "value": 0.0},
     ]
     assert "2 causal parameter groups" in yard.refused("edit_spec", world="w", patch=patch, hypothesis=WHY)
+
+
+def test_a_crate_of_half_the_density_is_put_at_its_float_line(agent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    run_jobs_inline(monkeypatch)
+    depth = 0.15
+    spec = tank_spec(spacing=0.03, depth=depth, frames=24, closed=True, crate_at=LINER + depth + CRATE / 2)
+    assert agent.call("edit_spec", world="w", prompt=TANK, spec=spec)["audit"]["passed"]
+    put = agent.call("place_object", world="w", entity="crate", afloat="water")
+    assert put["static_passed"], put["open_rows"]
+    assert put["pose"]["position"] == pytest.approx([0, 0, LINER + depth], abs=1e-6)
+    told = put["afloat"]
+    assert (told["draught"], told["freeboard"]) == pytest.approx((CRATE / 2, CRATE / 2), abs=1e-4)
+    assert told["mass"] == pytest.approx(500 * CRATE**3)
+    assert "is not at x, y" in agent.refused("place_object", world="w", entity="crate", afloat="water", at=[5.0, 0.0])
 
 
 @pytest.mark.parametrize(

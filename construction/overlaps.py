@@ -32,7 +32,7 @@ class Obstacles:
 
     def __init__(self, scene: Scene, names: Iterable[str]) -> None:
         self._scene = scene
-        self.names = [n for n in names if scene.spec.entities[n].physics.category != "liquid"]
+        self.names = [n for n in names if not scene.spec.entities[n].physics.levels]
         boxes = [scene.body(n).box(scene.pose(n)) for n in self.names]
         self._low, self._high = (np.array([b[k] for b in boxes]).reshape(-1, 3) for k in (0, 1))
 
@@ -59,7 +59,7 @@ def overlaps(
     """
     spec = scene.spec
     meant = {frozenset((r.a, r.b)) for r in spec.graph.relations.values() if r.kind == "fastened"}
-    solid = [n for n in places if n not in spec.entities or spec.entities[n].physics.category != "liquid"]
+    solid = [n for n in places if n not in spec.entities or not spec.entities[n].physics.levels]
     others = Obstacles(scene, (n for n in spec.entities if n not in places))
     boxes = {n: bodies[n].box(places[n]) for n in solid}
     family = {n: k for k, names in enumerate(kin) for n in names}

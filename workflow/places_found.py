@@ -125,8 +125,8 @@ def _afloat(
         note = {"note": "the water of a landscape is drawn only and bears nothing; build_terrain(liquid=...) simulates it"}
     else:
         contract = spec.entities.get(on)
-        if contract is None or contract.physics.category != "liquid":
-            liquids = [n for n, e in spec.entities.items() if e.physics.category == "liquid"]
+        if contract is None or not contract.physics.levels:
+            liquids = [n for n, e in spec.entities.items() if e.physics.levels]
             raise InputError(f"{on!r} is no liquid; afloat is one of {liquids + sorted(spec.terrains)}")
         note = {}
         level, density = scene.level(on, pose.position), spec.materials[contract.material].density

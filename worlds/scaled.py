@@ -27,7 +27,7 @@ def scaled_entity(spec: WorldSpec, name: str, factor: float) -> dict[str, Any]:
     if factor == 1.0:
         return document
     fixed = [k for k, p in entity.parts.items() if p.shape.kind in FIXED]
-    if entity.physics.category != "rigid" or entity.breakable is not None or not entity.parts or fixed:
+    if entity.physics.shape != "solid" or entity.breakable is not None or not entity.parts or fixed:
         raise InputError(
             f"sizes vary of rigid entities made of parts, without pieces, grounds and sheets; {name!r} is none: leave size out"
         )

@@ -44,7 +44,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         "Build, place and check objects",
         read_only=False,
         idempotent=True,
-        meta=_found_by("place, build or move objects; check overlap and support"),
+        meta=_found_by("place, move, copy, scatter or float objects and groups; check overlap and support"),
     ),
     ToolBinding(
         probe_sim,

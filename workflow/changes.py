@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from ..worlds.groups import group_of
+from ..worlds.groups import GROUPS, group_of
 from ..worlds.ledger import Ledger
 from ..worlds.patch import differences, weakenings
 from ..worlds.provenance import stale_artifacts
@@ -34,16 +34,19 @@ class Change:
         hypothesis: the supposed cause of a failure and why the edit cures it.
         reason: why a requirement is made easier.
         derived: whether the change only follows from an edit that was made already.
+        follows: pointers of what changes only because an entity moves or is copied.
     """
 
-    def __init__(self, world: OpenedWorld, after: WorldSpec, *, hypothesis: str, reason: str, derived: bool) -> None:
+    def __init__(
+        self, world: OpenedWorld, after: WorldSpec, *, hypothesis: str, reason: str, derived: bool, follows: Collection[str] = ()
+    ) -> None:
         self.world, self.after, self.hypothesis, self.reason = world, after, hypothesis, reason
         self._documents = world.spec.model_dump(mode="json"), after.model_dump(mode="json")
         self.places = list(differences(*self._documents))
         """JSON pointers that differ."""
         self.groups = {group_of(p) for p in self.places}
         """Their parameter groups."""
-        self.causal = [] if derived else causal_groups(self.places, cut_grounds(world.spec, after))
+        self.causal = [] if derived else causal_groups(_own(self.places, follows), cut_grounds(world.spec, after))
         """Names of the groups of scene and solver among them."""
         self.stale = stale_artifacts(world.spec, after)
         """Artifacts that the edit makes stale."""
@@ -124,7 +127,7 @@ class Change:
         if not failing:
             return told
         wanted = {e for r in failing for e in r.evidence.get("edit_classes") or {c.edit_class for c in r.corrections}}
-        edit = next(g.edit_class for g in self.groups if g.edit_class in CAUSAL_CLASSES)
+        edit = GROUPS[causal[0]].edit_class
         if wanted & set(CAUSAL_CLASSES) and edit not in wanted:
             names = sorted({c.group for r in failing for c in r.corrections if c.edit_class in CAUSAL_CLASSES})
             told.append(
@@ -148,6 +151,12 @@ class Change:
             "stale": _shorten(self.stale),
             **({"undoes_revisions": [i["revision"] for i in self.undone]} if self.undone else {}),
         }
+
+
+def _own(places: Sequence[str], follows: Collection[str]) -> list[str]:
+    """Places of an edit without those at or below a pointer that only follows."""
+    below = tuple(f"{pointer}/" for pointer in follows)
+    return [p for p in places if p not in follows and not p.startswith(below)]
 
 
 def unjudged(ledger: Ledger, *, untested: bool = False) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.audits.audit import AuditReport, audit
@@ -61,16 +61,18 @@ class Session(OpenedWorld):
         hypothesis: str = "",
         weakening_reason: str = "",
         derived: bool = False,
+        follows: Collection[str] = (),
     ) -> dict[str, Any]:
         """Make `after` the next revision, if the rules of repair allow it; returns the changed places and the stale artifacts.
 
-        `derived` says that the change only follows from an edit that was made already, and is no edit of its own.
+        `derived` says that the change only follows from an edit that was made already, and is no edit of its own. `follows` are pointers
+        of what changes only because an entity moves or is copied: its joints, its paths.
 
         Raises:
             RefusedError: the edit breaks R111-R113 or R157, or another revision came first.
         """
         check_cap("text_characters", max(len(hypothesis), len(weakening_reason)), what="hypothesis or weakening_reason")
-        change = Change(self, after, hypothesis=hypothesis, reason=weakening_reason, derived=derived)
+        change = Change(self, after, hypothesis=hypothesis, reason=weakening_reason, derived=derived, follows=follows)
         with self.step():
             objections = change.objections()
             if objections:

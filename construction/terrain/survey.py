@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
+from ...geometry.watercourses import centre_line
 from ...worlds.arrays import F64
 from ...worlds.errors import InputError
 from ...worlds.landscape import SavedLandscape
 from .grid import Grid
 
-__all__ = ["at_points", "flat_places", "river_places", "shore_places"]
+__all__ = ["at_points", "flat_places", "river_places", "river_station", "shore_places", "water_at"]
 
 LEVEL = 0.1
 """Slope up to which a place counts as flat: one in ten can be built on and stood upon."""
@@ -218,3 +219,54 @@ def river_places(land: SavedLandscape, *, near: tuple[float, float], apart: floa
             }
         )  # fmt: skip
     return found
+
+
+def river_station(land: SavedLandscape, number: int, station: float, across: float) -> dict[str, Any]:
+    """A place in a river by its station along the course: x, y, level, bed, width and depth of the channel there [m], flow direction.
+
+    Args:
+        land: the landscape.
+        number: of the reach.
+        station: along the course from its upper end [m].
+        across: from its middle to the left, looking downstream [m].
+
+    Raises:
+        InputError: there is no such reach, or it is shorter.
+    """
+    grid = _grid(land)
+    reaches = {r["number"]: r for r in land.about["reaches"]}
+    if number not in reaches:
+        raise InputError(
+            f"reach {number} is not one of {sorted(reaches)[:30]}; inspect_world(part='terrain') tells their courses"
+        )
+    reach = reaches[number]
+    line = centre_line(np.array(reach["cells"]), 0.5 * sum(reach["width"]), grid.shape, grid.cell)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    if not 0.0 <= station <= along[-1] or len(line) < 2:
+        raise InputError(f"station {station:g} m is not on reach {number}, which is {along[-1]:.4g} m long from its upper end")
+    k = int(np.clip(np.searchsorted(along, station) - 1, 0, len(line) - 2))
+    flow = line[k + 1] - line[k]
+    flow = flow / np.hypot(*flow)
+    middle = np.array([np.interp(station, along, line[:, axis]) for axis in (0, 1)])
+    share = station / float(along[-1])
+    at = middle + across * np.array([-flow[1], flow[0]])
+    return {
+        "at": at.round(3).tolist(), "reach": number, "station": station, "length": round(float(along[-1]), 1),
+        "width": round(float(np.interp(share, [0, 1], reach["width"])), 2),
+        "depth": round(float(np.interp(share, [0, 1], reach["depth"])), 2),
+        "flows": flow.round(6).tolist(), **water_at(land, at, sea_level=None),
+    }  # fmt: skip
+
+
+def water_at(land: SavedLandscape, at: F64, *, sea_level: float | None) -> dict[str, Any]:
+    """Height of the bed and level of the water over it at x, y [m]; no level where it is dry.
+
+    Raises:
+        InputError: the place lies outside the landscape.
+    """
+    grid, point = _grid(land), np.asarray(at, dtype=np.float64).reshape(1, 2)
+    _checked(grid, point)
+    row, col = (int(i[0]) for i in grid.indices(point[:, 0], point[:, 1]))
+    bed = float(grid.sample(land.field("height"), point[:, 0], point[:, 1])[0])
+    level = float(_levels(land, sea_level)[row, col])
+    return {"bed": round(bed, 3), **({"level": round(level, 3)} if np.isfinite(level) else {})}

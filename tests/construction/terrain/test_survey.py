@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from worldagent.construction.terrain.grid import Grid
 from worldagent.construction.terrain.store import build_terrain_file
-from worldagent.construction.terrain.survey import at_points, flat_places, river_places, shore_places
+from worldagent.construction.terrain.survey import at_points, flat_places, river_places, river_station, shore_places, water_at
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.landscape import SavedLandscape
@@ -79,6 +80,35 @@ def test_river_places_carry_the_discharge_of_their_reach(land: SavedLandscape) -
     downhill = [np.cos(np.radians(found[0]["flows_toward_deg"])), np.sin(np.radians(found[0]["flows_toward_deg"]))]
     here, below = at_points(land, [found[0]["at"], (np.array(found[0]["at"]) + 40 * np.array(downhill)).tolist()], sea_level=0)
     assert below["height"] < here["height"]
+
+
+def test_a_station_of_a_river_lies_on_its_course_and_across_it(land: SavedLandscape) -> None:
+    """The ends of a reach are its first and last cell; a step along the course goes the way it flows, and left is left of that."""
+    grid = Grid(*land.shape, land.cell)
+    reach = max(land.about["reaches"], key=lambda r: len(r["cells"]))
+    first = river_station(land, reach["number"], 0.0, 0.0)
+    last = river_station(land, reach["number"], first["length"] - 0.06, 0.0)
+    assert first["at"] == pytest.approx(grid.place(reach["cells"][0]), abs=0.01)
+    assert np.hypot(*np.subtract(last["at"], grid.place(reach["cells"][-1]))) < 0.2
+    here, there = (np.array(river_station(land, reach["number"], s, 0.0)["at"]) for s in (30.0, 30.5))
+    told = river_station(land, reach["number"], 30.0, 2.0)
+    flow = np.array(told["flows"])
+    assert 0.4 < (there - here) @ flow <= 0.501
+    left = np.array(told["at"]) - here
+    assert left == pytest.approx(2.0 * np.array([-flow[1], flow[0]]), abs=2e-3)
+    assert reach["width"][0] - 0.01 <= told["width"] <= reach["width"][1] + 0.01
+    with pytest.raises(InputError, match="m long from its upper end"):
+        river_station(land, reach["number"], first["length"] + 1, 0.0)
+    with pytest.raises(InputError, match="reach 999"):
+        river_station(land, 999, 0.0, 0.0)
+
+
+def test_the_level_of_water_is_told_and_none_where_it_is_dry(land: SavedLandscape) -> None:
+    shore = shore_places(land, "shore", sea_level=None, near=(0, 0), apart=30)[0]
+    wet, dry = (water_at(land, np.array(shore[k]), sea_level=None) for k in ("water_at", "at"))
+    assert wet["level"] == pytest.approx(shore["water_level"], abs=0.011)
+    assert "level" not in dry
+    assert dry["bed"] == pytest.approx(shore["height"], abs=0.01)
 
 
 def test_what_is_not_there_is_refused_in_words(land: SavedLandscape) -> None:

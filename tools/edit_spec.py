@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from ..workflow.arguments import Repair
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError, RefusedError
 
@@ -48,6 +49,14 @@ def edit_spec(
             description="After a failed row: what causes the failure and why this change cures it. Then change one parameter group."
         ),
     ] = "",
+    repairs: Annotated[
+        list[Repair] | None,
+        Field(
+            min_length=2,
+            max_length=8,
+            description="Instead of hypothesis: one per parameter group that changes, where the failing rows have nothing to do with each other",
+        ),
+    ] = None,
     weakening_reason: Annotated[
         str,
         Field(description="Only when the edit makes a requirement easier after evidence against it; printed with the acceptance"),
@@ -65,7 +74,7 @@ def edit_spec(
     fields part by part from inspect_world(part='schema', pointer=...), the procedure from inspect_world(part='guide', prompt=...).
     Units are SI (m, kg, s, rad), Z is up, frame k is the state at k / fps seconds.
     Returns: revision, the prompt with spans proposed for its claims, the audit's open rows, what became stale. Refused: another prompt; a patch that does not validate; after failed rows an edit without hypothesis
-    or of several parameter groups at once. Nothing changes when it is refused.
+    or of several parameter groups at once without repairs. Nothing changes when it is refused.
     Not for: putting an entity onto another one by contact (place_object finds the height), ground (build_terrain).
     Next: the reply's `next`; usually place_object, after story or shot edits run_checks.
     """
@@ -103,7 +112,14 @@ def edit_spec(
         more = claim_operations(claims, after)
         after, operations = apply_patch(after, more), operations + more
     check_limits(after)
-    outcome = session.commit(after, patch=operations, hypothesis=hypothesis, weakening_reason=weakening_reason)
+    joint = None
+    if repairs:
+        from ..workflow.joint_repairs import Joint
+        from ..workflow.measurements import latest_candidate
+
+        joint = Joint(tuple(repairs), latest_candidate(session))
+        hypothesis = "; ".join(r.hypothesis for r in repairs)
+    outcome = session.commit(after, patch=operations, hypothesis=hypothesis, weakening_reason=weakening_reason, joint=joint)
     return _answer(session, outcome)
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from .rows import Detail
 
-__all__ = ["Hypothesis", "RowDetail", "WaitSeconds", "WorldId"]
+__all__ = ["Hypothesis", "Repair", "RowDetail", "Sketch", "WaitSeconds", "WorldId"]
 
 WorldId = Annotated[str, Field(description="World id")]
 WaitSeconds = Annotated[
@@ -17,6 +17,16 @@ WaitSeconds = Annotated[
 ]
 RowDetail = Annotated[Detail, Field(description="full: open rows with all evidence and causes")]
 Hypothesis = Annotated[str, Field(description="After a failed row: what causes it and why this cures it")]
+
+
+class Repair(BaseModel):
+    """One of several repairs in one edit."""
+
+    model_config = ConfigDict(extra="forbid")
+    row: Annotated[str, Field(description="failing row that it answers")]
+    group: Annotated[str, Field(description="parameter group that it changes")]
+    expect: Annotated[Literal["higher", "lower"], Field(description="where the row's measured value should go")]
+    hypothesis: Annotated[str, Field(min_length=10, max_length=2000)]
 
 
 class Sketch(BaseModel):

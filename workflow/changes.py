@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..worlds.groups import GROUPS, group_of
 from ..worlds.ledger import Ledger
@@ -13,6 +13,7 @@ from ..worlds.provenance import stale_artifacts
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 from .earlier import has_motion
+from .joint_repairs import Joint, grouped, joint_objections
 from .opened import OpenedWorld
 from .repair_rules import CAUSAL_CLASSES, causal_groups, cut_grounds, failed, judged_on, same_causes
 
@@ -25,6 +26,16 @@ MAX_TOLD = 20
 """Changed places that a reply names."""
 
 
+class Attempted(NamedTuple):
+    """An attempt at repair, as the ledger records it."""
+
+    hypothesis: str
+    group: str
+    failing: list[Row]
+    values: list[tuple[str, Any, Any]]
+    expect: str
+
+
 class Change:
     """One edit of a world, which becomes a revision unless something stands against it.
 
@@ -35,12 +46,21 @@ class Change:
         reason: why a requirement is made easier.
         derived: whether the change only follows from an edit that was made already.
         follows: pointers of what changes only because an entity moves or is copied.
+        joint: of several parameter groups, which failing row each answers.
     """
 
     def __init__(
-        self, world: OpenedWorld, after: WorldSpec, *, hypothesis: str, reason: str, derived: bool, follows: Collection[str] = ()
+        self,
+        world: OpenedWorld,
+        after: WorldSpec,
+        *,
+        hypothesis: str,
+        reason: str,
+        derived: bool,
+        follows: Collection[str] = (),
+        joint: Joint | None = None,
     ) -> None:
-        self.world, self.after, self.hypothesis, self.reason = world, after, hypothesis, reason
+        self.world, self.after, self.hypothesis, self.reason, self.joint = world, after, hypothesis, reason, joint
         self._documents = world.spec.model_dump(mode="json"), after.model_dump(mode="json")
         self.places = list(differences(*self._documents))
         """JSON pointers that differ."""
@@ -110,6 +130,8 @@ class Change:
                 f"Call {test} before the next change; or take it back: setting everything causal to what it was in revision "
                 f"{untested[0]['revision'] - 1} is allowed at once"
             )
+        if self.joint is not None:
+            return told + joint_objections(self.joint, failing, grouped(self.places, causal), ledger.stages())
         unseen = "" if failing else unjudged(ledger, untested=True)
         if not failing and not unseen:
             return told
@@ -122,7 +144,8 @@ class Change:
         if len(causal) > 1:
             told.append(
                 f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
-                "test it with place_object / run_checks / probe_sim, then the next"
+                "test it with place_object / run_checks / probe_sim, then the next; or say with repairs=[{row, group, expect, hypothesis}] "
+                "which failing row each answers, where these rows have nothing to do with each other"
             )
         if not failing:
             return told
@@ -136,9 +159,18 @@ class Change:
             )
         return told
 
-    def values(self) -> list[tuple[str, Any, Any]]:
-        """The first causal places that change, with their values before and after."""
-        changed = [p for p in self.places if group_of(p).edit_class in CAUSAL_CLASSES]
+    def attempts(self) -> list[Attempted]:
+        """Hypotheses that the edit tests, each with its group, the failing rows that it answers, and its first places."""
+        if self.joint is None:
+            return [Attempted(self.hypothesis, self.causal[0], self.failing, self._values(self.places), "")]
+        rows, places = {r.id: r for r in self.failing}, grouped(self.places, self.causal)
+        return [
+            Attempted(r.hypothesis, r.group, [rows[r.row]], self._values(places[r.group]), r.expect) for r in self.joint.repairs
+        ]
+
+    def _values(self, places: Sequence[str]) -> list[tuple[str, Any, Any]]:
+        """The first causal ones of some changed places, with their values before and after."""
+        changed = [p for p in places if group_of(p).edit_class in CAUSAL_CLASSES]
         before, after = self._documents
         return [(p, _value(before, p), _value(after, p)) for p in changed[:MAX_CHANGES]]
 

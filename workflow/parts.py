@@ -14,6 +14,7 @@ from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
 from ..worlds.verdicts import asked_words, prompt_told, unusual_told, verdict_words
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
+from .joint_repairs import said_of
 from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, line, ranked
 from .session import Session
@@ -304,7 +305,8 @@ def _iteration(found: Mapping[str, Any]) -> dict[str, Any]:
     told |= {"changes": _few(found.get("changes") or [], 4), "failing_before": _few(before, 6)}
     if after is not None:
         told |= {"failing_after": _few(after, 6), "mended": _few([r for r in before if r not in after], 6)}
-    return told
+    said = said_of(found)
+    return told | ({"said": said} if said else {})
 
 
 def _few(items: Sequence[Any], most: int) -> list[Any]:

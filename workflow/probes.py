@@ -11,6 +11,7 @@ from ..execution import Cancelled, JobContext, Part
 from ..worlds.errors import EngineError, EvidenceError
 from .estimates import Pace
 from .gates import stored_rows
+from .joint_repairs import said_by
 from .live_judge import DECISIVE, LiveJudge
 from .pictures import motion_sheet
 from .rows import summary
@@ -190,6 +191,7 @@ def judge_probe(
         "phases": _phases(candidate),
         **({"overrides": settings["overrides"]} if settings.get("overrides") else {}),
         "changed_rows": len(changed),
+        **said_by(session.ledger, freeze[:16]),
         **summary(rows),
         "picture": picture,
     }

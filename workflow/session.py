@@ -14,6 +14,7 @@ from ..worlds.provenance import stale_artifacts, stale_rows
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 from .changes import Change, is_static
+from .joint_repairs import Joint
 from .opened import OpenedWorld
 from .repair_rules import UNDONE
 
@@ -62,17 +63,21 @@ class Session(OpenedWorld):
         weakening_reason: str = "",
         derived: bool = False,
         follows: Collection[str] = (),
+        joint: Joint | None = None,
     ) -> dict[str, Any]:
         """Make `after` the next revision, if the rules of repair allow it; returns the changed places and the stale artifacts.
 
         `derived` says that the change only follows from an edit that was made already, and is no edit of its own. `follows` are pointers
-        of what changes only because an entity moves or is copied: its joints, its paths.
+        of what changes only because an entity moves or is copied: its joints, its paths. `joint` says of several parameter groups which
+        failing row each answers.
 
         Raises:
             RefusedError: the edit breaks R111-R113 or R157, or another revision came first.
         """
         check_cap("text_characters", max(len(hypothesis), len(weakening_reason)), what="hypothesis or weakening_reason")
-        change = Change(self, after, hypothesis=hypothesis, reason=weakening_reason, derived=derived, follows=follows)
+        change = Change(
+            self, after, hypothesis=hypothesis, reason=weakening_reason, derived=derived, follows=follows, joint=joint
+        )
         with self.step():
             objections = change.objections()
             if objections:
@@ -84,7 +89,8 @@ class Session(OpenedWorld):
                 still = {r.id for r in change.failing}.union(*(json.loads(str(i["failing_before"])) for i in change.undone))
                 self.ledger.close_iterations(UNDONE, sorted(still), revision=number)
             elif change.failing and change.causal:
-                self.ledger.add_iteration(number, hypothesis, change.causal[0], change.failing, change.values())
+                for attempt in change.attempts():
+                    self.ledger.add_iteration(number, *attempt[:4], expect=attempt.expect)
             self.spec, self.revision = after, number
             self.write_spec()
         recorded = change.weaker and (self.ledger.ever_failed() or self.ledger.looks())

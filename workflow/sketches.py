@@ -12,6 +12,7 @@ from ..execution import JobContext, Part
 from ..worlds.errors import InputError
 from ..worlds.hints import did_you_mean
 from .arguments import Sketch
+from .joint_repairs import said_by
 from .live_judge import DECISIVE
 from .pictures import motion_sheet
 from .rows import summary
@@ -80,8 +81,9 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
     found = run_checks(candidate, only=DECISIVE, reruns=False, plates=False, progress=progress)
     rows = [r for r in found if not unmoved & {*r.entities} and r.question != PHASES_SHOWN.id]  # a sketch is no whole run
     failing = [r.id for r in rows if r.mandatory and r.status == "fail"]
+    test = f"sketch {freeze[:9]}"
     with session.ledger.together():
-        session.ledger.close_iterations(f"sketch {freeze[:9]}", failing, rows, revision=session.revision)
+        session.ledger.close_iterations(test, failing, rows, revision=session.revision)
         if failing:  # known before any probe says so: the next edit answers it
             session.ledger.add_look(freeze, "sketch", session.revision, candidate.last_frame)
         rows = session.cited(rows)
@@ -91,6 +93,7 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
         "beats_true_from": {
             n: f for n, f in first_true_frames(candidate).items() if not unmoved & {session.spec.story.beats[n].subject}
         },
+        **said_by(session.ledger, test),
         **summary([r for r in rows if r.status != "unverified"]),
         "picture": picture,
     }

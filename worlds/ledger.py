@@ -15,7 +15,7 @@ from .reviews import ReviewLedger
 
 __all__ = ["Ledger"]
 
-_LATER_COLUMNS = {"iterations": ("changes", "before", "after")}
+_LATER_COLUMNS = {"iterations": ("changes", "before", "after", "expect")}
 """Columns that ledgers of older worlds lack; they are added at the first write that needs them."""
 
 _TESTED, _JUDGED = 1, 2
@@ -204,7 +204,14 @@ class Ledger(ReviewLedger):
     # ---------------------------------------------------------------- iterations, freezes, bakes, acceptances
 
     def add_iteration(
-        self, revision: int, hypothesis: str, group: str, failing: Iterable[Row], changes: Iterable[tuple[str, Any, Any]] = ()
+        self,
+        revision: int,
+        hypothesis: str,
+        group: str,
+        failing: Iterable[Row],
+        changes: Iterable[tuple[str, Any, Any]] = (),
+        *,
+        expect: str = "",
     ) -> None:
         """Record an attempt at repair, before its test.
 
@@ -214,22 +221,16 @@ class Ledger(ReviewLedger):
             group: causal parameter group that it changes.
             failing: rows that fail before it, with what they measured.
             changes: (JSON pointer, old value, new value).
+            expect: `higher` or `lower`: where the measured value of its one row should go; empty where nobody said.
         """
         rows = list(failing)
         before = {r.id: outcome_of(r).model_dump(mode="json") for r in rows}
+        what = (revision, hypothesis, group, json.dumps([r.id for r in rows]))
         with self._write() as db:
             _add_columns(db, "iterations")
             db.execute(
-                "INSERT INTO iterations (revision, hypothesis, grp, failing_before, at, changes, before) VALUES (?,?,?,?,?,?,?)",
-                (
-                    revision,
-                    hypothesis,
-                    group,
-                    json.dumps([r.id for r in rows]),
-                    time.time(),
-                    json.dumps([list(c) for c in changes]),
-                    json.dumps(before),
-                ),
+                "INSERT INTO iterations (revision, hypothesis, grp, failing_before, at, changes, before, expect) VALUES (?,?,?,?,?,?,?,?)",
+                (*what, time.time(), json.dumps([list(c) for c in changes]), json.dumps(before), expect),
             )
 
     def close_iterations(self, probe: str, failing: Iterable[str], rows: Iterable[Row] = (), *, revision: int) -> None:

@@ -53,8 +53,6 @@ def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
             add_move(edit, spec, names, compose(places[0].pose, back), cameras=asked.cameras)
         else:
             _only_pose(edit, asked.entity, places[0].pose)
-        if len(places) > 1:  # the first of many comes along with the others
-            edit.follows |= {f"/entities/{n}/pose" for n in names}
     for suffix, copy in _copies(asked, places):
         motion = compose(copy.pose, back)
         documents = _scaled(session, asked, copy.size)
@@ -64,6 +62,9 @@ def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
     if asked.on is not None and not hypothesis.strip() and asked.copy is None and asked.array is None:
         hypothesis = _first_placement(session, asked)
     after = apply_patch(spec, edit.operations)
+    if any(n not in spec.entities or spec.entities[n].parts != after.entities[n].parts for n in edit.poses):
+        # Entities are made, or made anew: where they and the first of them stand goes along.
+        edit.follows |= {f"/entities/{n}/pose" for n in edit.poses}
     check_limits(after)
     told |= _reply(asked, edit, found, places)
     if after == spec:

@@ -27,7 +27,10 @@ def body_of(tmp_path, *placed):
 def tub(tmp_path, *, hole=False):
     """Open box of planks 1 cm thick, 2 x 1 x 0.5 m outside; with a hole the long side of one half is missing."""
     t = 0.01
-    planks = [(Box(size=(2, 1, t)), (0, 0, t / 2)), (Box(size=(2, t, 0.5 - t)), (0, 0.5 - t / 2, 0.25 + t / 2))]
+    planks: list[tuple[Box, tuple[float, float, float]]] = [
+        (Box(size=(2, 1, t)), (0, 0, t / 2)),
+        (Box(size=(2, t, 0.5 - t)), (0, 0.5 - t / 2, 0.25 + t / 2)),
+    ]
     planks += [(Box(size=(t, 1 - 2 * t, 0.5 - t)), (s * (1 - t / 2), 0, 0.25 + t / 2)) for s in (-1, 1)]
     planks += [(Box(size=(1.0 if hole else 2, t, 0.5 - t)), (0.5 if hole else 0, -0.5 + t / 2, 0.25 + t / 2))]
     return body_of(tmp_path, *planks)

@@ -43,6 +43,7 @@ def test_a_body_comes_to_exactly_the_gap_and_may_pass_by(brick, tmp_path):
     ball = body_of(Sphere(radius=0.3), tmp_path)
     direction = np.array([-1.0, 0.0, 0.0])
     found = approach(brick, at(9, 0.1, 0, yaw=0.3), ball, ORIGIN, direction, 0.07)
+    assert found is not None
     assert clearance(brick, found, ball, ORIGIN) == pytest.approx(0.07, abs=2e-6)
     assert found.position[1:].tolist() == [0.1, 0.0]
     assert approach(brick, at(9, 0.1, 2.0), ball, ORIGIN, direction, 0.07) is None

@@ -84,6 +84,18 @@ def test_a_group_moves_as_one_change_after_a_failure(yard: Any) -> None:
     assert "2 causal parameter groups" in yard.refused("edit_spec", world="w", patch=patch, hypothesis=WHY)
 
 
+def test_an_array_made_anew_after_a_failure_is_one_change(yard: Any) -> None:
+    """Other sizes and other places of the same stones: the shape is what changes, and where they lie goes along."""
+    call = {"world": "w", "entity": "stone", "on": "ground", "lay": True}
+    yard.call("place_object", **call, array=STONES)
+    scene = (Correction(cause="c", edit_class="scene", group="shape", action="a"),)
+    row = Row(id="beat:roll", check="beat", group="physical", predicate="p", status="fail", artifact="x", corrections=scene)
+    Ledger(yard.workspace / "w" / "ledger.sqlite").put_rows([row], revision=2, stage="probe")
+    yard.call("place_object", **call, array={**STONES, "seed": 6}, hypothesis="smaller stones leave the cart more room to roll")
+    (tried,) = yard.call("inspect_world", world="w", part="iterations")["iterations"]
+    assert tried["grp"] == "shape"
+
+
 def test_a_crate_of_half_the_density_is_put_at_its_float_line(agent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     run_jobs_inline(monkeypatch)
     depth = 0.15

@@ -69,7 +69,7 @@ def probe_sim(
     if "state" in data:
         data["estimate_s"] = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
         data["estimate_of"] = "moving its liquids and gases once, checks and runs without a cause apart,"
-    return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.lacking]}, detail)
+    return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *report.told]}, detail)
 
 
 def _line(row: Row) -> str:

@@ -1,4 +1,4 @@
-"""What a built landscape has that nothing asks for, and lacks that its specification asks for: told with the answer of build_terrain."""
+"""Warnings about a built landscape, told with the answer of build_terrain: things that nothing asks for, things asked for that it lacks."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def _snow(spec: WorldSpec, name: str, land: SavedLandscape) -> Iterator[str]:
 
 
 def _inflows(spec: WorldSpec, name: str, land: SavedLandscape, water: dict[str, Any]) -> Iterator[str]:
-    """What declared inflows come to: the reaches they feed, and what inflows of a liquid bring."""
+    """Discharges of the reaches that declared inflows feed, and of the inflows of a liquid, where they are others than declared."""
     import numpy as np
 
     (rows, cols), cell = land.shape, land.cell
@@ -145,7 +145,7 @@ def _plants(spec: WorldSpec, name: str, land: SavedLandscape) -> Iterator[str]:
 
 
 def _conditions(land: SavedLandscape) -> str:
-    """What plants find, in words."""
+    """Conditions that plants find, in words."""
     import numpy as np
 
     parts = []

@@ -1,4 +1,4 @@
-"""What a built landscape has that nobody asked for, and lacks that was asked for, is told with it (R35, R38, R39, R44)."""
+"""A built landscape tells of things that nobody asked for, and of things asked for that it lacks (R35, R38, R39, R44)."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ class AuditReport:
     lacking: tuple[str, ...] = ()
     """Lacks that only the acceptance will ask about, in words."""
     warnings: tuple[str, ...] = ()
-    """What will probably fail once it is simulated: pointer, measured value, allowed range, next step."""
+    """Things that will probably fail once they are simulated: pointer, measured value, allowed range, next step."""
 
     @property
     def passed(self) -> bool:

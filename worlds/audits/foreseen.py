@@ -1,4 +1,4 @@
-"""Warnings of the audit: what will probably fail once it is simulated, though nothing in the specification is wrong."""
+"""Warnings of the audit about things that will probably fail once they are simulated, though nothing in the specification is wrong."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NARROWEST = 5.0
 
 
 def foreseen(spec: WorldSpec) -> list[Problem]:
-    """What the categories foresee, then drivers that no beat owns and subjects too fast for any camera."""
+    """Warnings of the categories, then of drivers that no beat owns and subjects too fast for any camera."""
     found = [p for category in CATEGORIES.values() for p in category.warnings(spec)]
     return [*found, *_unowned(spec), *_too_fast(spec)]
 

@@ -73,7 +73,7 @@ class CategorySpec:
     """Amounts that its instances take, by name of the cap."""
     audit: Audit | None = None
     warnings: Callable[[WorldSpec], Iterable[Problem]] = lambda spec: ()
-    """What will probably fail once it is simulated; no problems of the specification, so that nothing is refused."""
+    """Things that will probably fail once they are simulated; no problems of the specification, so that nothing is refused."""
     masses: Callable[[WorldSpec, str], Iterable[Problem]] = lambda spec, entity: ()
     """Problems of the declared mass of an entity of it."""
     bodies: Callable[[Entity], int] = lambda entity: 1

@@ -1,4 +1,4 @@
-"""What the audit foresees though no field is wrong: drivers that no beat owns, subjects too fast for any camera (R24, R97)."""
+"""Warnings of the audit where no field is wrong: drivers that no beat owns, subjects too fast for any camera (R24, R97)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What elastic bodies never touch in this build, though it stands in their way or the story asks for it."""
+"""Matter that elastic bodies never touch in this build, though it stands in their way or the story asks for it."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ def _positive(predicate: SpecModel) -> Iterator[SpecModel]:
 
 
 def _falls_only(spec: WorldSpec) -> bool:
-    """Whether gravity and velocities at frame 0 are all that moves bodies."""
+    """True where gravity and velocities at frame 0 are all that moves bodies."""
     plan = spec.simulation
     return (
         all(d.kind in QUIET for d in plan.drivers.values())

@@ -1,4 +1,4 @@
-"""Where a liquid can get to by what is declared, and the solids and gaps there that its spacing does not resolve (R58).
+"""Heights that a liquid can get to by what is declared, and the solids and gaps there that its spacing does not resolve (R58).
 
 Solids are known by their declared shapes. What only their built surfaces tell is refused when the liquid is set up
 (`simulation/liquid/resolved.py`), and judged once it has run (`category:liquid:obstacles` and `passages`).
@@ -156,7 +156,7 @@ def gap_warnings(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterat
 
 
 def _between(blocks: list[_Solid], low: F64, high: F64, but: tuple[_Solid, _Solid]) -> bool:
-    """Whether another block fills most of a gap."""
+    """True where another block fills most of a gap."""
     middle = 0.5 * (low + high)
     return any((b.low <= middle).all() and (middle <= b.high).all() for b in blocks if b not in but)
 

@@ -44,13 +44,13 @@ def with_plank(
 
 
 def problems(report: AuditReport) -> list[str]:
-    """What the row about liquids finds."""
+    """Problems of the row about liquids."""
     row = next(r for r in report.rows if r.id == "audit:liquids")
     return list(row.evidence.get("problems", ()))
 
 
 def refusal(spec: WorldSpec, folder: Path) -> str:
-    """What setting the liquid up says; empty where it goes."""
+    """Text with which setting the liquid up is refused; empty where it is not."""
     try:
         build_scene(spec, {n: build_entity(spec, n, folder) for n in spec.entities}, "water")
     except InputError as error:

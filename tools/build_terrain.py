@@ -161,6 +161,7 @@ def _landscape_told(world: str, name: str, data: dict[str, Any]) -> ToolReply:
             world, audit, "concise", f"{text}; the audit leaves {audit['counts']['mandatory_open']} rows open", then
         )
         head = {k: told.pop(k) for k in ("summary", "warnings", "next")}
+        head["warnings"] = [*head["warnings"], *data.pop("warnings", ())]
         return ToolReply({**head, **data, "audit": told}, links=links)
     return ToolReply(rows_answer(world, data, "concise", text, then), links=links)
 

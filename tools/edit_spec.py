@@ -149,7 +149,7 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
     warnings = [
         f"recorded as a weakening edit, printed with the acceptance: {w}" for w in outcome.get("weakenings_recorded", ())[:5]
     ]
-    warnings += report.lacking
+    warnings += report.told
     warnings += _where_told(told.get("prompt_judged", {}).get("warnings", []))
     moved = bool({"probe", "full"} & set(session.ledger.stages().values()))
     then = _next(session, report.passed, set(outcome.get("groups", ("shape",))) if moved else {"shape"})

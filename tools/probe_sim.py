@@ -61,13 +61,13 @@ def probe_sim(
     from ..workflow.session import Session
 
     session = Session.open(context.workspace, world)
-    lacking = session.require_audit("probe_sim").lacking
+    warnings = session.require_audit("probe_sim").told
     if sketch is not None:
         return _sketch(context, session, sketch, wait_s, detail)
     _require_static(session)
     payload = {"detail": detail, **({"stop_at": stop_at} if stop_at == "never" else {})}
     data = _probe(context, session, payload, wait_s, coarser)
-    return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *lacking]}, detail)
+    return motion_answer(world, "probe", {**data, "warnings": [*data.get("warnings", ()), *warnings]}, detail)
 
 
 def _probe(context: ToolContext, session: Session, payload: dict[str, Any], wait_s: float, coarser: float) -> dict[str, Any]:

@@ -70,7 +70,7 @@ def run_checks(
     data: dict[str, Any]
     if scope == "audit":
         report = session.audit()
-        data = {"scope": scope, "passed": report.passed, **summary(report.rows), "warnings": list(report.lacking)}
+        data = {"scope": scope, "passed": report.passed, **summary(report.rows), "warnings": list(report.told)}
     elif scope == "static":
         session.require_audit("static checks")
         rows, changed, fresh = session.check_static()

@@ -12,6 +12,7 @@ from ..worlds.landscape import SavedLandscape
 from ..worlds.limits import check_limits
 from ..worlds.patch import apply_patch
 from ..worlds.spec import WorldSpec
+from .land_warnings import land_warnings
 from .outdoor import after_building
 from .rows import news, open_rows
 from .session import Session
@@ -87,6 +88,8 @@ def terrain(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     data |= {"built": fresh, **describe(land), "ground": {"entity": entity, "center": list(center), **patch._asdict()}}
     data |= {"stems": stems.number if stems is not None else 0} if payload.get("stems") else {}
     data |= {"water": water} if water else {}
+    told = land_warnings(session.spec, name, land, water)
+    data |= {"warnings": told} if told else {}
     static_open: list[str] = []
     if report.passed:
         rows, changed, _ = session.check_static()

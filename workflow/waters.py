@@ -61,6 +61,7 @@ def water_operations(
     if known is not None and known.physics.category != "liquid":
         raise InputError(f"entity {liquid!r} exists and is no liquid; choose another id")
     body = _body(folder, land, file, center, size, spacing)
+    _check_corners(body, size)
     courses, count = river_courses(land, body), body.volume / spacing**3
     owner = next((k for k, s in spec.simulation.liquid.items() if liquid in s.members), None)
     engine = spec.simulation.liquid[owner].engine if owner is not None else "flip" if courses or count > MANY else "dfsph"
@@ -98,6 +99,27 @@ def _body(
             f"a ground of {size[0]:g} x {size[1]:g} m is too small for a liquid of spacing {spacing:g} m; cut more of it"
         )
     return water_body(land, x[inner[0]], y[inner[1]], ground[inner[1], inner[0]])
+
+
+def _check_corners(body: WaterBody, size: tuple[float, float]) -> None:
+    """Refuse a surface with more corners or triangles than a specification holds, before the ground is cut.
+
+    Raises:
+        LimitError: names both counts, the caps and what keeps below them.
+    """
+    import math
+
+    from ..worlds.errors import LimitError
+    from ..worlds.shapes import MESH_FACES, MESH_VERTICES
+
+    corners, faces = len(body.mesh.vertices), len(body.mesh.faces)
+    share = min(MESH_VERTICES / corners, MESH_FACES / faces)
+    if share < 1.0:
+        cells = max(len(body.x), len(body.y)) - 1
+        raise LimitError(
+            f"the surface of the water in {size[0]:g} x {size[1]:g} m has {corners:,} corners and {faces:,} triangles, caps {MESH_VERTICES:,} and "
+            f"{MESH_FACES:,}. Knob: about {math.floor(0.95 * cells * math.sqrt(share))} cells instead of {cells}, or a smaller size of the ground"
+        )
 
 
 def _drivers(spec: WorldSpec, gates: list[Gate], liquid: str, spacing: float) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .shapes import Shape
     from .spec import Entity
 
-__all__ = ["box_extent", "initial_box", "initial_volume", "least_extent", "shape_volume"]
+__all__ = ["box_extent", "box_size", "initial_box", "initial_volume", "least_extent", "part_box", "shape_volume"]
 
 
 def _corners(shape: Shape) -> F64 | None:
@@ -59,10 +59,26 @@ def least_extent(shape: Shape) -> float | None:
     return box_extent(shape) if shape.kind in ("box", "sphere", "cylinder", "capsule") else None
 
 
+def box_size(shape: Shape) -> F64 | None:
+    """Extents of the box around a shape along its own axes (3,) [m]; None for files and fields."""
+    corners = _corners(shape)
+    return None if corners is None else np.asarray(np.ptp(corners, axis=0))
+
+
 def box_extent(shape: Shape) -> float | None:
     """Least extent of the box around a shape [m]: nothing is thicker than that everywhere; None for files and fields."""
-    corners = _corners(shape)
-    return None if corners is None else float(np.ptp(corners, axis=0).min())
+    size = box_size(shape)
+    return None if size is None else float(size.min())
+
+
+def part_box(entity: Entity, part: str) -> tuple[F64, F64] | None:
+    """Box around one part in the world [m]; None for files and fields."""
+    contract = entity.parts[part]
+    corners = _corners(contract.shape)
+    if corners is None:
+        return None
+    placed = pose_of(entity.pose).apply(pose_of(contract.pose).apply(corners))
+    return placed.min(0), placed.max(0)
 
 
 def shape_volume(shape: Shape) -> float | None:

@@ -24,6 +24,9 @@ __all__ = [
     "Wedge",
 ]
 
+MESH_VERTICES, MESH_FACES = 20_000, 40_000
+"""Corners and triangles of a mesh that is written inline, at most; files may have more."""
+
 
 class Pose(SpecModel):
     """A rigid placement: position [m] and orientation.
@@ -109,11 +112,11 @@ class Mesh(SpecModel):
 
     kind: Literal["mesh"] = "mesh"
     file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.(obj|stl|ply|glb)$")] | None = None
-    vertices: Annotated[list[Vec3], Field(max_length=20000)] | None = None
+    vertices: Annotated[list[Vec3], Field(max_length=MESH_VERTICES)] | None = None
     faces: (
         Annotated[
             list[tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]]],
-            Field(max_length=40000),
+            Field(max_length=MESH_FACES),
         ]
         | None
     ) = None

@@ -10,18 +10,13 @@ from numpy.typing import NDArray
 
 from ...geometry.walls import wall_thickness
 from ...worlds.arrays import F64
-from ...worlds.categories.liquid.facts import LEAST_SPACINGS
+from ...worlds.categories.liquid.facts import LEAST_SPACINGS, LEAST_WALL, WALL_SLACK
 from ...worlds.errors import InputError
 from .engine import Inflow, LiquidSetup
 from .filling import PlacedSolid
 
 __all__ = ["require_resolved"]
 
-LEAST_WALL = {"dfsph": 0.5, "flip": 1.0}
-"""Own choice: thickness of fixed walls in spacings. Particles are held by a layer of boundary particles on each side; a grid
-sees a wall only where it covers a cell."""
-SLACK = 0.01
-"""Share by which a wall may be thinner than that: facets of round walls, and rounding."""
 PITCH = 0.5
 """Of the grid on which passages are looked for, in spacings."""
 MOST_CELLS = 8_000_000
@@ -46,10 +41,14 @@ def require_resolved(setup: LiquidSetup, solids: Sequence[PlacedSolid], motion: 
     for inflow in setup.inflows:
         _require_open(inflow, fixed, setup.spacing)
     for solid in fixed:
+        corners = np.array([[solid.box[k >> a & 1][a] for a in range(3)] for k in range(8)])
+        if motion[solid.name] == "static" and not _reachable(setup, corners).any():
+            continue  # dry: what is wet after all is judged by where the liquid was
         thick = wall_thickness(solid.solid)
-        if thick < (1.0 - SLACK) * LEAST_WALL[engine] * setup.spacing:
+        if thick < (1.0 - WALL_SLACK) * LEAST_WALL[engine] * setup.spacing:
+            place = ", ".join(f"{v:.3g}" for v in 0.5 * (solid.box[0] + solid.box[1]))
             raise InputError(
-                f"{solid.name.split('/')[0]!r} is {thick:.3g} m thick where it is thin, which a spacing of {setup.spacing:g} m does not "
+                f"{solid.name.split('/')[0]!r} is {thick:.3g} m thick about [{place}] m where it is thin, which a spacing of {setup.spacing:g} m does not "
                 f"resolve; make it at least {LEAST_WALL[engine] * setup.spacing:.3g} m thick, or use a resolution of at most "
                 f"{thick / LEAST_WALL[engine]:.3g} m"
             )

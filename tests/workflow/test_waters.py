@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from scipy import ndimage
 from worldagent.construction.build import build_entity
 from worldagent.construction.terrain.grid import Grid
@@ -12,7 +13,9 @@ from worldagent.construction.terrain.rivers import BED_ROUGHNESS
 from worldagent.simulation.liquid.scene import build_scene
 from worldagent.tests.construction.terrain.test_waters import CELL, COLS, DEEP, FALL, HALF, ROWS, Land
 from worldagent.workflow.waters import water_operations
+from worldagent.worlds import shapes
 from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.errors import LimitError
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.spec import WorldSpec
@@ -95,3 +98,30 @@ def test_particles_and_the_mask_of_hydrology_agree_within_one_cell(tmp_path: Pat
     assert wet.sum() > 50
     assert not (have & ~ndimage.binary_dilation(wet, near)).any()
     assert not (wet & ~ndimage.binary_dilation(have, near)).any()
+
+
+def test_a_surface_with_more_corners_than_a_specification_holds_is_refused_with_both_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spec, _ = operations(WorldFolder.at(tmp_path), base(), spacing=0.2)
+    shape = spec.entities["river"].parts["body"].shape
+    assert shape.kind == "mesh"
+    corners, faces = len(shape.vertices or ()), len(shape.faces or ())
+    monkeypatch.setattr(shapes, "MESH_VERTICES", corners)
+    monkeypatch.setattr(shapes, "MESH_FACES", faces)
+    assert operations(WorldFolder.at(tmp_path), base(), spacing=0.2)[0] == spec
+    monkeypatch.setattr(shapes, "MESH_VERTICES", corners - 1)
+    with pytest.raises(
+        LimitError,
+        match=rf"has {corners:,} corners and {faces:,} triangles, caps {corners - 1:,} and {faces:,}\. Knob: about \d+ cells",
+    ):
+        operations(WorldFolder.at(tmp_path), base(), spacing=0.2)
+
+
+def test_the_caps_are_those_of_the_fields() -> None:
+    """The schema refuses one more of either."""
+    mesh = shapes.Mesh.model_json_schema()["properties"]
+    assert [next(k["maxItems"] for k in mesh[f]["anyOf"] if "maxItems" in k) for f in ("vertices", "faces")] == [
+        shapes.MESH_VERTICES,
+        shapes.MESH_FACES,
+    ]

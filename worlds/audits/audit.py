@@ -26,6 +26,7 @@ from .claims import claim_problems
 from .collisions import pair_problems, skin_problems
 from .couplings import coupling_problems
 from .fields import field_problems
+from .foreseen import foreseen
 from .joints import joint_problems
 from .masses import mass_problems
 from .ownership import ownership_problems
@@ -36,6 +37,8 @@ from .story import coverage_of, evidence_problems, graph_problems, shot_problems
 __all__ = ["AuditReport", "audit"]
 
 SKILL = "skill://world-building/SKILL.md"
+MOST_WARNINGS = 6
+"""Own choice: warnings that a reply shows."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +52,20 @@ class AuditReport:
     """Beat -> shots that overlap its frames."""
     lacking: tuple[str, ...] = ()
     """Lacks that only the acceptance will ask about, in words."""
+    warnings: tuple[str, ...] = ()
+    """Things that will probably fail once they are simulated: pointer, measured value, allowed range, next step."""
 
     @property
     def passed(self) -> bool:
         """Whether every mandatory row passes."""
         return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Lacks and warnings as a reply shows them: of many warnings the first, and how many more there are."""
+        more = len(self.warnings) - MOST_WARNINGS
+        rest = (f"{more} more warnings of the audit of this kind: mend these first",) if more > 0 else ()
+        return (*self.lacking, *self.warnings[:MOST_WARNINGS], *rest)
 
 
 class _Audit:
@@ -258,5 +270,6 @@ def audit(spec: WorldSpec) -> AuditReport:
         }
     )
     lacking = uncaused(spec)
-    told = () if lacking is None else (lacking,)
-    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, told)
+    lacks = () if lacking is None else (lacking,)
+    warnings = tuple(f"{p.pointer}: {p.text}" for p in foreseen(spec))
+    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, lacks, warnings)

@@ -72,6 +72,8 @@ class CategorySpec:
     estimate: Callable[[WorldSpec], Mapping[str, float]] = lambda spec: {}
     """Amounts that its instances take, by name of the cap."""
     audit: Audit | None = None
+    warnings: Callable[[WorldSpec], Iterable[Problem]] = lambda spec: ()
+    """Things that will probably fail once they are simulated; no problems of the specification, so that nothing is refused."""
     masses: Callable[[WorldSpec, str], Iterable[Problem]] = lambda spec, entity: ()
     """Problems of the declared mass of an entity of it."""
     bodies: Callable[[Entity], int] = lambda entity: 1

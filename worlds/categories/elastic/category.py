@@ -12,6 +12,7 @@ from .channels import CHANNELS, DIMENSIONS, writers
 from .events import EVENTS
 from .models import ElasticPhysics
 from .predicates import PREDICATES
+from .unmet import unmet_warnings
 
 __all__ = ["ELASTIC"]
 
@@ -40,5 +41,6 @@ ELASTIC = CategorySpec(
         "elastic bodies are held by pins alone, and steps and skins of their instance fit their cells",
         elastic_problems,
     ),
+    warnings=unmet_warnings,
     starts_alone=True,
 )

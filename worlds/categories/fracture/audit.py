@@ -10,7 +10,7 @@ import numpy as np
 from ...problems import Problem, removed, replaced
 from ..caps import PIECES
 from ..rigid.models import ForceDriver, PathDriver, RigidPhysics
-from .facts import CRUMBLE, piece_count
+from .facts import CRUMBLE, least_piece, piece_count
 
 if TYPE_CHECKING:
     from ...spec import Breakable, Entity, WorldSpec
@@ -45,14 +45,14 @@ def fracture_problems(spec: WorldSpec) -> list[Problem]:
 def crumble_limit(entity: Entity) -> float:
     """Most that faces of a breakable entity may crumble [m]: a share of its least piece, as far as the specification tells its size."""
     assert entity.breakable is not None
-    return CRUMBLE_SHARE * _least_piece(entity, entity.breakable)
+    return CRUMBLE_SHARE * least_piece(entity, entity.breakable)
 
 
 def usual_crumble(entity: Entity) -> float:
     """How far faces crumble by default [m], as far as the specification tells the size of pieces."""
     assert entity.breakable is not None
     pattern = entity.breakable.pattern
-    return pattern.joint / 2 if pattern.kind == "bricks" else CRUMBLE * _least_piece(entity, entity.breakable)
+    return pattern.joint / 2 if pattern.kind == "bricks" else CRUMBLE * least_piece(entity, entity.breakable)
 
 
 def eased(name: str, old: Entity, new: Entity) -> Iterator[str]:
@@ -68,15 +68,6 @@ def eased(name: str, old: Entity, new: Entity) -> Iterator[str]:
     was, now = old.breakable.bond.crumble, new.breakable.bond.crumble
     if was is None and now is not None and now > usual_crumble(old):
         yield f"/entities/{name}/breakable/bond/crumble the default -> {now:g} m: pieces may lie deeper in one another"
-
-
-def _least_piece(entity: Entity, breakable: Breakable) -> float:
-    pattern, box = breakable.pattern, np.array(entity.dimensions.size)
-    if pattern.kind == "bricks":
-        return float(min(pattern.size))
-    if pattern.kind == "glass":
-        return float(box.min())
-    return float(min(box.min(), (box.prod() / pattern.pieces) ** (1 / 3)))
 
 
 def _contract(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]:
@@ -135,7 +126,7 @@ def _partners(spec: WorldSpec, name: str) -> Iterator[Problem]:
 
 def _pieces(spec: WorldSpec, name: str, entity: Entity, breakable: Breakable) -> Iterator[Problem]:
     place, bond = f"/entities/{name}/breakable", breakable.bond
-    least = _least_piece(entity, breakable)
+    least = least_piece(entity, breakable)
     for key, instance in spec.simulation.rigid.items():
         if name not in instance.members:
             continue

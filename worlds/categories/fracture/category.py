@@ -8,6 +8,7 @@ from ..category import Audit, CategorySpec
 from .audit import eased, fracture_problems
 from .channels import CHANNELS, DIMENSIONS, writers
 from .events import EVENTS
+from .falls import fall_warnings
 from .predicates import PREDICATES
 
 __all__ = ["FRACTURE"]
@@ -53,6 +54,7 @@ FRACTURE = CategorySpec(
     dimensions=DIMENSIONS,
     writers=writers,
     caps=(PIECES,),
+    warnings=fall_warnings,
     eased=eased,
     audit=Audit(
         "fracture",

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from ...spec import Entity
+import numpy as np
 
-__all__ = ["CRUMBLE", "SHARES", "piece_count"]
+if TYPE_CHECKING:
+    from ...spec import Breakable, Entity
+
+__all__ = ["CRUMBLE", "SHARES", "least_piece", "piece_count"]
 
 CRUMBLE = 0.01
 """Default thickness of what crumbles at a broken face, in parts of the middle piece's size."""
@@ -29,3 +31,13 @@ def piece_count(entity: Entity) -> int:
     along, through = (x, y) if pattern.along == "x" else (y, x)
     pitch = [s + pattern.joint for s in pattern.size]
     return max(1, round(along / pitch[0] + 0.5)) * max(1, round(through / pitch[1])) * max(1, round(z / pitch[2]))
+
+
+def least_piece(entity: Entity, breakable: Breakable) -> float:
+    """Least size of a piece [m], as far as the specification tells it."""
+    pattern, box = breakable.pattern, np.array(entity.dimensions.size)
+    if pattern.kind == "bricks":
+        return float(min(pattern.size))
+    if pattern.kind == "glass":
+        return float(box.min())
+    return float(min(box.min(), (box.prod() / pattern.pieces) ** (1 / 3)))

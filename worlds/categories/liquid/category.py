@@ -7,7 +7,7 @@ from ..caps import LOOSE_CAPS
 from ..category import Audit, CategorySpec
 from ..loose import counts
 from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
-from .audit import liquid_problems
+from .audit import liquid_problems, liquid_warnings
 from .channels import CHANNELS, DIMENSIONS, writers
 from .events import EVENTS
 from .facts import liquid_estimate, liquid_seconds
@@ -76,6 +76,7 @@ LIQUID = CategorySpec(
     audit=Audit(
         "liquids", "liquids are members of a liquid instance that resolves them, and its domain holds them", liquid_problems
     ),
+    warnings=liquid_warnings,
     recipes=liquid_recipes,
     seconds=liquid_seconds,
 )

@@ -17,12 +17,28 @@ from ..loose import LooseEstimate, domain_box
 if TYPE_CHECKING:
     from ...spec import Entity, InflowDriver, WorldSpec
 
-__all__ = ["LEAST_MOUTH", "LEAST_SPACINGS", "declares_heat", "inflows_of", "liquid_estimate", "liquid_seconds", "spacing_of"]
+__all__ = [
+    "LEAST_MOUTH",
+    "LEAST_SPACINGS",
+    "LEAST_WALL",
+    "WALL_SLACK",
+    "declares_heat",
+    "fastest",
+    "inflows_of",
+    "liquid_estimate",
+    "liquid_seconds",
+    "spacing_of",
+]
 
 LEAST_SPACINGS = 3.0
 """Own choice: a layer of liquid or an opening thinner than so many spacings is not resolved."""
 LEAST_MOUTH = {"dfsph": LEAST_SPACINGS, "flip": 2.0}
 """Own choice: narrowest inflow in spacings, by engine. A grid gives layers of markers half a cell apart."""
+LEAST_WALL = {"dfsph": 0.5, "flip": 1.0}
+"""Own choice: thickness of fixed walls in spacings, by engine. Particles are held by a layer of boundary particles on each side; a
+grid sees a wall only where it covers a cell."""
+WALL_SLACK = 0.01
+"""Share by which a wall may be thinner than that: facets of round walls, and rounding."""
 PARTICLE_STEPS = {"dfsph": 1.5e5, "flip": 1.0e6}
 """Per second on two cores of the development machine, by engine; told as an estimate before anything was measured."""
 USUAL_TEMPERATURE = 293.15
@@ -52,7 +68,7 @@ def inflows_of(spec: WorldSpec, name: str) -> dict[str, InflowDriver]:
     return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "inflow" and d.entity in members}
 
 
-def _fastest(entity: Entity) -> float:
+def fastest(entity: Entity) -> float:
     """Largest speed of a liquid at frame 0 [m/s]."""
     physics = entity.physics
     currents = physics.currents.values() if physics.category == "liquid" else ()
@@ -68,14 +84,14 @@ def liquid_estimate(spec: WorldSpec, name: str) -> LooseEstimate:
     seconds = plan.preroll + (plan.frames - 1) / plan.fps
     members = [spec.entities[m] for m in instance.members if m in spec.entities]
     volume = sum(initial_volume(m) for m in members)
-    fastest = max((_fastest(m) for m in members), default=0.0)
+    swiftest = max((fastest(m) for m in members), default=0.0)
     for inflow in inflows_of(spec, name).values():
         volume += inflow.area * inflow.flow_speed * max(0.0, min(inflow.end or seconds, seconds) - inflow.start)
-        fastest = max(fastest, inflow.flow_speed)
+        swiftest = max(swiftest, inflow.flow_speed)
     low, high = domain_box(instance)
     box = float(np.prod(high - low))
     fall = float(np.abs(high - low) @ np.abs(plan.gravity))
-    speed = math.sqrt(fastest**2 + fall)  # half of the speed after a fall through the whole domain, squared: a usual mean
+    speed = math.sqrt(swiftest**2 + fall)  # half of the speed after a fall through the whole domain, squared: a usual mean
     settings = instance.settings
     step = min(settings.max_step, settings.cfl * spacing / max(speed, 1e-9))
     per_spacing = getattr(settings, "particles_per_cell", 1)

@@ -7,20 +7,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import pose_of
-from ...extents import initial_box
+from ...arrays import F64, pose_of
+from ...extents import box_size, initial_box, initial_volume
 from ...problems import Problem, removed, replaced
 from ..loose import domain_box
 
 if TYPE_CHECKING:
     from ...spec import ParticleInstance, WorldSpec
 
-__all__ = ["particle_problems"]
+__all__ = ["particle_problems", "particle_warnings"]
 
 LAWS = {"dem": "granular", "ballistic": "ballistic"}
 """Law that each engine carries out."""
 LEAST_RADII = 2.0
 """Own choice: a volume thinner than so many radii holds no grain."""
+LEAST_SHARE = 1.0 / 3.0
+"""Own choice: of the grains that packing and volume declare, so many find room: middles lie a radius within the sides."""
 
 
 def particle_problems(spec: WorldSpec) -> list[Problem]:
@@ -71,6 +73,39 @@ def _instance(spec: WorldSpec, name: str, instance: ParticleInstance) -> Iterato
         if outside > 1e-9 and (instance.engine == "dem" or physics.count > 0):
             text = f"the volume of {member!r} reaches {outside:.3g} m beyond the domain of {name!r}; widen the domain"
             yield Problem(f"{place}/domain", text)
+
+
+def particle_warnings(spec: WorldSpec) -> Iterator[Problem]:
+    """Volumes of grains so coarse that few of the declared grains, or none, find room in them."""
+    for instance in spec.simulation.particles.values():
+        for member in instance.members if instance.engine == "dem" else ():
+            entity = spec.entities.get(member)
+            if entity is None or entity.physics.category != "particles":
+                continue
+            physics, sizes = entity.physics, [np.array(b) for p in entity.parts.values() if (b := box_size(p.shape)) is not None]
+            if not sizes or len(sizes) < len(entity.parts):
+                continue
+            size = max(sizes, key=lambda s: _room(s, physics.radius))
+            share = _room(size, physics.radius)
+            if share >= LEAST_SHARE or size.min() < LEAST_RADII * physics.radius * (1 + physics.radius_spread):
+                continue  # too thin for one: that is refused
+            one = 4.0 / 3.0 * np.pi * physics.radius**3 * (1.0 + physics.radius_spread**2)
+            declared = physics.packing * initial_volume(entity) / one
+            low, high = 0.0, physics.radius
+            for _ in range(40):
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if _room(size, middle) >= LEAST_SHARE else (low, middle)
+            yield Problem(
+                f"/entities/{member}/physics/radius",
+                f"the volume of {member!r} declares about {declared:.3g} grains of {physics.radius:g} m radius and has room for about "
+                f"{share * declared:.2g}, a share of {share:.2g}, at least {LEAST_SHARE:.2g} is wanted (with less than one, probing is refused): its "
+                f"largest part is {' x '.join(f'{v:.3g}' for v in size)} m. Take a radius of at most {0.99 * low:.3g} m, or larger parts",
+            )
+
+
+def _room(size: F64, radius: float) -> float:
+    """Share of a box in which middles of grains of this radius [m] can lie."""
+    return float(np.prod(np.maximum(1.0 - 2.0 * radius / size, 0.0)))
 
 
 def _drivers(spec: WorldSpec) -> Iterator[Problem]:

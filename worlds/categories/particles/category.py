@@ -7,7 +7,7 @@ from ..caps import LOOSE_CAPS
 from ..category import Audit, CategorySpec
 from ..loose import counts
 from ..shared import DOMAIN, ELASTIC_MODULI, LINEAR_VELOCITY, OPENING, STEPS
-from .audit import particle_problems
+from .audit import particle_problems, particle_warnings
 from .channels import CHANNELS
 from .events import EVENTS
 from .facts import particle_estimate
@@ -44,6 +44,7 @@ PARTICLES = CategorySpec(
     knobs={"dem": ("radius",)},
     caps=LOOSE_CAPS,
     estimate=lambda spec: counts(spec, (particle_estimate(spec, name) for name in spec.simulation.particles)),
+    warnings=particle_warnings,
     audit=Audit(
         "particles", "particles are members of an engine of their law, which holds them in its domain", particle_problems
     ),

@@ -1,0 +1,91 @@
+"""Warnings of the audit where no field is wrong: drivers that no beat owns, subjects too fast for any camera (R24, R97)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.verifiers.shots.bounds import SCREEN_STEP as JUDGED
+from worldagent.worlds.audits.audit import MOST_WARNINGS, audit
+from worldagent.worlds.audits.foreseen import SCREEN_STEP
+from worldagent.worlds.patch import apply_patch, parse_spec
+from worldagent.worlds.spec import WorldSpec
+
+
+def changed(*operations: tuple[str, Any]) -> WorldSpec:
+    base = parse_spec({**small_spec(), "prompt": PROMPT})
+    return apply_patch(base, [{"op": "add", "path": p, "value": v} for p, v in operations])
+
+
+PUSH = {"kind": "force", "entity": "b1", "force": [1, 0, 0], "start": 0.5, "end": 1.0}
+AIR = {"kind": "field", "field": {"kind": "drag"}}
+FAST = ("/entities/ball/physics/linear_velocity", [60, 0, 0])
+FOLLOWED = ("/shots/only/follow", "ball")
+
+
+def test_the_small_world_has_no_warning() -> None:
+    assert audit(changed()).warnings == ()
+    assert audit(changed()).told == ()
+
+
+def test_a_driver_that_no_beat_owns_is_told_with_what_it_acts_on() -> None:
+    report = audit(changed(("/simulation/drivers/push", PUSH)))
+    (told,) = report.warnings
+    assert told.startswith(
+        "/simulation/drivers/push: 0 beats are owned by force 'push', which acts on b1 from 0.5 s on; 1 is wanted"
+    )
+    assert "audit:story" not in told
+    assert told in report.told
+
+
+def test_a_driver_that_a_beat_owns_and_still_air_are_not_told() -> None:
+    owned = changed(("/simulation/drivers/push", {**PUSH, "entity": "ball"}), ("/story/beats/roll/owner", "push"))
+    assert audit(owned).warnings == ()
+    assert audit(changed(("/simulation/drivers/air", AIR))).warnings == ()
+
+
+def test_of_many_warnings_a_reply_shows_the_first_and_how_many_more() -> None:
+    many = [(f"/simulation/drivers/p{k}", PUSH) for k in range(MOST_WARNINGS + 3)]
+    report = audit(changed(*many))
+    assert len(report.warnings) == MOST_WARNINGS + 3
+    assert len(report.told) == MOST_WARNINGS + 1
+    assert report.told[-1].startswith("3 more warnings")
+
+
+def test_the_bound_of_the_picture_is_that_of_the_judge() -> None:
+    assert SCREEN_STEP == JUDGED
+
+
+def test_a_small_fast_subject_is_told_with_its_way_per_frame_and_the_rate_it_takes() -> None:
+    (told,) = audit(changed(FAST)).warnings
+    assert told.startswith("/story/beats/roll: 'ball' goes ")
+    assert "m per frame (60 m/s at " in told
+    assert "Let its shot follow ball from" in told
+    fps = int(told.split("take at least ")[1].split(" frames/s")[0])
+    quick = changed(FAST, ("/simulation/fps", fps))
+    assert not [w for w in audit(quick).warnings if "per frame" in w], "at the rate that it says nothing is told"
+    slow = changed(FAST, ("/simulation/fps", fps - 1))
+    assert [w for w in audit(slow).warnings if "per frame" in w]
+
+
+def test_a_fast_subject_that_is_large_followed_or_not_observed_is_not_told() -> None:
+    assert audit(changed(("/entities/ball/physics/linear_velocity", [3, 0, 0]))).warnings == ()
+    assert audit(changed(FAST, FOLLOWED)).warnings == ()
+    assert audit(changed(FAST, ("/story/beats/roll/observe", False))).warnings == ()
+    assert audit(changed(FAST, ("/entities/ball/dimensions/size", [3, 3, 3]))).warnings == ()
+
+
+def test_a_subject_too_fast_for_any_camera_is_told_though_its_shot_follows() -> None:
+    faster = ("/entities/ball/physics/linear_velocity", [1400, 0, 0])
+    (told,) = audit(changed(faster, FOLLOWED)).warnings
+    assert "follow" not in told
+
+
+@pytest.mark.parametrize(("minimum", "count"), [(2.0, 0), (60.0, 1)])
+def test_a_speed_that_a_beat_asks_for_counts(minimum: float, count: int) -> None:
+    asked = changed(
+        ("/story/beats/fall/predicate", {"kind": "speed", "entity": "b3", "min": minimum}),
+        ("/entities/b3/dimensions/size", [0.05, 0.05, 0.05]),
+    )
+    assert len([w for w in audit(asked).warnings if "per frame" in w]) == count

@@ -1,0 +1,97 @@
+"""Warnings of the audit about things that will probably fail once they are simulated, though nothing in the specification is wrong."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+from ..categories.registry import CATEGORIES
+from ..drivers import acts_from
+from ..errors import EvidenceError
+from ..predicates import atoms_of
+from ..problems import Problem
+from ..spec import Beat, PathDriver, WorldSpec
+
+__all__ = ["SCREEN_STEP", "foreseen"]
+
+SCREEN_STEP = 0.2
+"""[1] Largest move on the picture per frame, in widths: the bound of `shots:motion`."""
+NARROWEST = 5.0
+"""[deg] Narrowest vertical field of view of a camera."""
+
+
+def foreseen(spec: WorldSpec) -> list[Problem]:
+    """Warnings of the categories, then of drivers that no beat owns and subjects too fast for any camera."""
+    found = [p for category in CATEGORIES.values() for p in category.warnings(spec)]
+    return [*found, *_unowned(spec), *_too_fast(spec)]
+
+
+def _unowned(spec: WorldSpec) -> Iterator[Problem]:
+    """Drivers that no beat owns, a medium at rest aside: beats that need one of them fail."""
+    beats = spec.story.beats
+    owners = {b.owner for b in beats.values()}
+    for name, driver in spec.simulation.drivers.items() if beats else ():
+        if name in owners or (driver.kind == "field" and driver.field.kind == "drag"):
+            continue
+        try:
+            begins, bodies = acts_from(spec, name)
+        except EvidenceError:
+            continue  # a joint that is not there: the references tell of it
+        told = ", ".join(bodies[:3]) or "nothing"
+        yield Problem(
+            f"/simulation/drivers/{name}",
+            f"0 beats are owned by {driver.kind} {name!r}, which acts on {told} from {begins:g} s on; 1 is wanted: causal:untold runs the world "
+            f"again without it and fails every beat that does not come then. Give it a beat (owner {name}), or take it away",
+        )
+
+
+def _too_fast(spec: WorldSpec) -> Iterator[Problem]:
+    """Subjects of observed beats that go too far per frame for a picture in which they are large enough."""
+    for name, beat in spec.story.beats.items():
+        entity = spec.entities.get(beat.subject)
+        if entity is None or not (beat.mandatory and beat.observe):
+            continue
+        speed, fps, share = _declared_speed(spec, beat), spec.simulation.fps, spec.simulation.limits.visible_pixels
+        aspect = spec.look.width / spec.look.height
+        a, b, c = entity.dimensions.size
+        # No shadow of a box is larger than this, and the picture's width times height is at most shadow / share.
+        width = math.sqrt(math.sqrt((a * b) ** 2 + (b * c) ** 2 + (c * a) ** 2) / share * aspect)
+        least = speed / fps / SCREEN_STEP
+        if least <= width:
+            continue
+        # A camera that goes along travels by at most that share of its distance.
+        farthest = width / aspect / (2.0 * math.tan(math.radians(NARROWEST) / 2.0))
+        shots = [s for s in spec.shots.values() if name in s.covers]
+        if shots and all(s.follow == beat.subject for s in shots) and least <= farthest:
+            continue
+        fewest = math.ceil(speed / (SCREEN_STEP * width))
+        if least <= farthest:
+            along = f"Let its shot follow {beat.subject} from {least:.3g} to {farthest:.3g} m away with a narrow fov_deg, or take"
+        else:
+            along = "Take"
+        yield Problem(
+            f"/story/beats/{name}",
+            f"{beat.subject!r} goes {speed / fps:.3g} m per frame ({speed:.3g} m/s at {fps} frames/s), and fills {share:g} of a picture at most "
+            f"{width:.3g} m wide: it would cross {speed / fps / width:.2g} of its width per frame, allowed is {SCREEN_STEP:g} (shots:motion). {along} "
+            f"at least {fewest} frames/s, or a larger or slower subject",
+        )
+
+
+def _declared_speed(spec: WorldSpec, beat: Beat) -> float:
+    """Speed that a beat's subject has by what is declared [m/s]: at frame 0, along a path, or as the beat itself asks."""
+    found = (
+        [math.hypot(*getattr(spec.entities[beat.subject].physics, "linear_velocity", (0.0,)))] if beat.frames[0] <= 1 else [0.0]
+    )
+    for atom in atoms_of(beat.predicate):
+        if getattr(atom, "kind", "") == "speed" and getattr(atom, "entity", "") == beat.subject:
+            found.append(getattr(atom, "min", None) or 0.0)
+    for driver in spec.simulation.drivers.values():
+        if isinstance(driver, PathDriver) and driver.entity == beat.subject:
+            keys = sorted(driver.keys.values(), key=lambda k: k.time)
+            found += [
+                math.dist(one.pose.position, two.pose.position) / (two.time - one.time)
+                for one, two in pairwise(keys)
+                if two.time > one.time
+            ]
+    return max(found)

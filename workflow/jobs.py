@@ -159,7 +159,7 @@ def _spent(seconds: Mapping[str, float], known: dict[str, Any] | None) -> dict[s
 
 def _events(candidate: Any) -> dict[str, int | None]:
     """First true frame of every beat: what the probe promises about the bake."""
-    from ..verifiers.predicates import evaluate
+    from ..verifiers.predicates.evaluators import evaluate
 
     return {n: evaluate(candidate, b.predicate, b.frames).first_true_frame for n, b in candidate.spec.story.beats.items()}
 

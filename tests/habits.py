@@ -83,14 +83,17 @@ def riddles() -> list[str]:
     return sorted(found)
 
 
-def imports() -> dict[str, set[str]]:
-    """Modules that each module imports, lazily and under TYPE_CHECKING too."""
+def imports(*, loaded: bool = False) -> dict[str, set[str]]:
+    """Modules that each module imports, lazily and under TYPE_CHECKING too; `loaded`: those that run when it is imported first.
+
+    Of those, the packages around what a module imports are some: their `__init__` runs before.
+    """
     trees = modules()
     names = {path.removesuffix(".py").removesuffix("/__init__").replace("/", "."): path for path in trees}
     found: dict[str, set[str]] = {name: set() for name in names}
     for name, path in names.items():
         package = name if path.endswith("__init__.py") else name.rpartition(".")[0]
-        for node in ast.walk(trees[path]):
+        for node in trees[path].body if loaded else ast.walk(trees[path]):
             if not isinstance(node, ast.ImportFrom) or not node.level:
                 continue
             parts = package.split(".")
@@ -100,12 +103,20 @@ def imports() -> dict[str, set[str]]:
                 target = target if target in names else base
                 if target in names and target != name:
                     found[name].add(target)
+                    found[name] |= set(_around(target, name) if loaded else ()) & names.keys()
     return found
 
 
-def cycles() -> list[list[str]]:
-    """Groups of modules that import each other, each sorted (Tarjan 1972, without recursion)."""
-    graph, order, low, stack, on, out = imports(), {}, {}, [], set(), []  # type: ignore[var-annotated]
+def _around(target: str, name: str) -> list[str]:
+    """Packages around a module that are not around another one."""
+    parts = target.split(".")
+    packages = [".".join(parts[:k]) for k in range(1, len(parts))]
+    return [p for p in packages if not f"{name}.".startswith(f"{p}.")]
+
+
+def cycles(*, loaded: bool = False) -> list[list[str]]:
+    """Groups of modules that import each other, each sorted (Tarjan 1972, without recursion); `loaded` as of `imports`."""
+    graph, order, low, stack, on, out = imports(loaded=loaded), {}, {}, [], set(), []  # type: ignore[var-annotated]
     for root in sorted(graph):
         if root in order:
             continue

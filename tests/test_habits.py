@@ -14,8 +14,8 @@ from worldagent.tests import habits
 
 ALLOWED: dict[str, dict[str, str]] = json.loads((habits.ROOT / "tests" / "habits.json").read_text())
 """By measure: what is over its ceiling -> why."""
-UNCHECKED = 74
-"""Test modules that `make types-tests` passes over; lower it with every one that is mended."""
+UNCHECKED = 49
+"""Test modules in which `make types-tests` passes over wrong types of arguments; lower it with every one that is mended."""
 
 
 def found(kind: str) -> list[str]:
@@ -31,6 +31,11 @@ def test_nothing_is_over_its_ceiling_but_what_is_listed_with_a_reason(kind: str)
     over, listed = set(found(kind)), set(ALLOWED[kind])
     assert not over - listed, f"cut these better ({kind}), rather than listing them in tests/habits.json"
     assert not listed - over, f"take these out of tests/habits.json: they are within the ceiling ({kind})"
+
+
+def test_every_module_can_be_the_first_that_is_imported() -> None:
+    """A module that runs the `__init__` of a package, which imports it, is half made there."""
+    assert habits.cycles(loaded=True) == []
 
 
 def test_every_exception_has_a_reason() -> None:
@@ -49,9 +54,10 @@ def test_the_measures_see_what_is_too_long() -> None:
         assert (made.end_lineno or 0) - made.lineno + 1 == (61 if count == 9 else 60)
 
 
-def test_the_test_modules_without_checked_types_are_real_and_get_fewer() -> None:
+def test_the_test_modules_without_checked_arguments_are_real_and_get_fewer() -> None:
     mypy = tomllib.loads((habits.ROOT / "pyproject.toml").read_text())["tool"]["mypy"]
-    (listed,) = [section["module"] for section in mypy["overrides"] if section.get("ignore_errors")]
+    (listed,) = [section["module"] for section in mypy["overrides"] if "arg-type" in section.get("disable_error_code", ())]
     gone = [name for name in listed if not (habits.ROOT.joinpath(*name.split(".")[1:]).with_suffix(".py")).exists()]
     assert gone == []
     assert len(listed) == UNCHECKED
+    assert not [section for section in mypy["overrides"] if section.get("ignore_errors")]

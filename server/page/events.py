@@ -8,7 +8,7 @@ import logging
 import secrets
 import time
 from collections import deque
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator
 from contextlib import suppress
 from typing import Any
 
@@ -60,7 +60,7 @@ class EventHub:
         """Whether as many listen as are served."""
         return len(self._listeners) >= MOST_LISTENERS
 
-    async def listen(self, last_id: str = "") -> AsyncIterator[bytes]:
+    async def listen(self, last_id: str = "") -> AsyncGenerator[bytes, None]:
         """Events as bytes of the stream, until the client goes.
 
         Args:

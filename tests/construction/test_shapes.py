@@ -1,6 +1,7 @@
 """Geometry and mass properties of every shape: volumes and inertias against formulas, meshes closed, pieces tiling."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -43,7 +44,7 @@ RING = [(0.2, 0.0), (0.3, 0.0), (0.3, 0.1), (0.2, 0.1)]
 CONE = [(0.0, 0.0), (0.2, 0.0), (0.0, 0.5)]
 HILLS = (0.2 * np.sin(np.arange(7))[:, None] * np.cos(np.arange(9))[None, :]).tolist()
 
-SHAPES = {
+SHAPES: dict[str, Any] = {
     "box": Box(size=(0.1, 0.2, 0.3)),
     "sphere": Sphere(radius=0.2),
     "cylinder": Cylinder(radius=0.1, height=0.4),

@@ -52,7 +52,8 @@ def test_the_long_reach_agrees_with_the_mask_of_hydrology_within_one_cell(tmp_pa
     assert course.length > 200
     assert told["currents"][0]["length_m"] == pytest.approx(course.length, abs=1)
     setup = build_scene(spec, {"river": build_entity(spec, "river", tmp_path)}, "river").setup
-    grid = Grid(*land.shape, land.cell)
+    rows, cols = land.shape
+    grid = Grid(rows, cols, land.cell)
     have = np.zeros(grid.shape, dtype=bool)
     have[grid.indices(setup.position[:, 0], setup.position[:, 1])] = True
     east, north = grid.axes()

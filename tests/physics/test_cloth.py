@@ -12,6 +12,7 @@ from scipy.sparse.linalg import spsolve
 from worldagent.bench.cloth_scene import nothing, thrown
 from worldagent.geometry import pierced
 from worldagent.simulation.cloth.energy import bending_energy, membrane_energy
+from worldagent.simulation.cloth.engine import Cloth
 from worldagent.simulation.cloth.mesh import sheet_of
 from worldagent.tests.physics.cloth_sheets import DENSITY, STIFFNESS, box, cloth, fabric, hold, run, sheet, standing
 from worldagent.worlds.arrays import F64
@@ -214,7 +215,7 @@ def test_a_cloth_hung_on_a_body_goes_where_it_goes_and_pulls_it() -> None:
 def test_equal_runs_give_equal_bytes_and_go_on_from_a_checkpoint() -> None:
     """Choice: the same device gives the same bytes, from the start or from a checkpoint that the other run took as well."""
 
-    def made() -> object:
+    def made() -> Cloth:
         flat = sheet((0.3, 0.3), 0.03, fabric())
         tilted = np.stack([flat.position[:, 0], flat.position[:, 1] * 0.3, flat.position[:, 1] + 0.17], axis=1)
         return cloth(sheet((0.3, 0.3), 0.03, fabric(), tilted), boundaries=(box((2, 2, 0.2), (0, 0, -0.1)),), drag=((1.2, 0.05),))

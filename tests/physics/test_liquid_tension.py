@@ -48,6 +48,7 @@ def swing(cells: int, seed: int, stretch: float = 1.15) -> tuple[float, float, f
     setup = floating(ball, spacing)
     exact = float(np.sqrt(8 * TENSION / (1000.0 * round_radius(setup) ** 3)))
     engine, course, turned = make("dfsph", setup), [], []
+    assert isinstance(engine, Dfsph)
     before, pull = momentum(engine, []), engine.tension.apply
 
     def watched(work: Any, state: Any, *more: Any) -> None:
@@ -56,7 +57,7 @@ def swing(cells: int, seed: int, stretch: float = 1.15) -> tuple[float, float, f
         given = np.cross(x, state.v.numpy()[: len(ball)].astype(float) - v)
         turned.append(float(np.abs(given.sum(axis=0)).max() / np.abs(given).sum()))
 
-    engine.tension.apply = watched
+    engine.tension.apply = watched  # type: ignore[assignment, method-assign]
     advance(engine, 0.55, (), lambda t, _: course.append((t, length(engine.particles()))))
     after, p = momentum(engine, []), engine.particles()
     t, found = np.array([c for c in course if c[0] > 0.5 * np.pi / exact]).T

@@ -11,6 +11,7 @@ import sqlite3
 import stat
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from typing import Any
 import pytest
 from worldagent.execution import JobStore
 from worldagent.server import client_checks, doctor, machine_checks, workspace_checks
+from worldagent.server.capabilities import package_version
 from worldagent.server.check import Check
 from worldagent.server.cli import main
 from worldagent.server.clients import CLIENTS
@@ -291,12 +293,12 @@ def test_a_cache_folder_that_can_not_be_written_is_told(home: Path) -> None:
 
 
 def test_temporary_files_without_a_folder_are_told(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(machine_checks.tempfile, "tempdir", str(home / "nowhere"))
+    monkeypatch.setattr(tempfile, "tempdir", str(home / "nowhere"))
     assert failing(only(machine_checks.temporary_files())).required
 
 
 def test_a_missing_package_and_one_of_another_version_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    true = machine_checks.package_version
+    true = package_version
     wrong = {"mujoco": "3.9.0", "trimesh": None}
     monkeypatch.setattr(machine_checks, "package_version", lambda name: wrong.get(name, true(name)))
     monkeypatch.setattr(machine_checks, "requires", lambda name: ["mujoco==4.0.0", "numpy<3,>=2.0"])

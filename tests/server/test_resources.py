@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from mcp import Client, MCPError
-from mcp.types import PromptReference, ResourceTemplateReference
+from mcp.types import PromptReference, Resource, ResourceTemplate, ResourceTemplateReference
 from worldagent.execution import JobStore
 from worldagent.server.app import create_server
 from worldagent.server.skill_files import skill_files, skill_names
@@ -76,7 +76,8 @@ async def test_every_resource_has_description_and_mime_type(workspace: Path, era
     ] + ["worldagent://jobs/{job_id}", "worldagent://worlds/{world}/jobs", "skill://{name}/{+path}"] + [
         "worldagent://worlds/{world}/page{?view,status,group,q,row,offset,limit}"
     ]
-    for thing in (*resources, *templates):
+    things: list[Resource | ResourceTemplate] = [*resources, *templates]
+    for thing in things:
         assert thing.description
         assert thing.title
         assert thing.mime_type

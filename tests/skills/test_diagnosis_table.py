@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -195,7 +195,7 @@ def _fades(folder: Path) -> Candidate:
     return Candidate(base.folder, spec, base.built, base.stage, base.caches)
 
 
-OWN = {
+OWN: dict[str, list[tuple[Callable[[Path], Candidate], Callable[[Candidate], list[Row]]]]] = {
     "category": [(_fades, category.check), (_clings, category.check), (_dribbles, category.check), (_seeps, category.check)],
     "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
     "causal": [(_motion, causal.check), (_pauses, causal.check), (_motion, counterfactual.check)],

@@ -44,7 +44,7 @@ LINES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("from .categories.cloth import questions", "from .categories.balloons import questions as balloons"),
         (')\n"""Modules with a table', "    balloons,"),
     ),
-    "verifiers/predicates/__init__.py": (
+    "verifiers/predicates/evaluators.py": (
         ("from ..categories.cloth import flutter", "from ..categories.balloons import predicates as balloons"),
         ('    "count": combine.count', '    "ascends": balloons.ascends,'),
     ),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from worldagent.verifiers import predicates
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates import evaluators
+from worldagent.verifiers.predicates.outcome import Outcome
 
 __all__ = ["agrees", "evaluate"]
 
@@ -21,7 +21,7 @@ def agrees(outcome: Outcome) -> None:
 
 
 def evaluate(*args: Any, **more: Any) -> Outcome:
-    """As `verifiers.predicates.evaluate`, looked at."""
-    outcome = predicates.evaluate(*args, **more)
+    """As `verifiers.predicates.evaluators.evaluate`, looked at."""
+    outcome = evaluators.evaluate(*args, **more)
     agrees(outcome)
     return outcome

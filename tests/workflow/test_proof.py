@@ -16,6 +16,7 @@ from worldagent.tools.edit_spec import edit_spec
 from worldagent.workflow import bundles, jobs, pictures
 from worldagent.workflow.session import Session
 from worldagent.worlds.bundle import open_bundle
+from worldagent.worlds.errors import RefusedError
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.requirements import Row
 
@@ -76,7 +77,7 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
         lambda *_, **__: {"spec_digest": "of another", "rows": [], "verdict": "accepted", "subject": "s", "freeze": "f" * 64},
     )
     quiet = SimpleNamespace(progress=lambda *_: None, check=lambda: None)
-    with pytest.raises(jobs.RefusedError, match="edited before it was judged"):
+    with pytest.raises(RefusedError, match="edited before it was judged"):
         jobs.accept({"folder": str(tmp_path / "w")}, quiet)
     assert session.ledger.acceptance() is None
 

@@ -16,6 +16,7 @@ from worldagent.tools.run_checks import run_checks
 from worldagent.workflow import creation
 from worldagent.workflow.session import Session
 from worldagent.worlds.errors import EngineError, RefusedError, WorldAgentError
+from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.requirements import Row
 
 LATER = [{"op": "replace", "path": "/title", "value": "Later"}]
@@ -86,7 +87,7 @@ def test_of_two_clients_that_create_a_world_at_once_the_later_one_is_told_so(
 def test_a_restored_world_is_never_one_that_another_client_changed_meanwhile(
     world: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    parse = creation.parse_spec
+    parse = parse_spec
 
     def parse_while_another_edits(document: Any) -> Any:
         monkeypatch.undo()

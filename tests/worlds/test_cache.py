@@ -17,7 +17,7 @@ from worldagent.worlds.cache import Cache, CacheIndex, digest_arrays, read_conta
 from worldagent.worlds.candidate import cache_digest
 from worldagent.worlds.errors import EvidenceError
 
-CHANNELS = {
+CHANNELS: dict[str, Any] = {
     "position": np.arange(6.0).reshape(2, 3),
     "contact/pair": np.zeros((0, 2), dtype=np.int32),
     "record/mass": np.float64(2.0),

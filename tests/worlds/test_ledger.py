@@ -12,6 +12,7 @@ import pytest
 import worldagent.worlds.ledger as ledger_module
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.ledger import Ledger
+from worldagent.worlds.ledger_file import matrix_texts
 from worldagent.worlds.requirements import Row
 
 
@@ -77,7 +78,7 @@ def test_of_many_writers_each_revision_has_one(ledger: Ledger) -> None:
 def test_what_is_written_between_a_record_and_its_seal_is_no_damage(ledger: Ledger, monkeypatch: Any, read: str) -> None:
     ledger.put_rows([row("a")], revision=1, stage="probe")
     writer = Thread(target=lambda: Ledger(ledger.path).put_rows([row("a", "fail"), row("b")], revision=2, stage="full"))
-    texts_of = ledger_module.matrix_texts
+    texts_of = matrix_texts
 
     def read_while_another_writes(db: sqlite3.Connection) -> tuple[str, ...]:
         texts = texts_of(db)

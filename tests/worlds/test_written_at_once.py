@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 import worldagent.worlds.bundle as bundle_module
-import worldagent.worlds.landscape as landscape_module
 from worldagent.worlds.bundle import open_bundle, write_bundle
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.landscape import SavedLandscape, save_landscape
@@ -28,7 +27,8 @@ class Second(Thread):
 
     def __init__(self, work: Any) -> None:
         super().__init__(daemon=True)
-        self._work, self.error = work, None
+        self._work = work
+        self.error: BaseException | None = None
 
     def run(self) -> None:
         try:
@@ -57,7 +57,7 @@ def test_two_that_save_one_landscape_at_once_leave_it_whole(tmp_path: Path, monk
         save_landscape(path, values, {"rows": 2, "cols": 3})
 
     second = Second(save)
-    monkeypatch.setattr(landscape_module.np, "savez", second.amid(np.savez))
+    monkeypatch.setattr(np, "savez", second.amid(np.savez))
     save()
     assert second.error is None
     assert SavedLandscape(path).field("height").tolist() == values["height"].tolist()

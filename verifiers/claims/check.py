@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 
 from ...worlds.claims import named_in
 from ...worlds.predicates import describe_predicate
-from ..predicates import beat_times, evaluate, last_needed
+from ..predicates.evaluators import beat_times, evaluate
+from ..predicates.times import last_needed
 from ..rows.answers import row_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding

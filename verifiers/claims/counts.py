@@ -21,8 +21,8 @@ from ...worlds.predicates import And, Count, Or, atoms_of, entities_of
 from ...worlds.predicates.events import event_atoms
 from ...worlds.quoting import listed
 from ...worlds.repeats import is_repeat
-from ..predicates import evaluate
 from ..predicates.combine import substitute
+from ..predicates.evaluators import evaluate
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of

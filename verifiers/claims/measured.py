@@ -11,8 +11,8 @@ from ...worlds.predicates import Count, Within
 from ...worlds.predicates.registry import PREDICATES
 from ...worlds.vocabulary import SpecModel
 from ..categories.registry import judge_of
-from ..predicates import beat_times, evaluate
 from ..predicates.combine import substitute
+from ..predicates.evaluators import beat_times, evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

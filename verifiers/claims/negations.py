@@ -14,8 +14,8 @@ from ...worlds.decoys import unspoken
 from ...worlds.predicates import And, Count, Not, Or, Until, atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.registry import PREDICATES
 from ..forged.trial import forged_outcome, is_forged
-from ..predicates import evaluate
 from ..predicates.combine import substitute
+from ..predicates.evaluators import evaluate
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from .lookalikes import alike

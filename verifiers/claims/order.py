@@ -21,7 +21,7 @@ from ...worlds.orders import says_together
 from ...worlds.predicates import Always, Until, atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.ordering import orderings_of
 from ...worlds.prompts.languages import language_of
-from ..predicates import beat_times, evaluate
+from ..predicates.evaluators import beat_times, evaluate
 from ..predicates.events import EVENTS
 from ..rows.corrections import correction
 from ..rows.findings import Finding
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.predicates.ordering import Ordering
     from ...worlds.spec import SpecModel
-    from ..predicates import Outcome
+    from ..predicates.outcome import Outcome
 
 __all__ = ["order_of"]
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...worlds.audits.repeats import repeat_beats
 from ...worlds.repeats import times_of
-from ..predicates import beat_times, evaluate
+from ..predicates.evaluators import beat_times, evaluate
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 

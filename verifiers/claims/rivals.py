@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ...worlds.predicates import atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.registry import PREDICATES, is_event
 from ..categories.registry import judge_of
-from ..predicates import beat_times
+from ..predicates.evaluators import beat_times
 from ..predicates.events import EVENTS
 from .bounds import STILL_BODIES
 from .mapping import mapped

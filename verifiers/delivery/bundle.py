@@ -11,7 +11,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.canonical import spec_digest
 from ...worlds.errors import EvidenceError, SpecError
 from ...worlds.patch import parse_spec, weakenings
-from ..predicates import evaluate
+from ..predicates.evaluators import evaluate
 from .bounds import NOISE, OTHER_MACHINE
 
 __all__ = ["compare_history", "compare_rows", "event_list", "unequal"]

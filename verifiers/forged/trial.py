@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.predicates.registry import PREDICATES
-from ..predicates import evaluate
+from ..predicates.evaluators import evaluate
 from .bodies import BODIES
 from .bounds import HALF
 from .places import IN_PLACE, PLACES
@@ -20,7 +20,7 @@ from .places import IN_PLACE, PLACES
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import SpecModel
-    from ..predicates import Outcome
+    from ..predicates.outcome import Outcome
 
 __all__ = ["forged_outcome", "is_forged"]
 

@@ -13,7 +13,7 @@ from ...worlds.extents import initial_box
 from ...worlds.predicates import Reaches
 from ...worlds.requirements import Row
 from ...worlds.spec import Adjacent, Contains
-from ..predicates import evaluate
+from ..predicates.evaluators import evaluate
 from ..rows.answers import row_of
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding

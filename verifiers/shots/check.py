@@ -20,7 +20,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from ..predicates import beat_times
+from ..predicates.evaluators import beat_times
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from .camera_path import inside, moves

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...worlds.predicates import atoms_of, describe_predicate
 from ...worlds.predicates.registry import is_invariant
-from ..predicates import beat_times
+from ..predicates.evaluators import beat_times
 from ..rows.answers import row_of
 from ..rows.findings import Finding, judged
 from .bounds import MOMENT

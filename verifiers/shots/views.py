@@ -9,7 +9,7 @@ import numpy as np
 
 from ...worlds.predicates.registry import is_invariant
 from ..categories.registry import judge_of
-from ..predicates import beat_times
+from ..predicates.evaluators import beat_times
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from .bounds import MOMENT

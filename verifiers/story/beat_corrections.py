@@ -12,7 +12,8 @@ from ...worlds.predicates import atoms_of, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ..categories.fracture.corrections import breaking
 from ..categories.registry import judged
-from ..predicates import Outcome, evaluate
+from ..predicates.evaluators import evaluate
+from ..predicates.outcome import Outcome
 from ..rows.corrections import correction, halve_any_step, set_value
 from .bounds import MORE, SETTLING_FRAMES, STARTED
 from .offers import faster, let_meet, offered

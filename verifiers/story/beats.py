@@ -16,7 +16,8 @@ from ...worlds.candidate import Candidate
 from ...worlds.predicates import atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.spec import Requirement
-from ..predicates import Outcome, beat_times, evaluate
+from ..predicates.evaluators import beat_times, evaluate
+from ..predicates.outcome import Outcome
 from ..rows.answers import row_of
 from ..rows.findings import Finding
 from .beat_corrections import corrections_of, happens_at

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import And, Count, Not, Or, atoms_of, entities_of
 from ...worlds.predicates.registry import PREDICATES, is_invariant
-from ..predicates import evaluate
 from ..predicates.combine import substitute
+from ..predicates.evaluators import evaluate
 from ..support.moved import MOVED_BY, MOVING_KINDS
 
 if TYPE_CHECKING:

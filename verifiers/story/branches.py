@@ -17,8 +17,8 @@ from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Always, And, Count, Not, Or, Until, describe_predicate, entities_of
 from ...worlds.spec import Perturbed, Requirement
-from ..predicates import evaluate
 from ..predicates.combine import substitute
+from ..predicates.evaluators import evaluate
 from ..rows.answers import row_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding, lacking

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact
-from ..predicates import beat_times
+from ..predicates.evaluators import beat_times
 from ..rows.findings import Finding
 from .beat_corrections import corrections_of
 from .bodies import deeds_of
@@ -29,7 +29,7 @@ from .questions import CAUSAL
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Correction, Row
-    from ..predicates import Outcome
+    from ..predicates.outcome import Outcome
     from .bodies import Deeds
     from .chains import Hop, Reach
     from .onsets import Onset

@@ -13,7 +13,7 @@ import numpy as np
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import entities_of
 from ..ledgers import motion
-from ..predicates import evaluate
+from ..predicates.evaluators import evaluate
 from ..rows.corrections import WEAKER, correction, set_value
 from .bounds import MOVED
 from .offers import acting, driver_offers, earlier, faster, offered

@@ -15,7 +15,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...worlds.errors import EvidenceError
-from ..predicates import evaluate, last_needed
+from ..predicates.evaluators import evaluate
+from ..predicates.times import last_needed
 from ..rows.corrections import postponed
 from ..rows.findings import Finding, judged
 from .bodies import deeds_of, standing_atoms

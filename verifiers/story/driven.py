@@ -27,7 +27,7 @@ from ...worlds.predicates import entities_of
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.spec import PathDriver
 from ..categories.registry import judge_of
-from ..predicates import beat_times
+from ..predicates.evaluators import beat_times
 from ..rows.answers import row_of
 from ..rows.corrections import correction, set_value
 from ..rows.findings import Finding

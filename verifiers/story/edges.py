@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ..predicates import Outcome, beat_times
+from ..predicates.evaluators import beat_times
+from ..predicates.outcome import Outcome
 from ..rows.answers import row_of
 from ..rows.findings import Finding, judged
 from .chains import chains_of

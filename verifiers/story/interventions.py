@@ -23,7 +23,7 @@ from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, entities_of
 from ..ledgers import motion
-from ..predicates import beat_times
+from ..predicates.evaluators import beat_times
 from .onsets import onset_of
 
 if TYPE_CHECKING:

@@ -23,7 +23,8 @@ from ...simulation.variants import run_altered
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import Perturbed, Refined, RigidInstance
-from ..predicates import beat_times, last_needed
+from ..predicates.evaluators import beat_times
+from ..predicates.times import last_needed
 from ..rows.answers import row_of
 from ..rows.corrections import LEAST_STEP, correction, halve_any_step, postponed
 from ..rows.findings import Finding, lacking
@@ -36,7 +37,7 @@ from .questions import ROBUST
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row
     from ...worlds.spec import WorldSpec
-    from ..predicates import Outcome
+    from ..predicates.outcome import Outcome
 
 __all__ = ["check", "clopper_pearson", "row_ids"]
 

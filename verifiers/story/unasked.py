@@ -16,7 +16,7 @@ import numpy as np
 
 from ...worlds.audits.story import tells_of_change, uncaused
 from ..categories.registry import judge_of
-from ..predicates import evaluate
+from ..predicates.evaluators import evaluate
 from ..rows.corrections import correction
 from ..rows.findings import Finding, judged
 from .bounds import TURNED

@@ -22,7 +22,8 @@ import numpy as np
 from ...worlds.drivers import acts_from, untold
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import is_invariant
-from ..predicates import beat_times, last_needed
+from ..predicates.evaluators import beat_times
+from ..predicates.times import last_needed
 from ..rows.answers import row_of
 from ..rows.corrections import postponed
 from ..rows.findings import Finding, judged

@@ -28,8 +28,9 @@ from ...worlds.predicates import Contact, Count, Separation, atoms_of, describe_
 from ...worlds.predicates.events import EVENT_KINDS
 from ...worlds.predicates.registry import PREDICATES, is_invariant
 from ...worlds.references import references
-from ..predicates import Outcome, Truth, beat_times, evaluate
 from ..predicates.combine import substitute
+from ..predicates.evaluators import beat_times, evaluate
+from ..predicates.outcome import Outcome, Truth
 from ..rows.answers import row_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding, lacking

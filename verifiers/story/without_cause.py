@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from ...worlds.errors import EvidenceError
 from ...worlds.noise import least_margin
 from ...worlds.predicates import Contact
-from ..predicates import Outcome, beat_times, evaluate
+from ..predicates.evaluators import beat_times, evaluate
+from ..predicates.outcome import Outcome
 from ..rows.findings import Finding
 from .bounds import LEAST_CHANGE
 from .causal_corrections import ask_for_displacement, comes_anyway

@@ -41,7 +41,7 @@ def frames_to_show(candidate: Candidate, plated: Collection[int] = ()) -> list[i
         candidate: a complete bake.
         plated: frames of plates.
     """
-    from ...verifiers.predicates import evaluate
+    from ...verifiers.predicates.evaluators import evaluate
 
     last = candidate.last_frame
     chosen = [0, last, *plated]

@@ -83,7 +83,8 @@ def test_a_real_elevation_model_is_filled_and_routed() -> None:
     matplotlib = pytest.importorskip("matplotlib")
     path = Path(matplotlib.get_data_path()) / "sample_data" / "jacksboro_fault_dem.npz"
     height = np.load(path)["elevation"].astype(float)
-    grid = Grid(*height.shape, 30.0)
+    rows, cols = height.shape
+    grid = Grid(rows, cols, 30.0)
     found = drain(grid, height)
     assert np.array_equal(found.filled, _reconstructed(height))
     outlets = found.receiver.ravel() == np.arange(height.size)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from worldagent.simulation.boundaries import Boundary
-from worldagent.simulation.liquid.engine import StepReport
+from worldagent.simulation.step_reports import StepReport
 from worldagent.worlds.arrays import F64
 
 from .world import EngineName, Figure, advance, below, box_mesh, lattice, liquid, make, near

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from worldagent.simulation.liquid.engine import StepReport
+from worldagent.simulation.step_reports import StepReport
 
 from .world import EngineName, Figure, G, advance, lattice, liquid, make, near
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from worldagent.simulation.liquid.engine import Engine, Particles, StepReport
+from worldagent.simulation.liquid.engine import Engine, Particles
 from worldagent.simulation.liquid.surface import SurfaceSettings, surface_frame
+from worldagent.simulation.step_reports import StepReport
 
 from .world import CLOSED, OPEN, WALL, EngineName, Figure, G, advance, below, lattice, level, liquid, make, near, tank_walls
 

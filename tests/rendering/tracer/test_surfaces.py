@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -92,5 +93,5 @@ def test_a_failed_proof_is_remembered(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(variants, "_PROOF", "import sys; sys.exit(3)")
     assert variants._prove("llvm_ad_rgb", None) is False
-    monkeypatch.setattr(variants.subprocess, "run", lambda *a, **k: pytest.fail("asked again"))
+    monkeypatch.setattr(subprocess, "run", lambda *a, **k: pytest.fail("asked again"))
     assert variants._prove("llvm_ad_rgb", None) is False

@@ -11,7 +11,7 @@ from worldagent.simulation.liquid.wet import WetPart, _spread
 from worldagent.simulation.surfaces import map_wet_solids
 from worldagent.testing.defects import _liquid_scenes as scenes
 from worldagent.testing.worlds.liquid_worlds import Flow, pool_in_tank
-from worldagent.verifiers.predicates import evaluate
+from worldagent.verifiers.predicates.evaluators import evaluate
 from worldagent.workflow.wetness import wetness
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.cache import read_container, write_container

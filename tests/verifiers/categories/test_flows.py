@@ -9,7 +9,7 @@ import pytest
 from worldagent.testing.defects import _liquid_scenes as scenes
 from worldagent.testing.worlds.liquid_worlds import Flow, G, pool_in_tank, stream
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.categories.event import FlowEvent, SpreadEvent
 

@@ -15,7 +15,7 @@ from worldagent.verifiers.categories.check import check, check_numerical
 from worldagent.verifiers.categories.judge import Judge
 from worldagent.verifiers.categories.registry import JUDGES, judge_of
 from worldagent.verifiers.ledgers.origins import Origin
-from worldagent.verifiers.predicates import evaluate
+from worldagent.verifiers.predicates.evaluators import evaluate
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.categories.registry import CATEGORIES

@@ -15,7 +15,7 @@ from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, HIGH, hammock_s
 from worldagent.verifiers.categories.cloth import check as cloth
 from worldagent.verifiers.categories.elastic import check as elastic
 from worldagent.verifiers.categories.particles import check as particles
-from worldagent.verifiers.predicates import evaluate
+from worldagent.verifiers.predicates.evaluators import evaluate
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import Contact

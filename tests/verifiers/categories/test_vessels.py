@@ -12,7 +12,7 @@ from worldagent.testing.worlds import small_worlds as sw
 from worldagent.testing.worlds.liquid_worlds import Flow, G, pool_in_tank
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.categories.vessel import Vessel, vessel_of
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.arrays import F64, rotation_matrix
 from worldagent.worlds.categories.event import VesselEvent
 from worldagent.worlds.errors import EvidenceError

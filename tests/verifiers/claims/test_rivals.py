@@ -10,7 +10,7 @@ from worldagent.tests.verifiers.claims.claimed import claimed
 from worldagent.verifiers.claims.check import check
 from worldagent.verifiers.claims.rivals import AT_REST, rivals_of
 from worldagent.verifiers.forged.bodies import BLOCK, BODIES
-from worldagent.verifiers.predicates import evaluate
+from worldagent.verifiers.predicates.evaluators import evaluate
 from worldagent.verifiers.predicates.events import EVENTS
 from worldagent.verifiers.story.vacuity import check_vacuity
 from worldagent.worlds.candidate import Candidate

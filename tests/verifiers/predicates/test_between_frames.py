@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, ground, make_candidate, world
-from worldagent.verifiers.predicates import Outcome, evaluate
+from worldagent.verifiers.predicates.evaluators import evaluate
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.predicates import Crosses, Displacement, Not, Or, Reaches, Tilts
 from worldagent.worlds.spec import BoxRegion
 

@@ -10,9 +10,9 @@ import pytest
 from worldagent.testing.defects._films import Film, copied, film_of
 from worldagent.testing.worlds.event_worlds import event_world
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers.predicates import Outcome
 from worldagent.verifiers.predicates.combine import substitute
 from worldagent.verifiers.predicates.events import EVENTS, bounds
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.predicates import BodyEvent, Compares, PairEvent, TouchEvent
 from worldagent.worlds.predicates.event_kinds import BODY_EVENTS
 from worldagent.worlds.predicates.events import EVENT_KINDS, event_atoms

@@ -11,8 +11,9 @@ import pytest
 from pydantic import ValidationError
 from worldagent.construction.terrain.store import build_terrain_file
 from worldagent.testing.worlds.small_worlds import ground, make_candidate, world
-from worldagent.verifiers.predicates import Outcome, evaluate
+from worldagent.verifiers.predicates.evaluators import evaluate
 from worldagent.verifiers.predicates.landscape import zone_cells
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.landscape import open_landscape

@@ -12,7 +12,7 @@ import pytest
 from pydantic import TypeAdapter
 from worldagent.testing.worlds.small_worlds import IDENTITY, Touch, ball, box, ground, make_candidate, world
 from worldagent.tests.verifiers.agreement import agrees, evaluate
-from worldagent.verifiers.predicates import EVALUATORS
+from worldagent.verifiers.predicates.evaluators import EVALUATORS
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import (
     After,

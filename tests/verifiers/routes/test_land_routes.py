@@ -29,9 +29,10 @@ def _row(
     far: float = 40.0,
     **relation: Any,
 ) -> Row:
-    terrain = declared(*height.shape, CELL)
+    rows, cols = height.shape
+    terrain = declared(rows, cols, CELL)
     keep(folder, terrain, height, water=water, plants=plants)
-    x, y = axes(*height.shape, CELL)
+    x, y = axes(rows, cols, CELL)
 
     def around(px: float) -> BoxRegion:
         z = float(height[np.hypot(x - px, y) <= 4.0].mean())

@@ -15,6 +15,7 @@ from worldagent.verifiers.story import robustness
 from worldagent.verifiers.story.perturbations import fixed_places, perturbed
 from worldagent.verifiers.story.robustness import check, clopper_pearson
 from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.predicates import After, Displacement, Reaches
 from worldagent.worlds.spec import Beat, BoxRegion, HingeJoint, Perturbed, Refined, Story, WorldSpec
 
@@ -129,7 +130,7 @@ def test_a_sample_that_cannot_be_simulated_counts_as_failed(tmp_path: Path, monk
     def sometimes(*args: Any, **more: Any) -> Candidate:
         calls.append(1)
         if len(calls) == 2:
-            raise robustness.EvidenceError("opening the skins diverged")
+            raise EvidenceError("opening the skins diverged")
         return made(*args, **more)
 
     monkeypatch.setattr(robustness, "run_altered", sometimes)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Correction
     from ....worlds.spec import SpecModel
-    from ...predicates import Outcome
+    from ...predicates.outcome import Outcome
 
 __all__ = ["breaking"]
 

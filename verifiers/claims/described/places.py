@@ -28,7 +28,7 @@ from ....worlds.errors import EvidenceError, InputError
 from ....worlds.predicates import Reaches
 from ....worlds.prompts.marks import occurrence
 from ....worlds.spec import Adjacent, Contains, Fastened, Interacts, Supports
-from ...predicates import evaluate
+from ...predicates.evaluators import evaluate
 from ...rows.findings import Finding
 from ...scene.surfaces import surfaces_of
 from ...shots.views import samples

@@ -17,7 +17,7 @@ from ....worlds.claim_targets import named_in
 from ....worlds.predicates import Reaches, entities_of
 from ....worlds.spec import Connects
 from ...categories.registry import judge_of
-from ...predicates import beat_times, evaluate
+from ...predicates.evaluators import beat_times, evaluate
 from ...routes.navigability import way_finding
 from ...rows.findings import Finding
 from .answers import Answer, finding_of

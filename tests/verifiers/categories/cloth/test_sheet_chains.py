@@ -10,7 +10,7 @@ import pytest
 from worldagent.testing.worlds.simulated_worlds import beat, edited, simulate
 from worldagent.testing.worlds.small_cloth import CATCH_PROMPT, catch_spec
 from worldagent.verifiers.categories.registry import JUDGES, pressed
-from worldagent.verifiers.predicates import evaluate
+from worldagent.verifiers.predicates.evaluators import evaluate
 from worldagent.verifiers.story import causal
 from worldagent.verifiers.story.chains import Chains
 from worldagent.verifiers.story.onsets import begins

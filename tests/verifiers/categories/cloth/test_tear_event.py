@@ -10,7 +10,7 @@ import pytest
 from worldagent.testing.worlds.simulated_worlds import edited, simulate
 from worldagent.testing.worlds.small_cloth import PULLED_PROMPT, pulled_spec
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.categories.cloth.events import TearEvent
 from worldagent.worlds.patch import parse_spec

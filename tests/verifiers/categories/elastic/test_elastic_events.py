@@ -9,7 +9,7 @@ import pytest
 from worldagent.testing.worlds.small_worlds import box, ground, make_candidate, world
 from worldagent.testing.worlds.soft_worlds import Motion, block_mesh, deformed_candidate
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.categories.elastic.events import DeformEvent
 from worldagent.worlds.spec import ElasticPhysics

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from worldagent.tests.physics.fracture_world import simulate, struck_wall
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.categories.fracture.events import FractureEvent

@@ -19,7 +19,7 @@ from worldagent.verifiers.categories.gas.check import category_rows
 from worldagent.verifiers.categories.gas.fires import Fires
 from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.kindling import Kindling
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Predicate
 from worldagent.worlds.spec import WorldSpec

@@ -18,7 +18,7 @@ from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.categories.gas.check import category_rows
 from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.kindling import Kindling
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.verifiers.scene.relations import check
 from worldagent.verifiers.story.chains import chains_of
 from worldagent.worlds.candidate import Candidate

@@ -15,7 +15,7 @@ from worldagent.verifiers.categories.gas.check import category_rows
 from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.predicates import optical_depth
 from worldagent.verifiers.categories.registry import JUDGES
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.predicates import Predicate

@@ -11,7 +11,7 @@ from worldagent.testing.worlds import small_worlds as sw
 from worldagent.testing.worlds.liquid_worlds import DENSITY, Flow, G, pool_in_tank, tank
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.categories import check as category
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.predicates import SubmergedFraction
 from worldagent.worlds.requirements import Row

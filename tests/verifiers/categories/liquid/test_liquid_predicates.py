@@ -12,7 +12,7 @@ from worldagent.testing.defects import _liquid_scenes as scenes
 from worldagent.testing.worlds import small_worlds as sw
 from worldagent.testing.worlds.liquid_worlds import Flow, stream
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.predicates import (
     LiquidArrives,
     LiquidFluxThrough,

@@ -21,7 +21,8 @@ def judged(found: list[dict[str, Any]], texels: dict[str, Any]) -> list[float]:
         Piece("floor", "body", "body", Solid.from_mesh(floor, closed=True), none, turn, True, True),
         Piece("foot", "body", "body", Solid.from_mesh(sole, closed=True), place, turn, False, True),
     ]
-    held = Texels(*(texels[f"texel/{n}"].astype(float) for n in ("position", "normal", "area")), texels["texel/part"], (), 0.02)
+    position, normal, area = (texels[f"texel/{n}"].astype(float) for n in ("position", "normal", "area"))
+    held = Texels(position, normal, area, texels["texel/part"], (), 0.02)
     carried = Carried(held, pieces, [np.flatnonzero(texels["texel/part"] == k) for k in range(2)], 0.003)
     return [carried.see(k, frame).film for k, frame in enumerate(found)]
 

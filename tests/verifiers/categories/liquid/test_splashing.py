@@ -9,7 +9,7 @@ import pytest
 from worldagent.testing.worlds.bodies_in_liquid import EDGE, crate_in_tank
 from worldagent.testing.worlds.liquid_worlds import Flow, G
 from worldagent.tests.verifiers.agreement import evaluate
-from worldagent.verifiers.predicates import Outcome
+from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.categories.liquid.events import SplashEvent
 

@@ -9,7 +9,8 @@ import pytest
 from worldagent.construction import build_entity
 from worldagent.tests.physics import rigid_world
 from worldagent.tests.physics.fracture_world import bond, bricks, cantilever, struck_wall
-from worldagent.worlds.categories.fracture.audit import PIECES, fracture_problems
+from worldagent.worlds.categories.caps import PIECES
+from worldagent.worlds.categories.fracture.audit import fracture_problems
 from worldagent.worlds.categories.fracture.facts import piece_count
 from worldagent.worlds.errors import LimitError
 from worldagent.worlds.groups import group_of

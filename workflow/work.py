@@ -49,6 +49,6 @@ def with_variants(candidate: Candidate, folder: WorldFolder, freeze: str) -> Can
 
 def first_true_frames(candidate: Candidate) -> dict[str, int | None]:
     """First true frame of every beat: what the probe promises about the bake."""
-    from ..verifiers.predicates import evaluate
+    from ..verifiers.predicates.evaluators import evaluate
 
     return {n: evaluate(candidate, b.predicate, b.frames).first_true_frame for n, b in candidate.spec.story.beats.items()}

@@ -10,7 +10,6 @@ from typing import Any, get_args
 import pytest
 from worldagent.physics.substances import DENSITY_RANGES
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
-from worldagent.simulation.liquid.resolved import LEAST_WALL
 from worldagent.verifiers.catalogue import QUESTIONS
 from worldagent.verifiers.categories.cloth.questions import CATEGORY, NUMERICAL
 from worldagent.verifiers.categories.elastic.questions import QUESTIONS as ASKED_OF_ELASTIC
@@ -19,7 +18,7 @@ from worldagent.verifiers.categories.liquid.check import WATCHES
 from worldagent.verifiers.categories.liquid.numerical import Numbers
 from worldagent.verifiers.diagnosis.table import TABLES
 from worldagent.worlds.audits.audit import audit
-from worldagent.worlds.categories.liquid.facts import LEAST_SPACINGS
+from worldagent.worlds.categories.liquid.facts import LEAST_SPACINGS, LEAST_WALL
 from worldagent.worlds.groups import GROUPS
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates.event_kinds import BODY_EVENTS

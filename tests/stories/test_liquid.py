@@ -16,6 +16,7 @@ from worldagent.testing.worlds.small_liquids import CRATE, LINER, PROMPT, tank_s
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.workflow import jobs
 from worldagent.workflow.session import Session
+from worldagent.workflow.work import Work
 from worldagent.worlds.cache import write_container
 from worldagent.worlds.candidate import Candidate, open_candidate
 from worldagent.worlds.categories.liquid.surface import LiquidSurface
@@ -124,7 +125,7 @@ def test_a_surface_forged_in_the_probe_with_its_digest_does_not_reach_the_bake(p
     freeze = _freeze(session.folder)
     record = session.ledger.freeze(freeze)
     assert record is not None
-    work, detail = jobs.Work(session, freeze, dict(candidate.built)), record["detail"]
+    work, detail = Work(session, freeze, dict(candidate.built)), record["detail"]
     taken = jobs._same_probe(work, detail)
     assert taken is not None
     assert taken.digest == candidate.digest

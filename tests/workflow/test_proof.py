@@ -15,6 +15,7 @@ from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.tools.edit_spec import edit_spec
 from worldagent.workflow import bundles, jobs, pictures
 from worldagent.workflow.session import Session
+from worldagent.workflow.work import Work
 from worldagent.worlds.bundle import open_bundle
 from worldagent.worlds.errors import RefusedError
 from worldagent.worlds.folder import WorldFolder
@@ -69,7 +70,7 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
     edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
     session = Session.open(tmp_path, "w")
     session.ledger.put_bake("f" * 64, 1, "d", {})
-    monkeypatch.setattr(jobs, "open_work", lambda payload: jobs.Work(session, "f" * 64, {}))
+    monkeypatch.setattr(jobs, "open_work", lambda payload: Work(session, "f" * 64, {}))
     monkeypatch.setattr(jobs, "require_true_geometry", lambda session, built: None)
     monkeypatch.setattr(jobs, "plates_of", lambda *_, **__: None)
     monkeypatch.setattr(
@@ -90,7 +91,7 @@ def test_a_judgement_that_is_killed_amid_its_entry_leaves_the_change_untested(
     failed = Row(id="beat:roll", check="beat", group="temporal", predicate="p", status="fail", artifact="x")
     session.ledger.add_iteration(1, "it rolls too slowly", "velocities", [failed])
     candidate = SimpleNamespace(last_frame=35, frame_count=36, digest="d", spec=session.spec, caches={})
-    monkeypatch.setattr(jobs, "open_work", lambda payload: jobs.Work(session, "f" * 64, {}))
+    monkeypatch.setattr(jobs, "open_work", lambda payload: Work(session, "f" * 64, {}))
     monkeypatch.setattr("worldagent.workflow.probes.with_variants", lambda candidate, *_: candidate)
     monkeypatch.setattr("worldagent.worlds.candidate.open_candidate", lambda *_: candidate)
     monkeypatch.setattr("worldagent.verifiers.checks.run_checks", lambda *_, **__: [failed])

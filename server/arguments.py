@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import inspect
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mcp.server.mcpserver.utilities.func_metadata import func_metadata
@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from ..workflow.context import ToolBinding
 from ..worlds.bounds import extent, shown
 from ..worlds.errors import InputError
+from ..worlds.hints import did_you_mean
 
 __all__ = ["Arguments"]
 
@@ -66,7 +67,12 @@ class Arguments:
         if found["type"] == "missing" and not inner:
             described = schema.get("description")
             return f"{where} is missing" + (f" ({described})" if described else "")
-        allowed = "" if inner else _allowed(schema)
+        if inner and found["type"] == "extra_forbidden":
+            known = sorted(self._inside(schema, inner[:-1]).get("properties", ()))
+            return f"{where}: there is no {shown(inner[-1])} here{did_you_mean(str(inner[-1]), known) or ';'} allowed: {', '.join(known)}"
+        if inner and found["type"] == "missing":
+            return f"{where} is missing"
+        allowed = _allowed(self._inside(schema, inner))
         options = _options(schema)
         if found["type"] in ("literal_error", "enum") and not inner and options:
             close = difflib.get_close_matches(str(found["input"])[:100], options, n=1, cutoff=0.4)
@@ -81,6 +87,20 @@ class Arguments:
         return f"{where} = {shown(found['input'], _SHOWN_CHARACTERS)}: {found['msg']}" + (
             f" (allowed: {allowed})" if allowed else ""
         )
+
+    def _inside(self, schema: Mapping[str, Any], path: Sequence[Any]) -> Mapping[str, Any]:
+        """The schema at a path below another; empty where there is none, or several."""
+        at = self._plain(schema)
+        for step in path:
+            at = self._plain(at.get("properties", {}).get(step, at.get("items", {})))
+        return at
+
+    def _plain(self, schema: Mapping[str, Any]) -> Mapping[str, Any]:
+        """A schema without references and without the choice of null."""
+        options = [o for o in schema.get("anyOf", ()) if o.get("type") != "null"]
+        found = options[0] if len(options) == 1 else schema
+        name = str(found.get("$ref", "")).rpartition("/")[2]
+        return self.schema.get("$defs", {}).get(name, {}) if name else found
 
 
 def _options(schema: Mapping[str, Any]) -> list[str]:

@@ -207,16 +207,22 @@ def _free(spec: WorldSpec, name: str, new: str) -> None:
         raise InputError(f"{new!r} is there already and is no copy of {name!r}; give another copy suffix")
 
 
-def _rename(document: dict[str, Any], places: Iterable[tuple[str, str, str]], ids: Mapping[str, str]) -> None:
-    """Point references of a document to the copies."""
-    for pointer, _, value in list(places):
-        if value not in ids:
+def _rename(
+    document: dict[str, Any],
+    places: Iterable[tuple[str, str, str]],
+    ids: Mapping[str, str],
+    joints: Mapping[str, str] | None = None,
+) -> None:
+    """Point references of a document to the copies of entities and joints; a material or beat may have the same id."""
+    for pointer, target, value in list(places):
+        copies = {"entity": ids, "node": ids, "joint": joints or {}}.get(target, {})
+        if value not in copies:
             continue
         *way, last = pointer.split("/")[1:]
         at: Any = document
         for token in way:
             at = at[int(token)] if isinstance(at, list) else at[token]
-        at[int(last) if isinstance(at, list) else last] = ids[value]
+        at[int(last) if isinstance(at, list) else last] = copies[value]
 
 
 def _copied_joints(
@@ -251,7 +257,7 @@ def _copy_drivers(
                     edit.follows.add(f"/simulation/drivers/{key}/entities")
         elif acted and acted <= {*ids, *joints}:
             document = _carried(_json(driver), motion)
-            _rename(document, found, {**ids, **joints})
+            _rename(document, found, ids, joints)
             edit.put(f"/simulation/drivers/{key}{suffix}", document)
         elif acted & set(ids):
             edit.left.append(f"driver {key} acts on others, too: the copy has none")

@@ -90,6 +90,29 @@ async def test_bad_argument_names_argument_value_and_range(
         assert part in text(result)
 
 
+@pytest.mark.parametrize(
+    ("tool", "arguments", "told"),
+    [
+        (
+            "place_object",
+            {"array": {"kind": "scatter", "sizes": [1, 2]}},
+            "there is no 'sizes' here; did you mean 'size'? allowed: arc_deg, center",
+        ),
+        ("place_object", {"array": {"count": 1}}, "array.kind is missing; array.count = 1"),
+        ("place_object", {"array": {"kind": "grid", "count": 900}}, "(allowed: integer >= 2 and <= 500)"),
+        ("probe_sim", {"sketch": {"until": 3, "coarser": 9}}, "(allowed: number >= 1 and <= 4)"),
+        ("edit_spec", {"repairs": [{"row": "a"}, {"rw": 1}]}, "repairs.1.rw: there is no 'rw' here; did you mean 'row'?"),
+    ],
+)
+async def test_what_is_wrong_within_an_argument_is_told_with_what_is_allowed_there(
+    tmp_path: Path, tool: str, arguments: dict[str, Any], told: str
+) -> None:
+    async with Client(create_server(tmp_path)) as client:
+        result = await client.call_tool(tool, {"world": "w", **arguments})
+    assert result.is_error
+    assert told in text(result)
+
+
 async def test_json_in_a_string_is_read_as_json(tmp_path: Path, fakes: ModuleType) -> None:
     """Some clients send objects and arrays as strings."""
     async with Client(create_server(tmp_path, tools=fakes.TOOLS)) as client:

@@ -128,6 +128,14 @@ def test_a_copy_of_a_part_of_an_assembly_says_what_it_lacks(spec):
     assert edit.left == ["joint axle_fl ties to body, which is not copied: the copy has none"]
 
 
+def test_a_copy_keeps_a_material_that_has_the_id_of_the_entity(spec):
+    document = spec.model_dump(mode="json", exclude_none=True)
+    document["materials"]["stone"] = document["materials"][document["entities"]["stone"]["material"]]
+    document["entities"]["stone"]["material"] = "stone"
+    _, after = copied(parse_spec(document), ["stone"])
+    assert after.entities["stone_b"].material == "stone"
+
+
 @pytest.mark.parametrize("suffix", [" b", "x" * 64, "/"])
 def test_ids_that_are_none_are_refused(spec, suffix):
     with pytest.raises(InputError, match="no id"):

@@ -22,6 +22,7 @@ BENCHMARKS: dict[str, str] = {
     "startup": "worldagent.bench.startup:run",
     "job-start": "worldagent.bench.job_start:run",
     "edit-latency": "worldagent.bench.edit_latency:run",
+    "first-verdict": "worldagent.bench.first_verdict:run",
     "rigid-dominoes": "worldagent.bench.rigid_dominoes:run",
     "fracture": "worldagent.bench.fracture:run",
     "clearance": "worldagent.bench.clearance:run",

@@ -117,7 +117,9 @@ def _watch(root: Path, pipe: Connection) -> None:
             told.update(r.id for r in fresh)
             pipe.send((last, [r.model_dump_json() for r in fresh]))
 
+        began = time.monotonic()
         judge_begun(begun.candidate, begun.unmoved, say)
+        time.sleep(time.monotonic() - began)  # engines that run on all cores keep most of them
 
 
 def judge_begun(candidate: Candidate, unmoved: frozenset[str], say: Callable[[Sequence[Row]], None]) -> None:

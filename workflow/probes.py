@@ -54,6 +54,8 @@ class _Attended:
     def progress(self, report: Pace, done: float, total: int, message: str) -> None:
         """Pass on how far the run is, and what fails so far."""
         now = time.monotonic()
+        if self._began is None:  # not before: frames of a probe with other settings may have stood there
+            self._judge.watch(self._work.freeze)
         first, since = self._began = self._began or (done, now)
         pace = (now - since) / (done - first) if done > first else 0.0
         self._left = (total - done) * pace
@@ -95,7 +97,6 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     judge = LiveJudge(Path(payload["folder"]))
     work = open_work(payload)
     session, freeze, built = work
-    judge.watch(freeze)
     total = probe_frames(session.spec)
     split, stretches = 1.0 - judging_share(session.spec, "probe"), stretch_count(session.spec)
     coarser = float(payload.get("coarser") or 1.0)

@@ -22,7 +22,7 @@ EXACT = 1e-9
 
 @dataclass(frozen=True)
 class FloatLine:
-    """How a body floats."""
+    """A floating body at rest: its pose, and what of it is under the level."""
 
     pose: RigidPose
     draught: float

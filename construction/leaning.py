@@ -64,7 +64,7 @@ def laid(body: Body, pose: RigidPose, center: F64) -> RigidPose:
 
 
 def _stays(side: F64, normal: F64, center: F64) -> bool:
-    """Whether a centre of mass stands over the inner part of a side, seen along its normal."""
+    """True where a centre of mass stands over the inner part of a side, seen along its normal."""
     from scipy.spatial import ConvexHull, QhullError
 
     across = np.linalg.svd(normal[None])[2][1:]

@@ -166,7 +166,7 @@ def _separation(a: F64, b: F64) -> float:
 
 
 def _inside(points: F64, polygon: F64) -> np.ndarray:
-    """Whether points lie inside a polygon, by the number of its sides to their right."""
+    """Mask of the points that lie inside a polygon, by the number of its sides to their right, shape (n,)."""
     a, b = polygon, np.roll(polygon, -1, axis=0)
     x, y = points[:, 0, None], points[:, 1, None]
     spans = (a[:, 1] > y) != (b[:, 1] > y)
@@ -176,7 +176,7 @@ def _inside(points: F64, polygon: F64) -> np.ndarray:
 
 
 def _cross(a: F64, b: F64) -> bool:
-    """Whether sides of two polygons cross."""
+    """True where sides of two polygons cross."""
 
     def turn(p: F64, q: F64, r: F64) -> F64:
         return np.asarray((q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0]))

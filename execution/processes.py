@@ -95,7 +95,7 @@ def _prctl(option: int, argument: int | bytes) -> None:
 
 
 def in_task() -> bool:
-    """Whether this is the process of a job, or one below it: forked for it alone, and with no thread of Python's but the first."""
+    """True in the process of a job and in those below it."""
     return TAG in os.environ
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from ..worlds.drivers import acts_from
-from ..worlds.errors import EvidenceError, InputError
+from ..worlds.errors import EvidenceError
 from ..worlds.groups import GROUPS, group_of
 from ..worlds.hints import did_you_mean
 from ..worlds.instances import coupled_groups
@@ -221,16 +221,11 @@ def said_of(iteration: Mapping[str, Any]) -> dict[str, Any] | None:
 
     `confirmed`: its row does not fail any more, or measures more or less as expected; `refuted`: it was judged and does neither; `untested`: it was
     not judged by the test.
-
-    Raises:
-        InputError: the record is of another form.
     """
     expected = iteration.get("expect")
     if not expected or iteration.get("probe") is None:
         return None
-    if len(iteration["failing_before"]) != 1:
-        raise InputError(f"a repair expects something of one row, this one is of {iteration['failing_before']}")
-    (row,) = iteration["failing_before"]
+    row = iteration["failing_before"][0]
     before, after = ((iteration[k] or {}).get(row, {}) for k in ("before", "after"))
     told = {
         "row": row,

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from ..execution import core_count, die_with_parent, in_task
 from ..worlds.errors import EvidenceError
@@ -23,25 +23,16 @@ from ..worlds.requirements import Row
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
 
-__all__ = ["DECISIVE", "LiveJudge", "News", "judge_begun"]
+__all__ = ["DECISIVE", "LiveJudge", "judge_begun"]
 
 DECISIVE = ("beat", "contact", "support", "relations", "numerical", "category")
 """Checks that are asked of every prefix, the cheapest and most decisive first. Claims and causes compare whole runs."""
 FIRST_S = 1.0
 """A run that ends sooner is judged at its end alone [s]."""
 LOOK_S = 0.2
-"""How often it looks for new frames [s]."""
+"""Interval between looks for new frames [s]."""
 POLITENESS = 5
 """Added to its niceness: the run comes first."""
-
-
-class News(NamedTuple):
-    """Outcome of one look at the frames so far."""
-
-    last: int
-    """Last frame that was judged."""
-    rows: tuple[Row, ...]
-    """Mandatory rows that fail there, those that were told before left out."""
 
 
 class LiveJudge:
@@ -69,13 +60,12 @@ class LiveJudge:
         if self._end is not None:
             self._end.send(freeze)
 
-    def news(self) -> list[News]:
-        """Looks at the frames since the last call; never waits."""
-        found: list[News] = []
+    def news(self) -> list[Row]:
+        """Mandatory rows that were found to fail since the last call; never waits."""
+        found: list[Row] = []
         with contextlib.suppress(EOFError, OSError):  # it ended by itself: the rows are judged at the end
             while self._end is not None and self._end.poll():
-                last, rows = self._end.recv()
-                found.append(News(last, tuple(Row.model_validate_json(text) for text in rows)))
+                found += [Row.model_validate_json(text) for text in self._end.recv()]
         return found
 
     def close(self) -> None:
@@ -101,6 +91,12 @@ def _watch(root: Path, pipe: Connection) -> None:
     time.sleep(FIRST_S)
     folder, told, seen = WorldFolder.at(root), set[str](), (-1, 0)
     inputs = recorded_inputs(folder, freeze)
+
+    def say(rows: Sequence[Row]) -> None:
+        fresh = [r for r in rows if r.id not in told]
+        told.update(r.id for r in fresh)
+        pipe.send([r.model_dump_json() for r in fresh])
+
     while True:
         try:
             begun = open_begun(folder, freeze, "probe", inputs)
@@ -111,11 +107,6 @@ def _watch(root: Path, pipe: Connection) -> None:
             time.sleep(LOOK_S)
             continue
         seen = state
-
-        def say(rows: Sequence[Row], last: int = state[0]) -> None:
-            fresh = [r for r in rows if r.id not in told]
-            told.update(r.id for r in fresh)
-            pipe.send((last, [r.model_dump_json() for r in fresh]))
 
         began = time.monotonic()
         judge_begun(begun.candidate, begun.unmoved, say)

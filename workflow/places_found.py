@@ -21,7 +21,7 @@ __all__ = ["places_of"]
 ROUNDS = 4
 """Own choice: how often height and distance are found in turn for what stands beside something on a slope."""
 FRESH_WATER = 1000.0
-"""Of the water of landscapes [kg/m^3]."""
+"""Density of the water of landscapes [kg/m^3]."""
 
 
 def places_of(session: Session, asked: Asked, scene: Scene, body: Body, told: dict[str, Any]) -> Iterator[Place]:

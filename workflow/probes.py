@@ -28,7 +28,7 @@ WORTH_STOPPING_S = 10.0
 NAMED = 3
 """Failing rows that progress names."""
 _KEPT = ("simulated_s", "judged_s")
-"""Of frames that were there before, what they took then."""
+"""Durations in the record of a probe that stay true where its frames were there before."""
 
 
 class _StoppedError(Exception):
@@ -71,7 +71,7 @@ class _Attended:
             _StoppedError: a row fails, and the run would take long yet.
         """
         self._context.check()
-        fresh = [row for news in self._judge.news() for row in news.rows if row.id not in self.failing]
+        fresh = [row for row in self._judge.news() if row.id not in self.failing]
         if fresh:
             self.failing |= {row.id: row for row in fresh}
             self._work.session.record(fresh, stage="probe")  # so that a kill leaves it on record

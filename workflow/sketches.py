@@ -50,6 +50,7 @@ def end_of(spec: WorldSpec, asked: Sketch) -> int:
 def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Simulate a sketch, judge its frames by the checks that decide, and count it as the test of what was changed."""
     from ..simulation.schedule import run_groups
+    from ..worlds.bake_plan import groups_of
     from ..worlds.coarsening import sketched
 
     work = open_work(payload)
@@ -59,7 +60,7 @@ def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     end, began = end_of(spec, asked), time.monotonic()
     root = session.folder.candidate(freeze) / "sketch"
     shutil.rmtree(root, ignore_errors=True)
-    told, groups = Part(context.progress, 0.0, SIMULATING), max(1, len(spec.simulation.solvers))
+    told, groups = Part(context.progress, 0.0, SIMULATING), len(groups_of(spec))
     run_groups(
         spec, work.built, root, frames=end + 1, check=context.check, reuse=False,
         only=None if asked.only is None else frozenset(asked.only), tell=partial(_tell, told, groups),

@@ -21,7 +21,7 @@ class Work(NamedTuple):
 
     session: Session
     freeze: str
-    """Of its present specification, written to its candidate folder."""
+    """Hash of its present settings, which are written to its candidate folder."""
     built: dict[str, BuiltEntity]
 
     def candidate(self, stage: Literal["probe", "full"]) -> Candidate:

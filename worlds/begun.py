@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Begun", "begun_in", "open_begun", "unfinished"]
 
 DIGEST_CHARACTERS = 64
-"""Of a SHA-256 in hex: a shorter line is still being written."""
+"""Length of a SHA-256 in hex: a shorter line is still being written."""
 
 
 class Begun(NamedTuple):

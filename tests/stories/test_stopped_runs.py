@@ -15,7 +15,7 @@ from worldagent.tests.stories.conftest import Agent
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.workflow import probes
-from worldagent.workflow.live_judge import News, judge_begun
+from worldagent.workflow.live_judge import judge_begun
 from worldagent.workflow.session import Session
 from worldagent.worlds.begun import open_begun
 from worldagent.worlds.errors import EngineError, EvidenceError
@@ -36,7 +36,7 @@ class Beside:
     def watch(self, freeze: str) -> None:
         self._freeze = freeze
 
-    def news(self) -> list[News]:
+    def news(self) -> list[Row]:
         try:
             begun = open_begun(WorldFolder.at(self._root), self._freeze, "probe")
         except EvidenceError:
@@ -47,7 +47,7 @@ class Beside:
         self._seen = last
         fresh = [r for r in rows if r.id not in self._told]
         self._told |= {r.id for r in fresh}
-        return [News(last, tuple(fresh))]
+        return fresh
 
     def close(self) -> None:
         self._freeze = ""

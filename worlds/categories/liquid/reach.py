@@ -29,7 +29,7 @@ LEAST_GAP = 0.5
 WIDE_GAP = 2.0
 """Own choice: a gap counts where it is so many times longer and wider than what is resolved: a short one leads nowhere."""
 SQUARE = 1e-6
-"""Of a quaternion's parts: a body turned by less lies along the axes."""
+"""Least part of a quaternion by which a body counts as turned: with less it lies along the axes."""
 
 
 class _Solid(NamedTuple):
@@ -42,7 +42,7 @@ class _Solid(NamedTuple):
     thick: float
     """Least extent [m]."""
     block: bool
-    """Whether it stands still and fills its box."""
+    """True of one that stands still and fills its box."""
     path: bool
     """Whether it moves on a path, and may come anywhere."""
 

@@ -71,6 +71,8 @@ class CoupledSolver(ABC):
         self.instance: Any = spec.simulation.solvers[name]
         self.members: tuple[str, ...] = tuple(self.instance.members)
         self._caches = caches
+        self.settled: bytes | None = None
+        """State at rest from which it starts; None: from what is declared."""
         self.motion: CacheMotion | None = None
         self.frame = 0
         self._done = intervention or Intervention()
@@ -121,6 +123,18 @@ class CoupledSolver(ABC):
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""
 
+    def rested(self, state: bytes) -> bytes:
+        """A state of the engine without speeds, and with this one's clock and drivers."""
+        raise InputError(f"{self.KIND} cannot settle in this build; leave {sorted(self.members)} out of simulation.settle")
+
+    def end_of_settling(self) -> bytes:
+        """The present state, for a solver of the same members.
+
+        Raises:
+            EngineError: a member tore.
+        """
+        return self.pack()
+
     # ------------------------------------------------------------------ runs
 
     def prepare(self, *, resumed: bool = False) -> None:
@@ -141,6 +155,9 @@ class CoupledSolver(ABC):
         """Set the engine up, at the start of the preroll."""
         self.set_up()
         self.motion = CacheMotion(self.surround, self._caches, self.spec.simulation.fps) if self._caches else None
+        if self.settled is not None:
+            with self._stamp(0).fits():
+                self.unpack(self.rested(self.settled))
         self._ledger, self._tally = self.open_ledger(), self.open_tally()
 
     def start_frames(self) -> None:

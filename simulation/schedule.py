@@ -18,6 +18,7 @@ from ..worlds.spec import WorldSpec
 from ..worlds.writers import writers_of
 from .protocol import Within
 from .runs import Run, make_run, reads
+from .settling import settle
 
 __all__ = ["checkpoint_path", "run_frames", "run_groups", "stretch_count"]
 
@@ -202,7 +203,9 @@ def _run_group(
     """Simulate one group into its caches; `done` are those of the groups before it."""
     names = tuple(caches)
     trusted = min(_trusted_frames(c, frames) for c in caches.values())
-    run = make_run(spec, built, names, caches=done)
+    read = {n: done[n] for n in reads(spec, names[0])}
+    settled = settle(spec, built, names, read=read, into=caches, reuse=reuse, tell=say.within(-1))
+    run = make_run(spec, built, names, caches=done, settled=settled.states)
     run.prepare()
     for name, cache in caches.items():
         index = dataclasses.replace(run.solvers[name].index(), frames=frames)
@@ -216,7 +219,7 @@ def _run_group(
     marks = set(checkpoint_frames(spec, frames))
     start = _resume(run, caches, [k for k in sorted(marks, reverse=True) if k < trusted])
     if start < 0 and trusted > 0:
-        run = make_run(spec, built, names, caches=done)
+        run = make_run(spec, built, names, caches=done, settled=settled.states)
         run.prepare()
     writers = {name: writers_of(spec, name) for name in names}
     for cache in caches.values():

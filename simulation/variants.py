@@ -29,6 +29,7 @@ from .protocol import Intervention, Solver
 from .recipes import coupled_recipe
 from .runs import Run, make_run, reads
 from .schedule import checkpoint_path
+from .settling import settle
 
 __all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant", "simulated"]
 
@@ -271,7 +272,8 @@ def _from_start(
     """All frames of one group."""
     frames: _Own = {n: {} for n in names}
     try:
-        run = make_run(spec, built, names, caches=caches)
+        settled = settle(spec, built, names, read={n: caches[n] for n in reads(spec, names[0])})
+        run = make_run(spec, built, names, caches=caches, settled=settled.states)
         run.prepare()
         for frame in range(end + 1):
             if frame:

@@ -39,7 +39,7 @@ def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
 
 def motion_slice(spec: WorldSpec) -> dict[str, Any]:
     """Everything that decides the motion: entities' physics and places, materials, the plan without its limits."""
-    plan = spec.simulation.model_dump(mode="json", exclude={"limits"})
+    plan = spec.simulation.model_dump(mode="json", exclude={"limits", *(["settle"] if spec.simulation.settle is None else [])})
     used = {e.material for e in spec.entities.values()} | {
         p.material for e in spec.entities.values() for p in e.parts.values() if p.material
     }

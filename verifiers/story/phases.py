@@ -31,6 +31,7 @@ from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import Correction, Row
+from ...worlds.settled import settling
 from ..categories.registry import judge_of
 from ..ledgers import motion
 from ..rows.answers import guarded, row_of
@@ -192,10 +193,14 @@ def _preroll(
     if plan.preroll > 0:
         notes["preroll"] = f"{plan.preroll:g} s simulated before frame 0"
         return 0
+    if settled := [n for n in names if n in settling(candidate.spec)]:
+        notes["preroll"] = f"{len(settled)} settled before frame 0"
     stray = [n for n in names if not _speeds(candidate, n)[0] <= threshold and not _sent(candidate, n)]
     if stray:
         notes["preroll"] = f"{stray[0]} moves at frame 0 without being told to, and simulation.preroll is 0"
         return None
+    if settled:
+        return 0
     notes["preroll"] = (
         "quiet throughout" if activation is None else f"nothing but the specified start moves before frame {activation}"
     )

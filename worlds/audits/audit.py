@@ -30,6 +30,7 @@ from .foreseen import foreseen
 from .joints import joint_problems
 from .masses import mass_problems
 from .ownership import ownership_problems
+from .settling import settle_problems
 from .pairs import surface_problems
 from .reach import reach_problems
 from .story import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems, uncaused
@@ -188,6 +189,10 @@ class _Audit:
             self.add(
                 "couplings", "every coupling is one that the engines carry out", coupling_problems(self.spec), group="physical"
             )
+
+        if plan.settle is not None:
+            text = "what settles before frame 0 can come to rest, with the matter that carries it"
+            self.add("settle", text, settle_problems(self.spec), group="physical")
 
     def graph(self) -> None:
         """Support is acyclic and carried by something; relations lie in the sequence."""

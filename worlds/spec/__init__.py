@@ -64,6 +64,7 @@ from .simulation import (
     LiquidInstance,
     ParticleInstance,
     ReleaseDriver,
+    Settle,
     SimulationPlan,
     SolverInstance,
 )
@@ -185,6 +186,7 @@ __all__ = [
     "Shape",
     "Sheet",
     "Shot",
+    "Settle",
     "SidedDomain",
     "SimulationPlan",
     "SlideJoint",

@@ -137,7 +137,7 @@ def stiffest_step(physics: ClothPhysics, edge: float) -> float:
 def cloth_estimate(spec: WorldSpec, name: str) -> ClothEstimate:
     """Vertices and steps that an instance will take; meshes in files are counted when they are read."""
     plan, instance = spec.simulation, spec.simulation.cloth[name]
-    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    seconds = plan.lead + (plan.frames - 1) / plan.fps
     vertices, written, step = 0.0, 0.0, instance.settings.max_step
     for member in instance.members:
         entity = spec.entities.get(member)

@@ -81,7 +81,7 @@ def liquid_estimate(spec: WorldSpec, name: str) -> LooseEstimate:
     spacing = spacing_of(spec, name)
     if not math.isfinite(spacing):
         return LooseEstimate(0.0, 0.0, 0.0)
-    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    seconds = plan.lead + (plan.frames - 1) / plan.fps
     members = [spec.entities[m] for m in instance.members if m in spec.entities]
     volume = sum(initial_volume(m) for m in members)
     swiftest = max((fastest(m) for m in members), default=0.0)

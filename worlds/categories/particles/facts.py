@@ -24,7 +24,7 @@ def grain_step(physics: ParticlePhysics, density: float, share: float) -> float:
 def particle_estimate(spec: WorldSpec, name: str) -> LooseEstimate:
     """Particles and steps that an instance will take."""
     plan, instance = spec.simulation, spec.simulation.particles[name]
-    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    seconds = plan.lead + (plan.frames - 1) / plan.fps
     count, step = 0.0, math.inf
     for member in instance.members:
         entity = spec.entities.get(member)

@@ -21,6 +21,10 @@ HOLD_SECONDS = 0.5
 """[s] Own choice: what has kept its place for so long is at rest; nothing that swings about is slow for all of it."""
 LOOSE_SHARE = 0.1
 """[1] Own choice: of the radius of a grain or the spacing of a liquid, what loose matter at rest may move in that time."""
+SKINS = 2.0
+"""[1] Contacts act at the sum of two."""
+LEAST_WAY = 1e-4
+"""[m] Of bodies without collision skins: a tenth of what the usual two take. Own choice."""
 
 
 def unsettled(spec: WorldSpec, name: str) -> str:
@@ -75,7 +79,7 @@ def hold_frames(spec: WorldSpec) -> int:
 def rest_way(spec: WorldSpec, name: str) -> float:
     """Longest way of an entity at rest over `HOLD_SECONDS` [m], by what its engine resolves.
 
-    Of bodies the collision skin, of sheets the thickness, of loose matter `LOOSE_SHARE` of a grain's radius or a liquid's spacing.
+    Of bodies two collision skins, at whose sum contacts act, of sheets the thickness, of loose matter `LOOSE_SHARE` of a grain's radius or a liquid's spacing.
     """
     physics = spec.entities[name].physics
     settings = next((getattr(s, "settings", None) for s in spec.simulation.solvers.values() if name in s.members), None)
@@ -83,11 +87,7 @@ def rest_way(spec: WorldSpec, name: str) -> float:
         return physics.sheet_thickness
     if physics.shape == "loose":
         return LOOSE_SHARE * float(physics.flow_cell or getattr(physics, "radius", 0.0))
-    return float(getattr(settings, "skin", 0.0)) or MARGIN
-
-
-MARGIN = 1e-4
-"""[m] Of bodies without a collision skin: a tenth of what the usual two skins take. Own choice."""
+    return max(SKINS * float(getattr(settings, "skin", 0.0)), LEAST_WAY)
 
 
 class SettledFrames(Derived):

@@ -74,7 +74,7 @@ SETTLED = Question(
     "way over half a second at rest, from the settled place, or aside from the declared one, whichever fails first",
     "m",
     "<=",
-    "rest_way: a collision skin, a sheet's thickness, LOOSE_SHARE of a grain's radius or a liquid's spacing; ROUNDING; ASIDE",
+    "rest_way: two collision skins, a sheet's thickness, LOOSE_SHARE of a grain's radius or a liquid's spacing; ROUNDING; ASIDE",
     ("solver",),
 )
 FINITE = Question(

@@ -9,6 +9,7 @@ from ...worlds.errors import SpecError
 from ...worlds.groups import GROUPS
 from ...worlds.patch import apply_patch, weakenings
 from ...worlds.requirements import Correction, RowClass
+from ...worlds.settled import settling, unsettled
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -25,6 +26,7 @@ __all__ = [
     "double_iterations",
     "halve_any_step",
     "halve_step",
+    "let_settle",
     "move_by",
     "out_of_solids",
     "owning_up",
@@ -128,6 +130,18 @@ def resume() -> Correction:
     return correction(
         "the bake stopped early", "interval", "call bake_sim, which resumes to the last frame", pointers=("/simulation/frames",)
     )
+
+
+def let_settle(candidate: Candidate, entity: str) -> tuple[Correction, ...]:
+    """Let an entity come to rest before frame 0; none where it settles already, without a patch where it cannot as it is."""
+    settle, place = candidate.spec.simulation.settle, "/simulation/settle"
+    if entity in settling(candidate.spec):
+        return ()
+    why = unsettled(candidate.spec, entity)
+    patch = set_value(place, {"entities": [entity]}) if settle is None else set_value(f"{place}/entities/-", entity)
+    action = f"Let {entity!r} come to rest by itself before frame 0: simulation.settle{f' (first: {why})' if why else ''}."
+    cause = "it is placed by hand where it would first have to come to rest"
+    return (correction(cause, "interval", action, pointers=(place,), patch=() if why else patch),)
 
 
 def separate(entity: str | None, frame: int = 0) -> Correction:

@@ -6,6 +6,7 @@ first driver that acts or the first contact with what did not settle. How far se
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -107,7 +108,9 @@ def _corrections(candidate: Candidate, worst: _Came, measured: float) -> Sequenc
         pointers=(place,),
     )  # fmt: skip
     settle = candidate.spec.simulation.settle
-    if measured == worst.aside or settle is None:
+    if (
+        measured == worst.aside or settle is None or worst.way > worst.size
+    ):  # it falls or rolls away, and no time brings it to rest
         return (nearer,)
     longer = min(LONGEST, 2.0 * settle.max_time)
     at = "/simulation/settle/max_time"
@@ -278,5 +281,5 @@ def _acts(candidate: Candidate, name: str) -> float:
         return float("inf")
     if isinstance(driver, PathDriver):
         keys = sorted(driver.keys.values(), key=lambda k: k.time)
-        return next((a.time for a, b in zip(keys, keys[1:], strict=False) if a.pose != b.pose), float("inf"))
+        return next((a.time for a, b in itertools.pairwise(keys) if a.pose != b.pose), float("inf"))
     return acts_from(candidate.spec, name)[0]

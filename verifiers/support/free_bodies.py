@@ -10,7 +10,7 @@ from ...worlds.arrays import F64, pose_of
 from ...worlds.fields import fields_of
 from ...worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysics
 from ..ledgers import motion
-from ..rows.corrections import correction, move_by, pointer
+from ..rows.corrections import correction, let_settle, move_by, pointer
 from ..rows.findings import Finding
 from .afloat import afloat
 from .bounds import CARRIES, GRIP_TIME, LAUNCH_SPEED, LEFT
@@ -77,6 +77,8 @@ def derived(graph: SupportGraph, entity: str) -> Finding:
         "and a beat that tells of its fall, flight or hovering. What is to hang in the air says `afloat` with the reason.",
         pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
     )
+    if fall is not None:
+        corrections += let_settle(surfaces.candidate, entity)
     # What hangs higher than it is large was put there on purpose more likely than by a slip.
     hangs = fall is not None and fall[0] > _size(surfaces, entity)
     corrections = [held, *corrections] if hangs else [*corrections, held]

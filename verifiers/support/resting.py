@@ -10,7 +10,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ..rows.answers import row_of
-from ..rows.corrections import correction, move_by, pointer
+from ..rows.corrections import correction, let_settle, move_by, pointer
 from ..rows.findings import Finding
 from .bounds import LEVEL_CONTACT, MISSING, OUTSIDE
 from .equilibrium import Balance, Group, solve
@@ -67,6 +67,7 @@ def _tips(surfaces: Surfaces, concerned: tuple[str, ...], shift: float, way: F64
                 f"{entity!r} overhangs its support and tips over",
                 f"Move {entity!r} at least {shift * 1e3:.4g} mm towards the middle of its support, or widen that.",
             ),
+            *let_settle(surfaces.candidate, entity),
         ),
         predicate=f"the centre of mass of {entity}, seen along gravity, lies within {bound:g} m of where its contacts can hold it",
     )

@@ -30,9 +30,9 @@ from .foreseen import foreseen
 from .joints import joint_problems
 from .masses import mass_problems
 from .ownership import ownership_problems
-from .settling import settle_problems
 from .pairs import surface_problems
 from .reach import reach_problems
+from .settling import settle_problems
 from .story import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems, uncaused
 
 __all__ = ["AuditReport", "audit"]

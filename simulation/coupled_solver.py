@@ -127,6 +127,10 @@ class CoupledSolver(ABC):
         """A state of the engine without speeds, and with this one's clock and drivers."""
         raise InputError(f"{self.KIND} cannot settle in this build; leave {sorted(self.members)} out of simulation.settle")
 
+    def stop(self) -> None:
+        """Take all speeds away."""
+        self.unpack(self.rested(self.pack()))
+
     def end_of_settling(self) -> bytes:
         """The present state, for a solver of the same members.
 

@@ -57,6 +57,9 @@ class Solver(Protocol):
     settled: bytes | None
     """State at rest from which it starts, as `end_of_settling` of another one gave it; None: from what is declared."""
 
+    def stop(self) -> None:
+        """Take all speeds away."""
+
     def end_of_settling(self) -> bytes:
         """The present state as one at rest, for a solver of the same members, whatever drivers it has.
 

@@ -27,11 +27,6 @@ class Matter(SpecModel):
     """Whether it flows up to a level, above which it leaves its container empty."""
 
     @property
-    def rests(self) -> bool:
-        """Whether it can come to rest by itself."""
-        return True
-
-    @property
     def sheet_thickness(self) -> float:
         """Thickness of a sheet, whose surface is its middle [m]; 0 for matter that its surface encloses."""
         return 0.0

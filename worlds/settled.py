@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .cache import Cache
+from .categories.registry import CATEGORIES
 from .derived import Derived
 from .errors import EvidenceError
+from .instances import coupled_groups
 from .spec import FieldDriver, PathDriver, ReleaseDriver
 
 if TYPE_CHECKING:
@@ -19,12 +21,6 @@ __all__ = ["HOLD_SECONDS", "SettledFrames", "hold_frames", "rest_way", "settling
 
 HOLD_SECONDS = 0.5
 """[s] Own choice: what has kept its place for so long is at rest; nothing that swings about is slow for all of it."""
-LOOSE_SHARE = 0.1
-"""[1] Own choice: of the radius of a grain or the spacing of a liquid, what loose matter at rest may move in that time."""
-SKINS = 2.0
-"""[1] Contacts act at the sum of two."""
-LEAST_WAY = 1e-4
-"""[m] Of bodies without collision skins: a tenth of what the usual two take. Own choice."""
 
 
 def unsettled(spec: WorldSpec, name: str) -> str:
@@ -32,7 +28,7 @@ def unsettled(spec: WorldSpec, name: str) -> str:
     entity, plan = spec.entities[name], spec.simulation
     if entity.motion != "dynamic":
         return f"it is {entity.motion}: nothing but its driver, if any, moves it"
-    if not entity.physics.rests:
+    if not rest_way(spec, name) > 0.0:
         return f"{entity.physics.category} of its kind does not come to rest by itself"
     if any((*getattr(entity.physics, "linear_velocity", ()), *getattr(entity.physics, "angular_velocity", ()))):
         return "it starts with a velocity"
@@ -77,17 +73,18 @@ def hold_frames(spec: WorldSpec) -> int:
 
 
 def rest_way(spec: WorldSpec, name: str) -> float:
-    """Longest way of an entity at rest over `HOLD_SECONDS` [m], by what its engine resolves.
+    """Farthest that an entity at rest may move in `HOLD_SECONDS` [m]; 0 where it does not come to rest by itself.
 
-    Of bodies two collision skins, at whose sum contacts act, of sheets the thickness, of loose matter `LOOSE_SHARE` of a grain's radius or a liquid's spacing.
+    Its category says how far, by what its engine resolves; a body that others push goes with them as far as they go.
     """
-    physics = spec.entities[name].physics
-    settings = next((getattr(s, "settings", None) for s in spec.simulation.solvers.values() if name in s.members), None)
-    if physics.sheet_thickness:
-        return physics.sheet_thickness
-    if physics.shape == "loose":
-        return LOOSE_SHARE * float(physics.flow_cell or getattr(physics, "radius", 0.0))
-    return max(SKINS * float(getattr(settings, "skin", 0.0)), LEAST_WAY)
+    plan = spec.simulation
+    own = _own_way(spec, name)
+    pushing = {n for g in coupled_groups(spec) if any(name in plan.rigid[r].members for r in g & plan.rigid.keys()) for n in g}
+    return max([own, *(_own_way(spec, m) for n in pushing - plan.rigid.keys() for m in plan.solvers[n].members)]) if own else own
+
+
+def _own_way(spec: WorldSpec, name: str) -> float:
+    return CATEGORIES[spec.entities[name].physics.category].rest_way(spec, name) if name in spec.entities else 0.0
 
 
 class SettledFrames(Derived):

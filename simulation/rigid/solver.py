@@ -178,6 +178,11 @@ class SolverRigid(Stepper):
         self.restore(state, self.frame)
         return state
 
+    def stop(self) -> None:
+        """Take all speeds away."""
+        self.data.qvel[:] = 0.0
+        settle_kinematics(self.model, self.data)
+
     def end_of_settling(self) -> bytes:
         """The present state as one at rest.
 

@@ -74,7 +74,7 @@ SETTLED = Question(
     "way over half a second at rest, from the settled place, or aside from the declared one, whichever fails first",
     "m",
     "<=",
-    "rest_way: two collision skins, a sheet's thickness, LOOSE_SHARE of a grain's radius or a liquid's spacing; ROUNDING; ASIDE",
+    "`rest_way` of its category: two collision skins, the distance at which layers touch, LOOSE_SHARE of a grain or spacing; ROUNDING; ASIDE",
     ("solver",),
 )
 FINITE = Question(

@@ -78,6 +78,8 @@ class CategorySpec:
     """Problems of the declared mass of an entity of it."""
     bodies: Callable[[Entity], int] = lambda entity: 1
     """How many bodies an entity of it becomes."""
+    rest_way: Callable[[WorldSpec, str], float] = lambda spec, entity: 0.0
+    """Farthest that an entity of it at rest may move in half a second, by what its engine resolves [m]; 0 where none comes to rest by itself."""
     starts_alone: bool = False
     """An entity of it with a velocity at frame 0 moves without any cause, so that a beat has to tell of that."""
     coupling: Callable[[WorldSpec, str, Coupling], Iterable[Problem]] | None = None

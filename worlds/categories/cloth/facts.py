@@ -23,6 +23,7 @@ __all__ = [
     "held_by",
     "pins_of",
     "release_time",
+    "rest_way",
     "sheet_grid",
     "stiffest_step",
     "tears",
@@ -190,3 +191,11 @@ def vertices_of(entity: Entity) -> F64 | None:
             return None
         found.append(pose_of(part.pose).apply(points))
     return np.concatenate(found) if found else None
+
+
+def rest_way(spec: WorldSpec, name: str) -> float:
+    """Farthest that a sheet at rest may move in half a second [m]: the distance at which its layers touch, of a file its thickness."""
+    entity = spec.entities[name]
+    margin = next((i.settings.margin for i in spec.simulation.cloth.values() if name in i.members), None)
+    shortest = min((edge for _, edge in grids_of(entity)), default=0.0)
+    return touching_distance(entity.physics.sheet_thickness, shortest, margin)

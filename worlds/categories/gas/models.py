@@ -51,11 +51,6 @@ class GasPhysics(Matter):
     resolution: Positive = Field(description="cell size [m]")
 
     @property
-    def rests(self) -> bool:
-        """Gas spreads for ever."""
-        return False
-
-    @property
     def flow_cell(self) -> float:
         """Cell or particle spacing [m]."""
         return self.resolution

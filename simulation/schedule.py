@@ -173,6 +173,11 @@ class _Frames:
         self._say(frame + 1, f"frame {frame + 1} of {self._count}")
         self._since = time.monotonic()
 
+    def before(self, share: float, doing: str) -> None:
+        """The settle run goes on, which comes before the frames."""
+        self._say(0.0, doing)
+        self._since = time.monotonic()
+
     def within(self, frame: int) -> Within:
         """A function that takes how far a frame is."""
 
@@ -204,7 +209,7 @@ def _run_group(
     names = tuple(caches)
     trusted = min(_trusted_frames(c, frames) for c in caches.values())
     read = {n: done[n] for n in reads(spec, names[0])}
-    settled = settle(spec, built, names, read=read, into=caches, reuse=reuse, tell=say.within(-1))
+    settled = settle(spec, built, names, read=read, into=caches, reuse=reuse, tell=say.before)
     run = make_run(spec, built, names, caches=done, settled=settled.states)
     run.prepare()
     for name, cache in caches.items():

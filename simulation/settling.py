@@ -155,15 +155,10 @@ def _settled(
                 solver.stop()
             stopped, energy = frame, 0.0
         before = energy
-        if len(last) < window:
-            continue
-        moving = {
-            n: way
-            for name in names
-            for n, way in _ways(built, indices[name], [f[name] for f in last], still).items()
-            if n in listed
-        }
-        restless = {n: way for n, way in moving.items() if not way <= rest_way(still, n)}
+        if len(last) == window:
+            found = [_ways(built, indices[name], [f[name] for f in last], still) for name in names]
+            moving = {n: way for ways in found for n, way in ways.items() if n in listed}
+            restless = {n: way for n, way in moving.items() if not way <= rest_way(still, n)}
         if tell is not None:
             tell(frame / (plan.frames - 1), _doing(still, restless, frame))
         if not restless and frame - stopped >= window - 1:
@@ -182,6 +177,8 @@ def _doing(still: WorldSpec, restless: Mapping[str, float], frame: int) -> str:
     text = f"settling before frame 0, {frame / still.simulation.fps:.2f} s"
     if not restless:
         return f"{text}: at rest"
+    if "" in restless:
+        return text
     worst = max(restless, key=lambda n: restless[n] / max(rest_way(still, n), 1e-12))
     return f"{text}: {len(restless)} move, {worst} most"
 

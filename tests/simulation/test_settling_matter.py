@@ -33,7 +33,9 @@ def _sound(candidate: Candidate) -> None:
     asked = [r for r in rows if r.question == "numerical:settled"]
     assert asked
     assert {r.status for r in asked} == {"pass"}, [r.evidence for r in asked]
-    starts = [r for r in rows if r.question in ("numerical:placed", "numerical:started", "numerical:amount") and r.status == "fail"]
+    starts = [
+        r for r in rows if r.question in ("numerical:placed", "numerical:started", "numerical:amount") and r.status == "fail"
+    ]
     assert not starts, [r.evidence for r in starts]
     results = replay(candidate, intervals=1, seed=1)
     assert results

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "db53d52b75e450d4074334aa6139ec1d8adf5db834f86d9b6a6f6bb38d61481f"
+SCHEMA = "d50c74b31278b4485a5393485bf4193fed7d95eba471f7e1c3d05f0fd042e46e"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

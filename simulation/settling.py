@@ -45,7 +45,7 @@ class Settled:
 
 
 class _End(NamedTuple):
-    """What a settle run leaves."""
+    """States, last frames and note that a settle run leaves."""
 
     states: dict[str, bytes]
     indices: dict[str, CacheIndex]

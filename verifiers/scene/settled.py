@@ -1,4 +1,4 @@
-"""What settles before frame 0 (`simulation.settle`): it came to rest, starts from there, stays until something acts, and did not slide away.
+"""Rows about settling before frame 0 (`simulation.settle`): it came to rest, starts from there, stays until something acts, and is not far.
 
 Judged are the last frames of the settle run, which lie beside those of each instance, and the first ones of the run itself, up to the
 first driver that acts or the first contact with what did not settle. How far settling moved everything stands in the register.
@@ -143,7 +143,7 @@ def settled_lines(candidate: Candidate) -> list[dict[str, str]]:
 
 
 def _came(candidate: Candidate, solver: str, cache: Cache) -> list[_Came]:
-    """What settled of an instance.
+    """Measures of all that settled of an instance.
 
     Raises:
         EvidenceError: its settled frames are missing, altered or too few.

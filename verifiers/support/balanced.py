@@ -16,7 +16,7 @@ import numpy as np
 from ...worlds.spec import Fastened
 from ..ledgers import motion
 from ..rows.answers import row_of, rows_of
-from ..rows.corrections import correction, let_settle, move_by, pointer
+from ..rows.corrections import correction, move_by, pointer
 from ..rows.findings import Finding
 from .bounds import OUTSIDE
 from .equilibrium import Balance, Group, solve
@@ -196,4 +196,3 @@ def _corrections(pieces: _Pieces, at: str, on: Sequence[str], balance: Balance) 
         f"Say so: a `fastened` relation of {carrier!r} and {at!r} with the reason, which is printed; or give {at!r} a foot that reaches farther.",
         pointers=("/graph/relations", pointer("entities", at, "parts")),
     )
-    yield from let_settle(pieces.surfaces.candidate, at)

@@ -59,6 +59,7 @@ def derived(graph: SupportGraph, entity: str) -> Finding:
         text = f"{entity!r} touches {fall[1]!r}, which nothing holds up either"
         if graph.grounded(fall[1])[0]:
             text = f"{entity!r} touches {fall[1]!r}, which does not hold it: contact and friction there cannot bear its weight"
+            corrections += let_settle(surfaces.candidate, entity)
     else:
         text = f"{entity!r} floats {fall[0] * 1e3:.4g} mm above {fall[1]!r}; no joint or driver holds it"
         offset = along_up(surfaces, LEFT - fall[0])
@@ -77,8 +78,6 @@ def derived(graph: SupportGraph, entity: str) -> Finding:
         "and a beat that tells of its fall, flight or hovering. What is to hang in the air says `afloat` with the reason.",
         pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
     )
-    if fall is not None:
-        corrections += let_settle(surfaces.candidate, entity)
     # What hangs higher than it is large was put there on purpose more likely than by a slip.
     hangs = fall is not None and fall[0] > _size(surfaces, entity)
     corrections = [held, *corrections] if hangs else [*corrections, held]

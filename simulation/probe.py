@@ -23,7 +23,7 @@ from ..worlds.spec import WorldSpec
 from .protocol import Solver
 from .runs import Run, make_run, reads
 from .schedule import checkpoint_path, run_frames
-from .settling import settle
+from .settling import Settled, settle
 
 __all__ = ["positions_of", "probe_frames", "replay", "run_probe"]
 
@@ -110,9 +110,7 @@ def replay(
         marks = checkpoint_frames(candidate.spec, count)
         drawn = rng.choice(marks, size=min(intervals, len(marks)), replace=False).tolist()
         chosen = sorted({*drawn, *(also & set(marks))})
-        settled = settle(
-            candidate.spec, candidate.built, names, read={n: candidate.caches[n] for n in reads(candidate.spec, names[0])}
-        )
+        settled = _settled_again(candidate, names, progress, gone / len(groups))
         run = make_run(candidate.spec, candidate.built, names, caches=candidate.caches, settled=settled.states)
         run.prepare()
         results += [_replay_start(run.solvers[n], c, settled.digests.get(n, ())) for n, c in caches.items()]
@@ -122,6 +120,19 @@ def replay(
             tell = _teller(progress, names, (gone / len(groups) + rank * share, share), (start, ends[start]))
             results += _replay_interval(run, caches, start, ends[start], set(marks), tell)
     return results
+
+
+def _settled_again(
+    candidate: Candidate, names: tuple[str, ...], progress: Callable[[float, float, str], None] | None, before: float
+) -> Settled:
+    """The end of the settle run of a group, simulated anew; `before`: where its replay begins in the whole."""
+
+    def tell(share: float, doing: str) -> None:
+        if progress is not None:
+            progress(before, 1.0, f"replaying {' and '.join(names)}: {doing}")
+
+    read = {n: candidate.caches[n] for n in reads(candidate.spec, names[0])}
+    return settle(candidate.spec, candidate.built, names, read=read, tell=tell)
 
 
 def _teller(

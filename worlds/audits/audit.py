@@ -14,6 +14,7 @@ from ...physics.substances import DENSITY_RANGES
 from ..canonical import digest_of
 from ..categories.category import declares
 from ..categories.registry import CATEGORIES
+from ..documents import document_of
 from ..fields import field_drivers
 from ..groups import group_of
 from ..instances import bake_order
@@ -71,7 +72,7 @@ class AuditReport:
 class _Audit:
     def __init__(self, spec: WorldSpec) -> None:
         self.spec = spec
-        self.document = spec.model_dump(mode="json")
+        self.document = document_of(spec)
         self.rows: list[Row] = []
         self.recipe = digest_of(self.document)[:32]
 

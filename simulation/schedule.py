@@ -16,34 +16,15 @@ from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
 from ..worlds.writers import writers_of
+from .origins import Origins, checkpoint_path, trusted_frames
 from .protocol import Within
 from .runs import Run, make_run, reads
 
-__all__ = ["checkpoint_path", "run_frames", "run_groups", "stretch_count"]
+__all__ = ["run_frames", "run_groups", "stretch_count"]
 
 SLOW_FRAME_SECONDS = 2.0
 """A frame that takes longer tells how far it is and in what steps [s]: else a step that has become a thousand times shorter, or a frame
 that is made again, looks like one that stands still. Own choice; the clock decides what is told, never what is computed."""
-
-
-def checkpoint_path(folder: Path, frame: int) -> Path:
-    """File of the solver's state at a frame, in the folder of its cache."""
-    return folder / "checkpoints" / f"{frame:06d}.bin"
-
-
-def _trusted_frames(cache: Cache, frames: int) -> int:
-    """Frames at the start of a cache that are there and match their digests."""
-    try:
-        digests = cache.digests()
-    except EvidenceError:
-        return 0
-    for frame in range(min(len(digests), frames)):
-        try:
-            if cache.frame_digest(frame) != digests[frame]:
-                return frame
-        except EvidenceError:
-            return frame
-    return min(len(digests), frames)
 
 
 def _resume(run: Run, caches: Mapping[str, Cache], marks: list[int]) -> int:
@@ -66,7 +47,7 @@ def _take_over(cache: Cache, index: CacheIndex) -> bool:
     for other in sorted(stage.parent.parent.glob(f"*/{stage.name}/{cache.folder.name}")):
         there = Cache(other)
         try:
-            if other == cache.folder or there.index != index or _trusted_frames(there, index.frames) < index.frames:
+            if other == cache.folder or there.index != index or trusted_frames(there, index.frames) < index.frames:
                 continue
         except EvidenceError:
             continue
@@ -91,6 +72,7 @@ def run_frames(
     check: Callable[[], None] | None = None,
     reuse: bool = True,
     earlier: Mapping[str, Cache] | None = None,
+    origins: Origins | None = None,
 ) -> dict[str, Cache]:
     """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, and the surfaces and wet maps of liquids, resuming what is there.
 
@@ -104,6 +86,7 @@ def run_frames(
         reuse: whether a liquid's frames may come from another candidate; not where nothing else is to be trusted.
         earlier: caches of another run of this specification and geometry, whose surfaces and wet maps are taken where all its frames
             are those of this run.
+        origins: other runs of this world, of which frames are taken that are the same here.
 
     Raises:
         InputError: an instance cannot be prepared.
@@ -115,11 +98,13 @@ def run_frames(
         if progress is not None:
             progress(stretch * total + done, stretches * total, message)
 
-    caches = run_groups(spec, built, folder, frames=frames, tell=tell, check=check, reuse=reuse)
+    caches = run_groups(spec, built, folder, frames=frames, tell=tell, check=check, reuse=reuse, origins=origins)
     if spec.simulation.liquid:
-        from .surfaces import map_wet_solids, mesh_liquids, take_made
+        from .surfaces import map_wet_solids, mesh_liquids, take_made, take_surfaces
 
         take_made(spec, caches, earlier or {})
+        if origins is not None:
+            take_surfaces(spec, caches, origins)
         mesh_liquids(spec, built, caches, progress=partial(tell, len(groups)), check=check)
         map_wet_solids(spec, built, caches, progress=partial(tell, len(groups) + 1), check=check)
     return caches
@@ -135,6 +120,7 @@ def run_groups(
     check: Callable[[], None] | None = None,
     reuse: bool = True,
     only: frozenset[str] | None = None,
+    origins: Origins | None = None,
 ) -> dict[str, Cache]:
     """Simulate frames of instances into `folder/<solver>/`, group after group, without surfaces; arguments and errors as `run_frames`.
 
@@ -146,7 +132,9 @@ def run_groups(
         if wanted is not None and wanted.isdisjoint(names):
             continue
         say = _Frames(partial(tell, rank), check, names, frames)
-        caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
+        caches |= _run_group(
+            spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse, origins=origins
+        )
     return caches
 
 
@@ -198,14 +186,22 @@ def _run_group(
     frames: int,
     say: _Frames,
     reuse: bool,
+    origins: Origins | None,
 ) -> dict[str, Cache]:
     """Simulate one group into its caches; `done` are those of the groups before it."""
     names = tuple(caches)
-    trusted = min(_trusted_frames(c, frames) for c in caches.values())
+    trusted = min(trusted_frames(c, frames) for c in caches.values())
+    offers = [] if origins is None or trusted >= frames else origins.offers(names, done, frames, trusted)
     run = make_run(spec, built, names, caches=done)
-    run.prepare()
+    # A checkpoint replaces the preroll.
+    resumed = bool(trusted or offers)
+    run.prepare(resumed=resumed)
+    indices = {n: dataclasses.replace(run.solvers[n].index(), frames=frames) for n in names}
+    for offer in offers:
+        if trusted < offer.frames and origins is not None:
+            trusted = max(trusted, origins.take(offer, caches, indices, trusted))
     for name, cache in caches.items():
-        index = dataclasses.replace(run.solvers[name].index(), frames=frames)
+        index = indices[name]
         if reuse and trusted < frames and len(names) == 1 and index.settings and _take_over(cache, index):
             trusted = frames
         cache.write_index(index)
@@ -215,7 +211,9 @@ def _run_group(
         return caches
     marks = set(checkpoint_frames(spec, frames))
     start = _resume(run, caches, [k for k in sorted(marks, reverse=True) if k < trusted])
-    if start < 0 and trusted > 0:
+    if origins is not None:
+        origins.keep_to(names, start + 1)
+    if start < 0 and resumed:
         run = make_run(spec, built, names, caches=done)
         run.prepare()
     writers = {name: writers_of(spec, name) for name in names}

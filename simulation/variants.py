@@ -24,11 +24,11 @@ from ..worlds.errors import EngineError, EvidenceError, InputError
 from ..worlds.fields import acting_on
 from ..worlds.spec import FieldDriver, WorldSpec
 from .kept_runs import KeptRuns
+from .origins import checkpoint_path
 from .probe import positions_of
 from .protocol import Intervention, Solver
 from .recipes import coupled_recipe
 from .runs import Run, make_run, reads
-from .schedule import checkpoint_path
 
 __all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant", "simulated"]
 

@@ -141,7 +141,7 @@ def candidate_members(
         with_caches: whether the frames are among them.
     """
     from ..simulation.probe import probe_frames
-    from ..simulation.schedule import checkpoint_path
+    from ..simulation.origins import checkpoint_path
     from ..worlds.bake_plan import checkpoint_frames
     from ..worlds.coarsening import OVERRIDES, read_overrides
 

@@ -19,7 +19,7 @@ from .spec import Fastened
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["Settings", "alike_until", "frames_alike"]
+__all__ = ["Settings", "alike_until", "frames_alike", "settings_until"]
 
 
 class Settings(NamedTuple):
@@ -63,6 +63,24 @@ def frames_alike(seconds: float, fps: int) -> float:
     return last + 1 if seconds > 0 else 0
 
 
+def settings_until(spec: WorldSpec, seconds: float, without: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """Everything that decides the motion up to a time [s] in a run without some drivers: what acts later is left out."""
+    whole = motion_slice(spec)
+    drivers = {}
+    for key, driver in spec.simulation.drivers.items():
+        # The kind of a field makes other matter of it from the start.
+        later = driver.later - {"field"} if driver.begins - driver.slack >= seconds else frozenset()
+        unread = driver.absent if key in without else frozenset()
+        drivers[key] = driver.model_dump(mode="json", exclude=set(later | unread))
+    plan = {k: v for k, v in whole["plan"].items() if k not in ("frames", "drivers")}
+    return {**whole, "plan": {**plan, "drivers": drivers}, "fastened": _fastened(spec)}
+
+
+def _fastened(spec: WorldSpec) -> list[list[str]]:
+    """Pairs of bodies that are fastened to one another: the engine opens no skins between them."""
+    return sorted(sorted((r.a, r.b)) for r in spec.graph.relations.values() if isinstance(r, Fastened))
+
+
 def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -> dict[str, Any]:
     """Everything that a group may read but drivers and the number of frames: loose matter of other instances is out of its reach."""
     spec = settings.spec
@@ -78,8 +96,7 @@ def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -
         "entities": {n: e for n, e in whole["entities"].items() if n in met},
         "contents": {n: settings.contents.get(n) for n in met},
         "materials": {k: m for k, m in whole["materials"].items() if k in used},
-        # Bodies that are fastened to one another open no skins between them.
-        "fastened": sorted(sorted((r.a, r.b)) for r in spec.graph.relations.values() if isinstance(r, Fastened)),
+        "fastened": _fastened(spec),
     }
 
 
@@ -91,5 +108,4 @@ def _acts_on(spec: WorldSpec, driver: str, names: tuple[str, ...]) -> bool:
         reached = set(acts_from(spec, driver)[1])
     except EvidenceError:
         return True
-    # Liquids of one instance share waves and ways out, whichever of them is named.
     return any(reached & set(spec.simulation.solvers[n].members) for n in names)

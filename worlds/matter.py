@@ -62,6 +62,8 @@ class DriverBase(SpecModel):
 
     later: ClassVar[frozenset[str]] = frozenset()
     """Fields that decide nothing before it begins: no model, no step length, no state of an engine knows of them earlier."""
+    absent: ClassVar[frozenset[str]] = frozenset()
+    """Fields that nothing reads in a run from which it is taken away."""
     switched: ClassVar[bool] = False
     """Whether every engine that it acts on ends a step just where it begins and ends, so that the state then knows nothing of it yet."""
 
@@ -69,6 +71,11 @@ class DriverBase(SpecModel):
     def begins(self) -> float:
         """Time at which it acts first within the sequence [s]."""
         return max(0.0, float(getattr(self, "start", getattr(self, "time", 0.0))))
+
+    @property
+    def slack(self) -> float:
+        """By how much before it begins and ends a state may know of it [s]."""
+        return 0.0 if self.switched else STEP_SLACK
 
     def alike_until(self, other: DriverBase | None) -> float:
         """Time until which motion is the same to the byte with another driver in its place, or with none [s].
@@ -83,7 +90,7 @@ class DriverBase(SpecModel):
         times = [d.begins for d in (self, other)]
         if changed == {"end"}:
             times = [math.inf if end is None else float(end) for end in (getattr(d, "end", None) for d in (self, other))]
-        return max(0.0, min(times) - (0.0 if self.switched else STEP_SLACK))
+        return max(0.0, min(times) - self.slack)
 
 
 class TimedDriver(DriverBase):

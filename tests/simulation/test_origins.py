@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
-import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
 from worldagent.construction.build import build_entity
 from worldagent.simulation.freeze import open_freeze
-from worldagent.simulation.origins import RECORD, Origins, Taken, checkpoint_path, taken_in
+from worldagent.simulation.origins import RECORD, Origins, taken_in
 from worldagent.simulation.schedule import run_frames
-from worldagent.testing.worlds.small_cloth import FLAG_PROMPT
-from worldagent.testing.worlds.small_cloth import flag_spec
-from worldagent.testing.worlds.small_gas import SMOKE_PROMPT, fire_spec, stirred_spec
+from worldagent.testing.worlds.small_cloth import FLAG_PROMPT, flag_spec
+from worldagent.testing.worlds.small_gas import SMOKE_PROMPT, stirred_spec
 from worldagent.testing.worlds.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
 from worldagent.testing.worlds.small_liquids import PROMPT as TANK_PROMPT
 from worldagent.testing.worlds.small_liquids import jelly_tank_spec, tank_spec
 from worldagent.tests.physics import rigid_world
 from worldagent.worlds import bake_plan
 from worldagent.worlds.built import BuiltEntity
-from worldagent.worlds.cache import Cache
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import WorldSpec
@@ -39,14 +35,16 @@ Edit = Callable[[Document], None]
 
 
 @pytest.fixture(autouse=True)
-def _often(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def _often(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bake_plan, "CHECKPOINT_SECONDS", EVERY / FPS)
-    yield
 
 
 def _bodies() -> Document:
     """Balls on a floor, one held, one pushed, a door with a motor, a weld that opens, a plate on a path; gusts come late."""
-    key = [{"time": t, "pose": {"position": [1.0, x, 0.3]}} for t, x in ((0.0, 0.0), (0.2, 0.0), (0.25, 0.1), (0.3, 0.3), (0.4, 0.35))]
+    key = [
+        {"time": t, "pose": {"position": [1.0, x, 0.3]}}
+        for t, x in ((0.0, 0.0), (0.2, 0.0), (0.25, 0.1), (0.3, 0.3), (0.4, 0.35))
+    ]
     entities = {
         "floor": rigid_world.floor(),
         "held": rigid_world.ball(0.1, at=(0, 0, 0.4)),
@@ -81,7 +79,7 @@ def _jelly() -> Document:
 def _tank(engine: str) -> Document:
     """A crate over water, held; water comes in late."""
     grid = engine == "flip"
-    spec = tank_spec(frames=FRAMES, spacing=0.05, engine=engine, coupled=not grid, closed=grid, crate_at=0.3)
+    spec = tank_spec(frames=FRAMES, spacing=0.03 if grid else 0.05, engine=engine, coupled=not grid, closed=grid, crate_at=0.3)
     tap = {"kind": "inflow", "entity": "water", "pose": {"position": [0.1, 0, 0.42], "euler": [3.141592653589793, 0, 0]},
            "size": [0.12, 0.12], "speed": 1.0, "start": LATE}  # fmt: skip
     hold = {"kind": "release", "entity": "crate", "time": LATE}
@@ -100,7 +98,11 @@ def _sand() -> Document:
 def _sparks() -> Document:
     spec = spark_spec(frames=FRAMES)
     spec["simulation"]["drivers"]["grinder"]["start"] = 1 / FPS
-    spec["simulation"]["drivers"]["second"] = {**copy.deepcopy(spec["simulation"]["drivers"]["grinder"]), "start": LATE, "rate": 900.0}
+    spec["simulation"]["drivers"]["second"] = {
+        **copy.deepcopy(spec["simulation"]["drivers"]["grinder"]),
+        "start": LATE,
+        "rate": 900.0,
+    }
     return {**spec, "prompt": SPARK_PROMPT}
 
 
@@ -188,7 +190,7 @@ CASES = {
     "tap into a grid": Case("grid", _driver("tap", "start", 6 / FPS), {"rigid": FRAMES, "water": SOON}),
     "wind over a grid": Case("grid", _driver("wind", "rise", 0.1), {"rigid": FRAMES, "water": SOON}),
     "speed of a tap": Case("grid", _driver("tap", "speed", 1.2), {"rigid": FRAMES}),
-    "spacing of a grid that only reads": Case("grid", _set("entities/water/physics/resolution", 0.055), {"rigid": FRAMES}),
+    "spacing of a grid that only reads": Case("grid", _set("entities/water/physics/resolution", 0.028), {"rigid": FRAMES}),
     "release over sand": Case("sand", _driver("hold", "time", 6 / FPS), {"bodies": ALL, "grains": ALL}),
     "wind over sand": Case("sand", _driver("wind", "field/velocity", [0, 20, 0]), {"bodies": SOON, "grains": SOON}),
     "later emitter": Case("sparks", _driver("second", "rate", 300.0), {"bodies": FRAMES, "flight": SOON}),

@@ -122,6 +122,7 @@ class FieldDriver(TimedDriver):
     """
 
     later: ClassVar[frozenset[str]] = frozenset({"field", "region", "fade", "start", "rise", "end", "seed"})
+    absent: ClassVar[frozenset[str]] = frozenset({"field", "region", "fade", "seed"})
     kind: Literal["field"] = "field"
     field: Annotated[
         WindField | TurbulenceField | VortexField | DragField | AttractionField,

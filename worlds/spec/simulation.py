@@ -64,6 +64,7 @@ class ReleaseDriver(DriverBase):
     """Holds the entity where it is at frame 0 and lets go at `time`."""
 
     later: ClassVar[frozenset[str]] = frozenset({"time"})
+    absent: ClassVar[frozenset[str]] = frozenset({"time"})
     switched: ClassVar[bool] = True
     kind: Literal["release"] = "release"
     entity: EntityRef

@@ -127,6 +127,7 @@ class ForceDriver(TimedDriver):
     """Constant force and torque on an entity during [start, end) seconds."""
 
     later: ClassVar[frozenset[str]] = frozenset({"entity", "force", "torque", "start", "end"})
+    absent: ClassVar[frozenset[str]] = frozenset({"force", "torque"})
     switched: ClassVar[bool] = True
     kind: Literal["force"] = "force"
     entity: EntityRef

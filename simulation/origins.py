@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.spec import WorldSpec
 
-__all__ = ["Origins", "Taken", "checkpoint_path", "taken_in", "trusted_frames"]
+__all__ = ["Offer", "Origins", "Taken", "checkpoint_path", "taken_in", "trusted_frames"]
 
 RECORD = "taken.json"
 """File in the folder of a probe that says which frames it took over."""
@@ -52,14 +52,18 @@ class Taken(NamedTuple):
     """SHA-256 over their digests there."""
 
 
-class _Origin(NamedTuple):
+class Origin(NamedTuple):
+    """Another run of the world."""
+
     folder: Path
     name: str
     settings: Settings
 
 
-class _Offer(NamedTuple):
-    origin: _Origin
+class Offer(NamedTuple):
+    """Frames at the start of a group that another run has in common with this one."""
+
+    origin: Origin
     frames: int
 
 
@@ -114,7 +118,7 @@ class Origins:
         """Frames that instances have in common with an origin, whatever their digests say."""
 
     @cached_property
-    def _known(self) -> list[_Origin]:
+    def _known(self) -> list[Origin]:
         """Runs by the present engines whose records are whole, the newest first."""
         records = []
         for path in self._root.parent.parent.glob("*/candidate.json"):
@@ -134,10 +138,10 @@ class Origins:
                     spec = coarsened(settings.spec, read_overrides(folder)) if stage == "probe" else settings.spec
                 except EvidenceError:
                     continue
-                found.append(_Origin(folder, f"{path.parent.name}/{stage}", settings._replace(spec=spec)))
+                found.append(Origin(folder, f"{path.parent.name}/{stage}", settings._replace(spec=spec)))
         return found
 
-    def offers(self, names: tuple[str, ...], done: Mapping[str, Cache], frames: int, least: int) -> list[_Offer]:
+    def offers(self, names: tuple[str, ...], done: Mapping[str, Cache], frames: int, least: int) -> list[Offer]:
         """Runs that have more than `least` of the frames of a group in common with this one, the most first.
 
         `done` are the caches of the groups before it in this run.
@@ -157,10 +161,10 @@ class Origins:
                 ]
                 most = whole[-1] + 1 if whole else 0
             if most > least:
-                found.append(_Offer(origin, most))
+                found.append(Offer(origin, most))
         return sorted(found, key=lambda offer: -offer.frames)
 
-    def _common(self, origin: _Origin, name: str, cache: Cache) -> int:
+    def _common(self, origin: Origin, name: str, cache: Cache) -> int:
         """Frames at the start of an instance's cache that an origin has too."""
         try:
             pairs = zip(cache.digests(), Cache(origin.folder / name).digests(), strict=False)
@@ -171,7 +175,7 @@ class Origins:
             same = 0
         return max(same, self._same.get((origin.name, name), 0))
 
-    def take(self, offer: _Offer, caches: Mapping[str, Cache], indices: Mapping[str, CacheIndex], least: int) -> int:
+    def take(self, offer: Offer, caches: Mapping[str, Cache], indices: Mapping[str, CacheIndex], least: int) -> int:
         """Take the frames of an offer and their checkpoints into caches; how many, or 0 where its layout is another one or no more than `least`
         are whole there."""
         spec, origin = self._own.spec, offer.origin
@@ -196,12 +200,16 @@ class Origins:
                     _link(source, checkpoint_path(cache.folder, mark))
             cache.begin_digests(own)  # last: a frame counts when its digest stands here
             self._same[origin.name, name] = count
-        told = {n: Taken(origin.name, count, _over(there[n].digests()[:count])) for n in caches}
-        self.tell({**taken_in(self._root), **told})
+        self.took(there, count)
         return count
 
-    def tell(self, taken: Mapping[str, Taken]) -> None:
-        """Record what was taken."""
+    def took(self, there: Mapping[str, Cache], frames: int) -> None:
+        """Record that the first frames of instances come from caches of another run."""
+        runs = {n: c.folder.parent.relative_to(self._root.parent.parent).as_posix() for n, c in there.items()}
+        told = {n: Taken(runs[n], frames, _over(c.digests()[:frames])) for n, c in there.items()}
+        self._tell({**taken_in(self._root), **told})
+
+    def _tell(self, taken: Mapping[str, Taken]) -> None:
         told = {n: {"from": t.origin, "frames": t.frames, "digest": t.digest} for n, t in taken.items()}
         write_atomically(self._root / RECORD, json.dumps(told, indent=1, sort_keys=True).encode())
 
@@ -214,7 +222,7 @@ class Origins:
                 there = Cache(self._root.parent.parent / told[name].origin / name)
                 kept[name] = Taken(told[name].origin, frames, _over(there.digests()[:frames]))
         if kept != told:
-            self.tell(kept)
+            self._tell(kept)
 
     def surfaces_of(self, name: str, caches: Mapping[str, Cache]) -> tuple[Path, int] | None:
         """Folder of the run from which a liquid's frames were taken, and how many of them have all solids where they are here."""

@@ -59,8 +59,7 @@ def run_probe(
     if _recorded(root) != wanted:
         _discard(root)
         write_overrides(root, wanted)
-    origins = Origins(root, spec, found)
-    run_frames(spec, found, root, frames=probe_frames(spec), progress=progress, check=check, origins=origins)
+    run_frames(spec, found, root, frames=probe_frames(spec), progress=progress, check=check, reuse=Origins(root, spec, found))
     return open_candidate(folder, freeze, "probe", found)
 
 

@@ -16,7 +16,7 @@ from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
 from ..worlds.writers import writers_of
-from .origins import Origins, checkpoint_path, trusted_frames
+from .origins import Offer, Origins, checkpoint_path, trusted_frames
 from .protocol import Within
 from .runs import Run, make_run, reads
 
@@ -38,8 +38,8 @@ def _resume(run: Run, caches: Mapping[str, Cache], marks: list[int]) -> int:
     return -1
 
 
-def _take_over(cache: Cache, index: CacheIndex) -> bool:
-    """Take an equal liquid's cache from another candidate of this world; whether there was one.
+def _take_over(cache: Cache, index: CacheIndex) -> Path | None:
+    """Take an equal liquid's cache from another candidate of this world; its folder there, if there is one.
 
     Equal means the same recipe: nothing that reaches its domain differs, whatever else of the world does.
     """
@@ -53,8 +53,25 @@ def _take_over(cache: Cache, index: CacheIndex) -> bool:
             continue
         shutil.rmtree(cache.folder, ignore_errors=True)
         shutil.copytree(other, cache.folder)
-        return True
-    return False
+        return other
+    return None
+
+
+def _taken(
+    caches: Mapping[str, Cache], indices: Mapping[str, CacheIndex], offers: list[Offer], trusted: int, reuse: bool | Origins
+) -> int:
+    """Frames at the start of a group's caches that are to be trusted after some were taken from other runs; before, there were `trusted`."""
+    (name, cache), *others = caches.items()
+    frames, origins = indices[name].frames, reuse if isinstance(reuse, Origins) else None
+    for offer in offers:
+        if trusted < offer.frames and origins is not None:
+            trusted = max(trusted, origins.take(offer, caches, indices, trusted))
+    if not reuse or trusted >= frames or others or not indices[name].settings:
+        return trusted
+    other = _take_over(cache, indices[name])
+    if other is not None and origins is not None:
+        origins.took({name: Cache(other)}, frames)
+    return trusted if other is None else frames
 
 
 def stretch_count(spec: WorldSpec) -> int:
@@ -70,9 +87,8 @@ def run_frames(
     frames: int,
     progress: Callable[[float, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
-    reuse: bool = True,
+    reuse: bool | Origins = True,
     earlier: Mapping[str, Cache] | None = None,
-    origins: Origins | None = None,
 ) -> dict[str, Cache]:
     """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, and the surfaces and wet maps of liquids, resuming what is there.
 
@@ -83,10 +99,10 @@ def run_frames(
         frames: how many frames.
         progress: called with (done, total, message); `done` may fall where a frame is made again.
         check: called between frames and within them; raises to stop.
-        reuse: whether a liquid's frames may come from another candidate; not where nothing else is to be trusted.
+        reuse: whether a liquid's frames may come from another candidate; not where nothing else is to be trusted. Other runs of this world:
+            also any frames of theirs that are the same here.
         earlier: caches of another run of this specification and geometry, whose surfaces and wet maps are taken where all its frames
             are those of this run.
-        origins: other runs of this world, of which frames are taken that are the same here.
 
     Raises:
         InputError: an instance cannot be prepared.
@@ -98,13 +114,13 @@ def run_frames(
         if progress is not None:
             progress(stretch * total + done, stretches * total, message)
 
-    caches = run_groups(spec, built, folder, frames=frames, tell=tell, check=check, reuse=reuse, origins=origins)
+    caches = run_groups(spec, built, folder, frames=frames, tell=tell, check=check, reuse=reuse)
     if spec.simulation.liquid:
         from .surfaces import map_wet_solids, mesh_liquids, take_made, take_surfaces
 
         take_made(spec, caches, earlier or {})
-        if origins is not None:
-            take_surfaces(spec, caches, origins)
+        if isinstance(reuse, Origins):
+            take_surfaces(spec, caches, reuse)
         mesh_liquids(spec, built, caches, progress=partial(tell, len(groups)), check=check)
         map_wet_solids(spec, built, caches, progress=partial(tell, len(groups) + 1), check=check)
     return caches
@@ -118,9 +134,8 @@ def run_groups(
     frames: int,
     tell: Callable[[int, float, int, str], None],
     check: Callable[[], None] | None = None,
-    reuse: bool = True,
+    reuse: bool | Origins = True,
     only: frozenset[str] | None = None,
-    origins: Origins | None = None,
 ) -> dict[str, Cache]:
     """Simulate frames of instances into `folder/<solver>/`, group after group, without surfaces; arguments and errors as `run_frames`.
 
@@ -132,9 +147,7 @@ def run_groups(
         if wanted is not None and wanted.isdisjoint(names):
             continue
         say = _Frames(partial(tell, rank), check, names, frames)
-        caches |= _run_group(
-            spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse, origins=origins
-        )
+        caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
     return caches
 
 
@@ -185,11 +198,10 @@ def _run_group(
     *,
     frames: int,
     say: _Frames,
-    reuse: bool,
-    origins: Origins | None,
+    reuse: bool | Origins,
 ) -> dict[str, Cache]:
     """Simulate one group into its caches; `done` are those of the groups before it."""
-    names = tuple(caches)
+    names, origins = tuple(caches), reuse if isinstance(reuse, Origins) else None
     trusted = min(trusted_frames(c, frames) for c in caches.values())
     offers = [] if origins is None or trusted >= frames else origins.offers(names, done, frames, trusted)
     run = make_run(spec, built, names, caches=done)
@@ -197,14 +209,9 @@ def _run_group(
     resumed = bool(trusted or offers)
     run.prepare(resumed=resumed)
     indices = {n: dataclasses.replace(run.solvers[n].index(), frames=frames) for n in names}
-    for offer in offers:
-        if trusted < offer.frames and origins is not None:
-            trusted = max(trusted, origins.take(offer, caches, indices, trusted))
+    trusted = _taken(caches, indices, offers, trusted, reuse)
     for name, cache in caches.items():
-        index = indices[name]
-        if reuse and trusted < frames and len(names) == 1 and index.settings and _take_over(cache, index):
-            trusted = frames
-        cache.write_index(index)
+        cache.write_index(indices[name])
     # A reader keeps the index that it saw first; another world's frames may have stood here.
     caches = {n: Cache(c.folder) for n, c in caches.items()}
     if trusted >= frames:

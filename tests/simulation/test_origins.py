@@ -248,8 +248,8 @@ def _probe(folder: WorldFolder, world: World, *, frames: int | None = None, alon
     """Run a world in its candidate; alone: without what other candidates have."""
     freeze = open_freeze(folder, world.spec, world.built, dict.fromkeys(world.built, "nowhere"), 1)
     root = folder.candidate(freeze) / "probe"
-    origins = None if alone else Origins(root, world.spec, world.built)
-    run_frames(world.spec, world.built, root, frames=frames or world.spec.simulation.frames, reuse=False, origins=origins)
+    reuse = False if alone else Origins(root, world.spec, world.built)
+    run_frames(world.spec, world.built, root, frames=frames or world.spec.simulation.frames, reuse=reuse)
     return root
 
 

@@ -13,7 +13,7 @@ from worldagent.simulation.freeze import open_freeze
 from worldagent.simulation.origins import RECORD, Origins, taken_in
 from worldagent.simulation.schedule import run_frames
 from worldagent.testing.worlds.small_cloth import FLAG_PROMPT, flag_spec
-from worldagent.testing.worlds.small_gas import SMOKE_PROMPT, stirred_spec
+from worldagent.testing.worlds.small_gas import FIRE_PROMPT, SMOKE_PROMPT, fire_spec, stirred_spec
 from worldagent.testing.worlds.small_grains import SAND_PROMPT, SPARK_PROMPT, sand_spec, spark_spec
 from worldagent.testing.worlds.small_liquids import PROMPT as TANK_PROMPT
 from worldagent.testing.worlds.small_liquids import jelly_tank_spec, tank_spec
@@ -119,14 +119,31 @@ def _flag() -> Document:
     return {**spec, "prompt": FLAG_PROMPT}
 
 
+def _far(spec: Document, solver: str = "bodies") -> Document:
+    """The world with a block that stands far away."""
+    spec["materials"]["brick"] = {"density": 1800.0, "friction": 0.7}
+    spec["entities"]["far"] = {
+        "role": "block", "motion": "static", "material": "brick", "dimensions": {"size": [0.2, 0.2, 0.2]},
+        "pose": {"position": [9.0, 0, 0.2]}, "parts": {"p": {"shape": {"kind": "box", "size": [0.2, 0.2, 0.2]}}},
+    }  # fmt: skip
+    spec["simulation"]["solvers"][solver]["members"].append("far")
+    return spec
+
+
+def _still_sand() -> Document:
+    return {**sand_spec(frames=FRAMES, radius=0.016, preroll=0.02, ball_at=None), "prompt": SAND_PROMPT}
+
+
 WORLDS: dict[str, Callable[[], Document]] = {
     "bodies": _bodies,
     "jelly in water": _jelly,
     "particles": lambda: _tank("dfsph"),
     "grid": lambda: _tank("flip"),
     "sand": _sand,
-    "sparks": _sparks,
-    "smoke": _smoke,
+    "still sand": lambda: _far(_still_sand()),
+    "sparks": lambda: _far(_sparks()),
+    "smoke": lambda: _far(_smoke()),
+    "hot": lambda: _far({**fire_spec(frames=FRAMES, resolution=0.1), "prompt": FIRE_PROMPT}),
     "flag": _flag,
 }
 
@@ -197,6 +214,13 @@ CASES = {
     "emitter turned": Case("sparks", _driver("second", "pose/euler", [0, -1.0, 0]), {"bodies": FRAMES, "flight": SOON}),
     "later emission": Case("smoke", _driver("second", "start", 6 / FPS), {"bodies": FRAMES, "air": SOON}),
     "wind over smoke": Case("smoke", _driver("wind", "field/velocity", [2, 0, 0]), {"bodies": FRAMES, "air": SOON}),
+    "force on a crate that a grid reads": Case(
+        "grid", _set("simulation/drivers/late", {**FORCE, "entity": "crate"}), {"rigid": ALL, "water": ALL}
+    ),
+    "far block and sand": Case("still sand", _set("entities/far/pose/position", [9.0, 1.0, 0.2]), {"grains": FRAMES}),
+    "far block and sparks": Case("sparks", _set("entities/far/pose/position", [9.0, 1.0, 0.2]), {"flight": FRAMES}),
+    "roughness of a far block and sparks": Case("sparks", _set("materials/brick/friction", 0.2), {"flight": FRAMES}),
+    "far block and smoke": Case("smoke", _set("entities/far/pose/position", [9.0, 1.0, 0.2]), {"air": FRAMES}),
     "wind at a flag": Case("flag", _driver("breeze", "field/velocity", [3, 3, 0]), {"rigid": FRAMES, "cloth": SOON}),
 }
 """Edits that act later than frame 0, and the frames that each instance takes over."""
@@ -228,6 +252,11 @@ REFUSED = {
     "rate of a later emission": Case("smoke", _driver("second", "rate", 0.004), {"bodies": FRAMES}),
     "another emitter": Case("sparks", _set("simulation/drivers/third", {"kind": "emitter", "entity": "sparks", "rate": 9.0, "speed": 1.0, "start": LATE}), {"bodies": FRAMES}),
     "speed of a tap into particles": Case("particles", _driver("tap", "speed", 1.1), {}),
+    "block that comes near and sparks": Case("sparks", _set("entities/far/pose/position", [1.5, 0, 0.2]), {}),
+    "block that comes near and smoke": Case("smoke", _set("entities/far/pose/position", [0.4, 0, 0.2]), {}),
+    "roughness of the floor and sparks": Case("sparks", _set("materials/stone/friction", 0.2), {}),
+    "roughness of the tray and sand": Case("still sand", _set("materials/wood/friction", 0.2), {}),
+    "far block and fire": Case("hot", _set("entities/far/pose/position", [9.0, 1.0, 0.2]), {}),
     "preroll": Case("sand", _set("simulation/preroll", 0.04), {}),
     "radius of sand": Case("sand", _set("entities/sand/physics/radius", 0.017), {}),
 }  # fmt: skip

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import hashlib
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,7 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 from worldagent.construction.build import build_entity
 from worldagent.simulation.freeze import open_freeze
-from worldagent.simulation.origins import RECORD, Origins, taken_in
+from worldagent.simulation.origins import RECORD, Origins, Taken, taken_in
 from worldagent.simulation.schedule import run_frames
 from worldagent.testing.worlds.small_cloth import FLAG_PROMPT, flag_spec
 from worldagent.testing.worlds.small_gas import FIRE_PROMPT, SMOKE_PROMPT, fire_spec, stirred_spec
@@ -20,6 +22,8 @@ from worldagent.testing.worlds.small_liquids import jelly_tank_spec, tank_spec
 from worldagent.tests.physics import rigid_world
 from worldagent.worlds import bake_plan
 from worldagent.worlds.built import BuiltEntity
+from worldagent.worlds.cache import Cache
+from worldagent.worlds.coarsening import write_overrides
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import WorldSpec
@@ -321,3 +325,88 @@ def test_a_run_that_takes_frames_over_equals_one_from_the_start(
     fresh = _probe(WorldFolder(tmp_path / "fresh"), edited, alone=True)
     assert {n: t.frames for n, t in taken_in(taking).items()} == case.taken
     assert _content(taking) == _content(fresh)
+
+
+def _edited(world: str = "sparks") -> World:
+    """The world whose second emitter lets out less: frames up to the last checkpoint before it are the same."""
+    document = copy.deepcopy(WORLDS[world]())
+    _driver("second", "rate", 300.0)(document)
+    return _world(document)
+
+
+def _other(folder: WorldFolder) -> Path:
+    """The folder of the only candidate."""
+    (record,) = folder.root.glob("candidates/*/candidate.json")
+    return record.parent
+
+
+def _altered(path: Path) -> None:
+    """Turn a byte of a file that others share, in a copy of its own."""
+    content = bytearray(path.read_bytes())
+    content[-40] ^= 1
+    path.unlink()
+    path.write_bytes(content)
+
+
+def _of_another_engine(candidate: Path) -> None:
+    path = candidate / "candidate.json"
+    path.write_text(path.read_text().replace('"source": "', '"source": "0'))
+
+
+def _of_another_place(candidate: Path) -> None:
+    """The record of other settings than those that were simulated: the folder's name is their hash."""
+    path = candidate / "candidate.json"
+    told = json.loads(path.read_text())
+    told["spec"]["simulation"]["drivers"]["grinder"]["speed"] = 4.0
+    path.write_text(json.dumps(told))
+
+
+DAMAGE: dict[str, tuple[Callable[[Path], None], dict[str, int]]] = {
+    "a frame": (lambda c: _altered(c / "probe/flight/frame_000002.npz"), {"bodies": FRAMES, "flight": 1}),
+    "a checkpoint": (lambda c: _altered(c / "probe/flight/checkpoints/000002.bin"), {"bodies": FRAMES, "flight": 1}),
+    "no checkpoint": (lambda c: (c / "probe/flight/checkpoints/000002.bin").unlink(), {"bodies": FRAMES, "flight": 1}),
+    "the index": (lambda c: (c / "probe/flight/index.json").write_text("{}"), {"bodies": FRAMES}),
+    "the engines": (_of_another_engine, {}),
+    "the record": (_of_another_place, {}),
+    "a coarser probe": (lambda c: write_overrides(c / "probe", {"/entities/sparks/physics/radius": 0.0015}), {}),
+}
+
+
+@pytest.mark.parametrize("what", DAMAGE)
+def test_only_whole_frames_of_the_present_engines_are_taken(
+    what: str, first: Callable[[str], WorldFolder], tmp_path: Path
+) -> None:
+    damage, taken = DAMAGE[what]
+    folder, edited = _copied(first("sparks"), tmp_path / "taking"), _edited()
+    damage(_other(folder))
+    taking = _probe(folder, edited)
+    assert {n: t.frames for n, t in taken_in(taking).items()} == taken
+    assert _content(taking) == _content(_probe(WorldFolder(tmp_path / "fresh"), edited, alone=True))
+
+
+def test_a_run_that_ends_early_goes_on_and_its_record_stays_true(first: Callable[[str], WorldFolder], tmp_path: Path) -> None:
+    """The longest common past wins; what the run has by then is not taken again, and the record names its origin and digests."""
+    folder, edited = _copied(first("sparks"), tmp_path / "taking"), _edited()
+    origin = _other(folder)
+    taking = _probe(folder, edited, frames=6)
+    told = taken_in(taking)["flight"]
+    digests = Cache(origin / "probe" / "flight").digests()[:SOON]
+    assert told == Taken(f"{origin.name}/probe", SOON, hashlib.sha256("".join(digests).encode()).hexdigest())
+    assert _content(_probe(folder, edited)) == _content(_probe(WorldFolder(tmp_path / "fresh"), edited, alone=True))
+    assert taken_in(taking)["flight"] == told
+    _altered(taking / "flight" / "frame_000002.npz")
+    _altered(origin / "probe" / "flight" / "frame_000002.npz")
+    again = _probe(folder, edited)
+    assert taken_in(again)["flight"].frames == 1
+    assert _content(again) == _content(tmp_path / "fresh" / "candidates" / again.parent.name / "probe")
+
+
+def test_frames_are_shared_on_disk_and_never_written_into(first: Callable[[str], WorldFolder], tmp_path: Path) -> None:
+    folder = _copied(first("sparks"), tmp_path / "taking")
+    origin = _other(folder) / "probe"
+    before = _content(origin)
+    taking = _probe(folder, _edited())
+    assert (taking / "flight" / "frame_000001.npz").samefile(origin / "flight" / "frame_000001.npz")
+    assert not (taking / "flight" / "digests.txt").samefile(origin / "flight" / "digests.txt")
+    _probe(folder, _edited(), frames=FRAMES)
+    assert _content(origin) == before

@@ -179,7 +179,7 @@ def judge_probe(
         rows = session.cited(rows)
         changed = session.record(rows, stage="probe", checks=checks)
     passed, stops = not open_rows and not early, list(stopped or ())
-    taken = taken_frames(session.folder.candidate(freeze) / "probe")
+    taken = taken_frames(session.folder.candidate(freeze) / "probe", probe_frames(session.spec))
     spent = {**kept, **{f"{name}_s": round(value, 2) for name, value in seconds.items()}}
     detail = {**_record(candidate, rows, open_rows), **spent, **settings, **taken, **({"stopped": stops} if early else {})}
     session.ledger.put_freeze(freeze, session.revision, passed=passed, detail=detail)
@@ -200,15 +200,15 @@ def judge_probe(
     }
 
 
-def taken_frames(probe: Path) -> dict[str, list[str]]:
-    """Text about the frames that a probe took over from earlier runs, where there are any."""
+def taken_frames(probe: Path, count: int) -> dict[str, list[str]]:
+    """Text about the frames that a probe of so many frames took over from earlier runs, where there are any."""
     from ..simulation.origins import taken_in
 
     groups: dict[tuple[str, int], list[str]] = {}
     for name, taken in sorted(taken_in(probe).items()):
         groups.setdefault((taken.origin, taken.frames), []).append(name)
     told = [
-        f"frames 0..{frames - 1} of {', '.join(names)} taken from {origin}, simulated from {frames}"
+        f"frames 0..{frames - 1} of {', '.join(names)} taken from {origin}{f', simulated from {frames}' if frames < count else ''}"
         for (origin, frames), names in groups.items()
     ]
     return {"taken": told} if told else {}

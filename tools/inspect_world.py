@@ -51,7 +51,7 @@ def inspect_world(
             description="overview: where the world stands, what comes next; schema: what a specification can say, part by part; "
             "guide: what the skills say of a prompt, or they themselves, file by file; materials: rows of the table of materials; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
             "row: one row in full with its history; revisions, iterations: edits, and what repairs did; "
-            "state: poses and speeds at a frame or over frames; events: contact begins; records: energy, momentum, ... over time; "
+            "state: poses, speeds, spins and contact forces at a frame or over frames; of grains and liquids count, speed, centre and front, per region; of cloth the stretch by place; events: contact begins; records: energy, momentum, ... over time; "
             "wet: what liquids wetted up to a frame, when and how deep; "
             "account: what happens, as somebody is told who did not make the world; "
             "claims: the prompt with what each span means and its row; "

@@ -17,7 +17,16 @@ from .spec import FieldDriver, PathDriver, ReleaseDriver
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["HOLD_SECONDS", "SettledFrames", "hold_frames", "rest_way", "settling", "settling_world", "unsettled"]
+__all__ = [
+    "HOLD_SECONDS",
+    "SettledFrames",
+    "hold_frames",
+    "rest_way",
+    "settling",
+    "settling_terms",
+    "settling_world",
+    "unsettled",
+]
 
 HOLD_SECONDS = 0.5
 """[s] Own choice: what has kept its place for so long is at rest; nothing that swings about is slow for all of it."""
@@ -65,6 +74,17 @@ def settling_world(spec: WorldSpec) -> WorldSpec:
     frames = math.ceil(settle.max_time * plan.fps - 1e-9) + 1
     still = plan.model_copy(update={"drivers": media, "frames": max(frames, hold_frames(spec)), "preroll": 0.0})
     return spec.model_copy(update={"entities": entities, "simulation": still})
+
+
+def settling_terms(spec: WorldSpec) -> dict[str, Any] | None:
+    """Everything of the drivers that a settle run depends on; None where nothing settles."""
+    if spec.simulation.settle is None:
+        return None
+    still = settling_world(spec)
+    media = {n: d.model_dump(mode="json") for n, d in still.simulation.drivers.items()}
+    driven = {d.entity for d in spec.simulation.drivers.values() if isinstance(d, PathDriver)}
+    places = {n: still.entities[n].pose.model_dump(mode="json") for n in sorted(driven & still.entities.keys())}
+    return {"settles": list(settling(spec)), "media": media, "places": places}
 
 
 def hold_frames(spec: WorldSpec) -> int:

@@ -11,16 +11,19 @@ import numpy as np
 import pytest
 from worldagent.construction import build_entity
 from worldagent.simulation import settling as settle_runs
+from worldagent.simulation.origins import checkpoint_path
 from worldagent.simulation.probe import replay
-from worldagent.simulation.schedule import checkpoint_path, run_frames
+from worldagent.simulation.schedule import run_frames
 from worldagent.simulation.sealed import from_bytes, to_bytes
 from worldagent.testing.worlds.small_bodies import struck_wall_spec
 from worldagent.testing.worlds.small_worlds import ball, box, build_all, ground, world
 from worldagent.worlds.cache import Cache
 from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.common_past import Settings, alike_until
 from worldagent.worlds.errors import EngineError
 from worldagent.worlds.settled import SettledFrames, rest_way, settling, settling_world
-from worldagent.worlds.spec import ForceDriver, HingeJoint, Pose, ReleaseDriver, RigidPhysics, Settle, WorldSpec
+from worldagent.worlds.spec import FieldDriver, ForceDriver, HingeJoint, Pose, ReleaseDriver, RigidPhysics, Settle, WorldSpec
+from worldagent.worlds.spec.fields import DragField
 
 FRAMES = 14
 """Two checkpoints at 24 frames per second."""
@@ -194,3 +197,18 @@ def test_frames_that_were_settled_count_in_the_digest_of_the_caches(base: Any, t
     assert dataclasses.replace(kept.files.index, settings="").solver == "rigid"
     bare = run(tmp_path, spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"settle": None})}))
     assert SettledFrames(bare["rigid"]).count() == 0
+
+
+def test_two_runs_are_alike_only_where_they_settled_alike(base: Any) -> None:
+    _, spec, _ = base
+    contents = {n: b.digest() for n, b in build_all(spec).items()}
+
+    def after(**drivers: Any) -> Settings:
+        return Settings(spec.model_copy(update={"simulation": spec.simulation.model_copy(update={"drivers": drivers})}), contents)
+
+    hold = spec.simulation.drivers["hold"]
+    push = ForceDriver(entity="a", force=(1.0, 0, 0), start=0.3, end=0.4)
+    air = FieldDriver(field=DragField(), start=0.3)
+    assert alike_until(after(hold=hold), after(hold=hold, push=push), ("rigid",)) == pytest.approx(0.3, abs=0.05)
+    assert alike_until(after(hold=hold), after(hold=hold, air=air), ("rigid",)) == 0.0, "air at rest is there while things settle"
+    assert alike_until(after(hold=hold), after(), ("rigid",)) == 0.0, "what nothing holds settles too"

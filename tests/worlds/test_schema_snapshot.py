@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "d50c74b31278b4485a5393485bf4193fed7d95eba471f7e1c3d05f0fd042e46e"
+SCHEMA = "0413cccac101f8389e9db6b51682843eaed1130da9693ca3a44cdfd416494298"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -15,6 +15,7 @@ from .documents import bare_document, document_of
 from .errors import SpecError
 from .hints import patch_problem, spec_problem
 from .limits import CAPS, check_cap
+from .named_materials import declared_by_name, filled_materials
 from .predicates.registry import PREDICATES, interval_tightens
 from .spec import WorldSpec
 from .weakened import (
@@ -25,7 +26,7 @@ from .weakened import (
     surface_weakenings,
 )
 
-__all__ = ["apply_patch", "differences", "entity_weakenings", "parse_spec", "story_weakenings", "weakenings"]
+__all__ = ["apply_patch", "differences", "entity_weakenings", "parse_edit", "parse_spec", "story_weakenings", "weakenings"]
 
 _ERROR_CHARACTERS = 300
 _SHOWN_PROBLEMS = 20
@@ -107,7 +108,18 @@ def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> Wor
         check_cap("patch_values", added, what=f"operations 0 to {number} of this patch")
     if not isinstance(changed, dict) or changed.get("prompt") != spec.prompt:
         raise SpecError("the prompt is immutable; create another world for another prompt")
-    return parse_spec(changed)
+    return parse_edit(changed)
+
+
+def parse_edit(document: Any) -> WorldSpec:
+    """Validate a document that a client edited; materials that it only names get what they are from the table of materials.
+
+    Raises:
+        LimitError: it is larger than any specification may be.
+        SpecError: as `parse_spec`; the table has no such row.
+    """
+    check_document(document, "the specification")
+    return declared_by_name(parse_spec(filled_materials(document)))
 
 
 def _with_own(document: Any, pointer: Any, own: dict[int, Any]) -> Any:

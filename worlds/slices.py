@@ -19,7 +19,7 @@ MOTION_VERSION = "1"
 def physical_materials(materials: Mapping[str, Any]) -> dict[str, Any]:
     """Materials as JSON without their looks; those that cannot burn say nothing of it."""
     return {
-        k: m.model_dump(mode="json", exclude={"appearance", *(["flammable"] if m.flammable is None else [])})
+        k: m.model_dump(mode="json", exclude={"appearance", "of", "departs", *(["flammable"] if m.flammable is None else [])})
         for k, m in materials.items()
     }
 

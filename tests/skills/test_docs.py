@@ -15,13 +15,8 @@ from worldagent.worlds.predicates.models import Atom, Combinator
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 NUMBERS = [f"R{i}" for i in range(1, 159)] + [f"S{i}" for i in range(1, 20)]
-FOLDERS = (
-    "bench", "construction", "construction/terrain", "docs", "examples", "execution", "geometry", "rendering", "server", "simulation",
-    "simulation/cloth", "simulation/elastic", "simulation/fracture", "simulation/liquid", "simulation/liquid/flip",
-    "simulation/particles", "simulation/rigid", "server/page", "packaging", "physics", "skills", "tests", "tools", "verifiers",
-    "verifiers/contact", "verifiers/diagnosis", "verifiers/land", "verifiers/routes", "verifiers/rows", "verifiers/scene", "verifiers/support",
-    "worlds",
-)  # fmt: skip
+FOLDERS = ("docs", "skills", "tests")
+"""Folders beside the packages, whose READMEs `tests/packaging/test_readmes.py` reads."""
 README_LINES = 40
 LINK = re.compile(r"\]\((?!\w+:)([^)#]+)")
 """A link of a page to a file, from the page's folder."""
@@ -52,6 +47,13 @@ def test_a_generated_page_is_fresh(name: str) -> None:
 def test_the_page_of_events_of_the_skill_is_fresh() -> None:
     page = ROOT / "skills" / "world-building" / "reference" / "events.md"
     assert page.read_text() == _generator("events").page(), "run: python docs/generate_events.py"
+
+
+def test_what_skills_show_of_the_table_of_materials_is_current() -> None:
+    files = _generator("materials").files()
+    assert len(files) == 4
+    for path, text in files.items():
+        assert path.read_text() == text, f"{path.name}; run: python docs/generate_materials.py"
 
 
 def test_a_bound_without_unit_or_reason_is_refused(tmp_path: Path) -> None:

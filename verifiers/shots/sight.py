@@ -85,6 +85,8 @@ class _Cast(NamedTuple):
     front: NDArray[np.int32]
 
 
+BEHIND = 1e-3
+"""What lies farther behind an entity than this share of its depth hides none of it, however depths are rounded."""
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 """Of loose matter, whose meshes are in the world."""
 HELD_SHAPES = 16
@@ -342,7 +344,9 @@ class Sight:
         farthest = float(alone.depth[hit].max())
         meets = (rectangle[:, 0] < right) & (rectangle[:, 2] > left) & (rectangle[:, 1] < bottom) & (rectangle[:, 3] > top)
         before = meets & ~own & ~scene.glass & (nearest <= farthest * (1.0 + COPLANAR))
-        front = scene.caster.cast(camera, poses, only=np.flatnonzero(before).tolist(), window=window)
+        front = scene.caster.cast(
+            camera, poses, only=np.flatnonzero(before).tolist(), window=window, until=farthest * (1.0 + BEHIND)
+        )
         visible = hit & (alone.depth.astype(np.float64) * (1.0 + COPLANAR) < front.depth)
         return _Cast(window, hit, visible, front.ids)
 

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "db53d52b75e450d4074334aa6139ec1d8adf5db834f86d9b6a6f6bb38d61481f"
+SCHEMA = "c463f4d9121d74741d23670ae71cede6cc8d4518de5665a66c68b14fc86b67dd"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -37,8 +37,9 @@ __all__ = ["Offer", "Origins", "Taken", "checkpoint_path", "taken_in", "trusted_
 
 RECORD = "taken.json"
 """File in the folder of a probe that says which frames it took over."""
-MOST_RECORDS = 24
-"""Candidates that are looked at, the newest first: reading one takes tens of milliseconds. Own choice."""
+MOST_RECORDS = 8
+"""Candidates that are looked at, the newest first: reading one of a thousand entities takes about a second. Own choice."""
+STAGES = ("probe", "bake")
 ACTIVE = "driver/active"
 
 
@@ -123,14 +124,14 @@ class Origins:
         records = []
         for path in self._root.parent.parent.glob("*/candidate.json"):
             try:
-                records.append((path.stat().st_mtime_ns, path))
+                if any((path.parent / stage).is_dir() for stage in STAGES):
+                    records.append((path.stat().st_mtime_ns, path))
             except OSError:
                 continue
         found = []
         for _, path in sorted(records, reverse=True)[:MOST_RECORDS]:
             settings = _recorded(path)
-            stages = () if settings is None else ("probe", "bake")
-            for stage in stages:
+            for stage in STAGES:
                 folder = path.parent / stage
                 if settings is None or folder == self._root or not folder.is_dir():
                     continue
@@ -138,7 +139,7 @@ class Origins:
                     spec = coarsened(settings.spec, read_overrides(folder)) if stage == "probe" else settings.spec
                 except EvidenceError:
                     continue
-                found.append(Origin(folder, f"{path.parent.name}/{stage}", settings._replace(spec=spec)))
+                found.append(Origin(folder, f"{path.parent.name}/{stage}", dataclasses.replace(settings, spec=spec)))
         return found
 
     def offers(self, names: tuple[str, ...], done: Mapping[str, Cache], frames: int, least: int) -> list[Offer]:

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from .bake_plan import groups_of
 from .drivers import acts_from
@@ -23,12 +25,18 @@ if TYPE_CHECKING:
 __all__ = ["Settings", "alike_until", "frames_alike", "settings_until"]
 
 
-class Settings(NamedTuple):
+@dataclass(frozen=True)
+class Settings:
     """All that decides the motion of a run, but for the engines."""
 
     spec: WorldSpec
     contents: Mapping[str, str]
     """Digest of the geometry of every entity."""
+
+    @cached_property
+    def motion(self) -> dict[str, Any]:
+        """Slice of the specification from which the motion follows."""
+        return motion_slice(self.spec)
 
 
 def alike_until(one: Settings, two: Settings, names: tuple[str, ...], reads: tuple[str, ...] = ()) -> float:
@@ -84,8 +92,7 @@ def _fastened(spec: WorldSpec) -> list[list[str]]:
 
 def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -> dict[str, Any]:
     """Everything that a group may read but drivers and the number of frames: loose matter of other instances is out of its reach."""
-    spec = settings.spec
-    whole = motion_slice(spec)
+    spec, whole = settings.spec, settings.motion
     plan = {k: v for k, v in whole["plan"].items() if k not in ("frames", "drivers", "order", "solvers", "couplings")}
     members = {m for n in names for m in spec.simulation.solvers[n].members}
     met = {n for n, e in spec.entities.items() if e.physics.shape != "loose" or n in members}

@@ -65,7 +65,7 @@ class DriverBase(SpecModel):
     absent: ClassVar[frozenset[str]] = frozenset()
     """Fields that nothing reads in a run from which it is taken away."""
     switched: ClassVar[bool] = False
-    """Whether every engine that it acts on ends a step just where it begins and ends, so that the state then knows nothing of it yet."""
+    """Whether no engine lets it act on the state at the very time when it begins: what a step asks of it, it asks before its end."""
 
     @property
     def begins(self) -> float:

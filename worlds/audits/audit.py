@@ -13,6 +13,7 @@ from typing import Any
 from ..canonical import digest_of
 from ..categories.category import declares
 from ..categories.registry import CATEGORIES
+from ..documents import document_of
 from ..fields import field_drivers
 from ..groups import group_of
 from ..instances import bake_order
@@ -72,7 +73,7 @@ class AuditReport:
 class _Audit:
     def __init__(self, spec: WorldSpec) -> None:
         self.spec = spec
-        self.document = spec.model_dump(mode="json")
+        self.document = document_of(spec)
         self.rows: list[Row] = []
         self.recipe = digest_of(self.document)[:32]
 

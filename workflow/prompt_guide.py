@@ -246,7 +246,9 @@ def _parts(world: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     entities = sorted(world["entities"].items(), key=lambda item: -size_of(item[1].get("physics", {})))
     yield from ((f"/entities/{n}", e) for n, e in entities[:1])
     yield from ((f"/story/beats/{n}", b) for n, b in world["story"]["beats"].items())
-    yield from ((f"/entities/{n}", e) for n, e in entities[1:])
+    alone = {e["role"]: n for n, e in reversed(entities)}.values()  # of those with one role the first
+    yield from ((f"/entities/{n}", e) for n, e in entities[1:] if n in alone)
     yield from ((f"/materials/{n}", m) for n, m in world.get("materials", {}).items())
     yield "/graph", world.get("graph", {})
     yield "/shots", world.get("shots", {})
+    yield from ((f"/entities/{n}", e) for n, e in entities[1:] if n not in alone)

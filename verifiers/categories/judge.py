@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row
     from ...worlds.spec import SolverInstance, WorldSpec
     from ..predicates.outcome import Outcome
+    from .stretch import Stretch
 
 __all__ = ["STILL_SPEED", "STILL_SPIN", "Flags", "Judge", "Push", "Rupture", "Tie", "Touch", "joined", "record_of", "stored"]
 
@@ -207,6 +208,14 @@ class Judge:
 
         Raises:
             EvidenceError: neither logs nor records tell.
+        """
+        return None
+
+    def stretch(self, candidate: Candidate, entity: str, frame: int) -> Stretch | None:
+        """Where a sheet is stretched how much at a frame; None of what is no sheet.
+
+        Raises:
+            EvidenceError: no cache holds it, or a channel is missing or damaged.
         """
         return None
 

@@ -72,9 +72,13 @@ class Loose(Judge):
     still: ClassVar[float]
     """[m/s] Root mean square speed up to which it counts as still."""
 
+    def sample(self, candidate: Candidate, solver: str, row: int, frame: int) -> Sample:
+        """Particles of one member of an instance at a frame."""
+        raise NotImplementedError
+
     def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
         """Particles of one member of an instance at every frame."""
-        raise NotImplementedError
+        return (self.sample(candidate, solver, row, frame) for frame in range(candidate.frame_count))
 
     def held(self, candidate: Candidate, entity: str) -> tuple[str, Cache, int]:
         """Instance and cache that hold an entity, and its row among the members.

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from multiprocessing import get_context
@@ -19,6 +20,9 @@ from .wrong_edits import EDITS
 
 __all__ = ["figures", "run", "worlds"]
 
+SUMMARY = re.compile(r"(interpenetration|support|contact):scene$")
+"""Rows that count what others tell; they carry no correction."""
+COUNTS = ("rows", "helped", "eased", "words", "patches", "helping", "recordings", "recordings_helped")
 World = tuple[str, str]
 """Kind and name of a world."""
 
@@ -64,24 +68,31 @@ def run(*, checks: Sequence[str] | None = None, jobs: int = 1) -> dict[str, Any]
 
 def figures(every: Sequence[Tried]) -> dict[str, Any]:
     """Counts per check, and the corrections with a patch that do not help."""
-    checks = {c: _of_check([t for t in every if t.check == c]) for c in sorted({t.check for t in every})}
-    total = {k: sum(f[k] for f in checks.values()) for k in ("rows", "helped", "eased", "words", "patches", "helping")}
-    useless = [asdict(t) for t in every if t.outcome not in ("helps", "words")]
-    return {**total, "share": round(total["helped"] / max(1, total["rows"]), 3), "checks": checks, "useless": useless}
+    judged = [t for t in every if not SUMMARY.match(t.row)]
+    checks = {c: _of_check([t for t in judged if t.check == c]) for c in sorted({t.check for t in judged})}
+    total = {k: sum(f[k] for f in checks.values()) for k in COUNTS}
+    return {**total, "share": _share(total), "checks": checks, "useless": [asdict(t) for t in judged if t.useless]}
 
 
 def _of_check(tried_ones: Sequence[Tried]) -> dict[str, Any]:
-    rows: dict[tuple[str, str], list[str]] = {}
+    rows: dict[tuple[str, str], list[Tried]] = {}
     for t in tried_ones:
-        rows.setdefault((t.world, t.row), []).append(t.outcome)
-    helped = [o for o in rows.values() if "helps" in o]
-    with_patch = [t for t in tried_ones if t.outcome != "words"]
-    return {
-        "rows": len(rows),
-        "helped": len(helped),
-        "eased": sum("eases" in o and "helps" not in o for o in rows.values()),
-        "words": sum(set(o) == {"words"} for o in rows.values()),
-        "patches": len(with_patch),
-        "helping": sum(t.outcome == "helps" for t in with_patch),
-        "share": round(len(helped) / len(rows), 3),
+        rows.setdefault((t.world, t.row), []).append(t)
+    forged = [of for of in rows.values() if any(t.recording for t in of)]
+    rest = [of for of in rows.values() if not any(t.recording for t in of)]
+    patches = [t for of in rest for t in of if t.outcome != "words"]
+    found = {
+        "rows": len(rest),
+        "helped": sum(any(t.outcome == "helps" for t in of) for of in rest),
+        "eased": sum({"eases"} == {t.outcome for t in of} & {"eases", "helps"} for of in rest),
+        "words": sum(all(t.outcome == "words" for t in of) for of in rest),
+        "patches": len(patches),
+        "helping": sum(t.outcome == "helps" for t in patches),
+        "recordings": len(forged),
+        "recordings_helped": sum(any(t.outcome == "helps" for t in of) for of in forged),
     }
+    return {**found, "share": _share(found)}
+
+
+def _share(counts: Mapping[str, int]) -> float | None:
+    return round(counts["helped"] / counts["rows"], 3) if counts["rows"] else None

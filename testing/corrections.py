@@ -43,7 +43,9 @@ __all__ = ["Broken", "Outcome", "Tried", "flaw", "outcome_of", "seeded", "try_co
 Outcome = Literal["helps", "eases", "refused", "audit", "same", "worse", "breaks", "needless", "words"]
 """`helps`: the audit takes it, the row passes or comes nearer to its bound, nothing else fails newly. `eases`: so too, by asking for less.
 `needless`: the row passes without it once the world is simulated anew. `words`: it carries no patch, and was not tried."""
-AGAIN = re.compile(r"bake again|bake_sim")
+AGAIN = re.compile(r"[Bb]ake(_sim)? again|call bake_sim|[Cc]onstruct .* again")
+"""Actions that ask for the same work once more, and not for an edit."""
+ANEW = "simulated or built anew it passes"
 STILL = ("scale", "interpenetration", "support", "relations")
 """Checks that are judged after an edit of the scene, beside the row's own."""
 SEED = 1
@@ -68,6 +70,16 @@ class Tried:
     why: str = ""
     """What refused it, what fails newly, or the row's measured value before and after."""
 
+    @property
+    def recording(self) -> bool:
+        """Whether it shows that the recording was wrong, and not the specification."""
+        return self.outcome == "needless" or (self.outcome == "helps" and self.why == ANEW)
+
+    @property
+    def useless(self) -> bool:
+        """Whether it carries an edit that does not help."""
+        return self.outcome not in ("helps", "words") and not self.recording
+
 
 @dataclass(frozen=True)
 class Broken:
@@ -83,11 +95,19 @@ def try_corrections(world: Broken) -> Iterator[Tried]:
     """Every correction of every failing row of a world, tried on the world as it was; a row without corrections gives one that says so."""
     standing = {r.id for r in audit(world.spec).rows if r.mandatory and r.status == "fail"}
     for row in world.rows:
-        for correction in row.corrections:
+        for correction in _offered(world, row):
             outcome, why = _tried(world, row, correction, standing)
             yield _as(world, row, correction, outcome, why)
         if not row.corrections:
             yield Tried(world.name, row.check, row.id, row.first_failing_frame, "", "", "", "words", "it carries no correction")
+
+
+def _offered(world: Broken, row: Row) -> tuple[Correction, ...]:
+    """Corrections of a row, and those of the row that it follows and tells to mend first."""
+    first = next((r for r in world.rows if r.id == row.evidence.get("follows") and r.id != row.id), None)
+    known = [c.patch for c in row.corrections]
+    more = () if first is None else tuple(c for c in first.corrections if c.patch and c.patch not in known)
+    return (*row.corrections, *more)
 
 
 def _as(world: Broken, row: Row, correction: Correction, outcome: Outcome, why: str) -> Tried:
@@ -128,13 +148,19 @@ def outcome_of(row: Row, before: Iterable[Row], now: Iterable[Row], *, again: bo
     was, is_now = ({r.id: r for r in rows if r.mandatory} for rows in (before, now))
     open_before = {n for n, r in was.items() if r.status == "fail"}
     if row.id not in open_before:
-        return "needless", "simulated anew it passes without the edit"
-    broken = [n for n, r in is_now.items() if r.status == "fail" and n not in open_before]
+        return "needless", ANEW
+    asked = {r.check for r in was.values()}
+    later = any(r.first_failing_frame for r in was.values())
+    broken = [
+        n
+        for n, r in is_now.items()
+        if r.status == "fail" and n not in open_before and r.check in asked and (later or not r.first_failing_frame)
+    ]
     if broken and not again:
         return "breaks", ", ".join(broken[:3])
     old, new = was.get(row.id, row), is_now.get(row.id)
     if new is None or new.status != "fail":
-        return ("eases" if easier else "helps"), ""
+        return ("eases" if easier else "helps"), ANEW if again else ""
     told = f"{_told(old)} before, {_told(new)} after"
     if None in (old.measured, old.bound, new.measured, new.bound):
         return "same", told
@@ -180,7 +206,7 @@ class _Seeded:
 
     def __call__(self, spec: WorldSpec, row: Row, correction: Correction) -> list[Row]:
         if not correction.patch:
-            return self._rows(spec, "simulated")
+            return self._rows(spec, "built" if self.given.stage == "static" else "simulated")
         if self.given.stage == "static" or self._still_fails(row):
             return self._rows(spec, "still")
         moves = correction.edit_class in ("scene", "solver") and correction.group != "relations"
@@ -192,7 +218,7 @@ class _Seeded:
     def _rows(self, spec: WorldSpec, way: str) -> list[Row]:
         key = (spec_digest(spec), way)
         if key not in self.known:
-            checks = [self.check, *(STILL if way == "still" else ())]
+            checks = [self.check, *(STILL if way in ("still", "built") else ())]
             self.known[key] = run_checks(self._candidate(spec, way), only=checks)
         return self.known[key]
 
@@ -202,9 +228,9 @@ class _Seeded:
         old, built = self.given.spec, dict(self.given.built)
         for name, entity in spec.entities.items():
             had = old.entities.get(name)
-            if had is None or entity.model_copy(update={"pose": had.pose, "dimensions": had.dimensions}) != had:
+            if way == "built" or had is None or entity.model_copy(update={"pose": had.pose, "dimensions": had.dimensions}) != had:
                 built[name] = build_entity(spec, name, self.folder / "assets")
-        if way == "still":
+        if way in ("still", "built"):
             return Candidate(self.folder, spec, built, "static")
         return replace(self.given, spec=spec, built=built)
 
@@ -247,11 +273,15 @@ def flaw(name: str, folder: Path) -> Broken:
     """A flawed world of `skills/repair`, its magnitude drawn by a fixed seed."""
     data = cases()
     spec = flawed(data, name, random.Random(f"{name} {SEED}"))
-    return probed(f"repair/{name}", parse_spec({**spec, "prompt": data["worlds"][data["flaws"][name]["world"]]["prompt"]}), folder)
+    return probed(
+        f"repair/{name}", parse_spec({**spec, "prompt": data["worlds"][data["flaws"][name]["world"]]["prompt"]}), folder
+    )
 
 
 def wrong_edit(edit: WrongEdit, folder: Path) -> Broken:
     """A recorded world with an edit that spoils it."""
     document = json.loads((SKILLS / f"{edit.world}.json").read_text())
-    patch = [{"op": "replace" if p.rpartition("/")[2].isdigit() else "add", "path": p, "value": v} for p, v in edit.values.items()]
+    patch = [
+        {"op": "replace" if p.rpartition("/")[2].isdigit() else "add", "path": p, "value": v} for p, v in edit.values.items()
+    ]
     return probed(f"{edit.world}: {edit.wrong}", apply_patch(parse_spec(document), patch), folder)

@@ -71,7 +71,15 @@ def figures(every: Sequence[Tried]) -> dict[str, Any]:
     judged = [t for t in every if not SUMMARY.match(t.row)]
     checks = {c: _of_check([t for t in judged if t.check == c]) for c in sorted({t.check for t in judged})}
     total = {k: sum(f[k] for f in checks.values()) for k in COUNTS}
-    return {**total, "share": _share(total), "checks": checks, "useless": [asdict(t) for t in judged if t.useless]}
+    kinds = sorted({t.world.partition("/")[0] for t in judged})
+    suites = {k: _of_check([t for t in judged if t.world.startswith(f"{k}/")]) for k in kinds}
+    return {
+        **total,
+        "share": _share(total),
+        "checks": checks,
+        "suites": suites,
+        "useless": [asdict(t) for t in judged if t.useless],
+    }
 
 
 def _of_check(tried_ones: Sequence[Tried]) -> dict[str, Any]:

@@ -213,7 +213,7 @@ class _Seeded:
         return self._rows(spec, "simulated" if moves else "kept")
 
     def _still_fails(self, row: Row) -> bool:
-        return any(r.id == row.id and r.status == "fail" for r in self._rows(self.given.spec, "still"))
+        return any(r.id == row.id and r.mandatory and r.status == "fail" for r in self._rows(self.given.spec, "still"))
 
     def _rows(self, spec: WorldSpec, way: str) -> list[Row]:
         key = (spec_digest(spec), way)
@@ -284,4 +284,4 @@ def wrong_edit(edit: WrongEdit, folder: Path) -> Broken:
     patch = [
         {"op": "replace" if p.rpartition("/")[2].isdigit() else "add", "path": p, "value": v} for p, v in edit.values.items()
     ]
-    return probed(f"{edit.world}: {edit.wrong}", apply_patch(parse_spec(document), patch), folder)
+    return probed(f"edits/{edit.world}: {edit.wrong}", apply_patch(parse_spec(document), patch), folder)

@@ -44,7 +44,7 @@ def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
         found["ends"] = row.frames[1] if row.frames else frame
     if spec is not None:
         _names_of_spec(found, row, spec)
-        found["collides"] = found["entity"] if _collide(row, spec) else None
+    found["collides"] = row.id if spec is None or _collide(row, spec) else None
     return {k: v for k, v in found.items() if v is not None}
 
 

@@ -44,7 +44,8 @@ def test_a_failing_row_has_a_correction_that_the_audit_takes_and_that_helps(brok
     assert not [t for t in found if t.useless], found
 
 
-SUITES = sorted(RECORDED["suites"])
+SUITES = ("scale", "interpenetration", "support", "navigability", "causal", "story", "shots", "flaws")
+"""Suites whose rows fail by their specification; the others hold recordings that were altered."""
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "db53d52b75e450d4074334aa6139ec1d8adf5db834f86d9b6a6f6bb38d61481f"
+SCHEMA = "bc7098b59eb10afd2c6abfa486e38bf4c3f6591e77b13b93eb9594c9151df79e"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

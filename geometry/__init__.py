@@ -11,7 +11,7 @@ from .heightfields import ground_solid, is_height_field
 from .idcast import IdCaster, IdImage
 from .inside import contains, distance_to_surface, winding_number
 from .kept import kept_solid
-from .motions import Motion, State, relative_travel
+from .motions import Motion, State, points_travel, relative_travel
 from .solids import Solid
 from .soup import Crossings, pierced, self_crossings
 from .sweep import Lowest, Sweep, lowest_clearance, lowest_clearances
@@ -49,6 +49,7 @@ __all__ = [
     "lowest_clearances",
     "meetings",
     "pierced",
+    "points_travel",
     "query_noise",
     "relative_travel",
     "self_crossings",

@@ -37,7 +37,7 @@ SLICE = 512
 
 _log = logging.getLogger(__name__)
 _loaded: set[tuple[str, str]] = set()
-_starting = threading.Lock()
+_starting, _loading = threading.Lock(), threading.Lock()
 
 
 @cache
@@ -82,15 +82,18 @@ def load(kernel: Any, device: str, *, report: Callable[[str], None] | None = Non
     key = (kernel.module.name, device)
     if key in _loaded:
         return
-    wp = warp()
-    text = f"preparing {kernel.module.name.rsplit('.', 1)[-1]} for {device} (compiled at first use, then kept)"
-    _log.info(text)
-    if report is not None:
-        report(text)
-    start = time.perf_counter()
-    kernel.module.load(wp.get_device(device))
-    _log.info("prepared %s for %s in %.1f s", kernel.module.name, device, time.perf_counter() - start)
-    _loaded.add(key)
+    with _loading:
+        if key in _loaded:
+            return
+        wp = warp()
+        text = f"preparing {kernel.module.name.rsplit('.', 1)[-1]} for {device} (compiled at first use, then kept)"
+        _log.info(text)
+        if report is not None:
+            report(text)
+        start = time.perf_counter()
+        kernel.module.load(wp.get_device(device))
+        _log.info("prepared %s for %s in %.1f s", kernel.module.name, device, time.perf_counter() - start)
+        _loaded.add(key)
 
 
 def launch(kernel: Any, count: int, inputs: Sequence[Any], *, device: str, slice_size: int | None = None) -> None:

@@ -6,6 +6,7 @@ that of a body whose rotation keeps its axis. Time s runs from 0 to 1 over each 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, quaternion_product, rotation_matrix
 
-__all__ = ["Motion", "State", "turned"]
+__all__ = ["Motion", "State", "points_travel", "relative_travel", "turned"]
 
 STILL_TURN = 1e-9
 """[rad] A shorter rotation has no axis of its own; a whole number of turns takes the axis of the known spin."""
@@ -117,7 +118,7 @@ class Motion:
         """The same motion from time s to time e of each interval, with its own time from 0 to 1."""
         points = self.control
         corners = ((s, s, s), (s, s, e), (s, e, e), (e, e, e))
-        control = np.stack([_blossom(points, np.array(c)) for c in corners], axis=1)
+        control = np.stack([_blossom(points, c) for c in corners], axis=1)
         return Motion(control, turned(self.start, s * self.turn), (e - s) * self.turn, self.center)
 
     def bent(self, offset: F64) -> Motion:
@@ -146,27 +147,56 @@ class Motion:
         return np.asarray(0.75 * np.maximum(off[0], off[1]) + radius * np.minimum(angle * angle / 8.0, 2.0))
 
 
-def _blossom(points: F64, times: F64) -> F64:
-    """Polar form of Bezier curves, shape (n, k + 1, 3), at k times: symmetric and affine in each of them."""
+def _blossom(points: F64, times: Sequence[float | F64]) -> F64:
+    """Polar form of Bezier curves, shape (n, k + 1, 3), at k times: symmetric and affine in each of them.
+
+    A time is a number or one of each curve, shape (n, 1).
+    """
     for t in times:
-        points = (1.0 - t) * points[:, :-1] + t * points[:, 1:]
+        share = t if isinstance(t, float) else t[:, None]
+        points = (1.0 - share) * points[:, :-1] + share * points[:, 1:]
     return np.asarray(points[:, 0])
 
 
-def relative_travel(a: Motion, radius_a: float, b: Motion, radius_b: float, s: F64, e: F64) -> F64:
+def points_travel(a: Motion, radius_a: float, b: Motion, radius_b: float, s: F64, e: F64) -> F64:
     """How far points of two bodies can move against each other from s to e [m], shape (n,); an upper bound.
 
     The hodograph of the cubic lies in the hull of its Bezier points on [s, e]; a turn moves a point within `radius` of
     its centre by at most angle x radius.
     """
-    d = 3.0 * np.diff(a.control - b.control, axis=1)
-    s_, e_ = s[:, None], e[:, None]
+    rate = _rate(a, b, s[:, None], e[:, None])
+    turns = radius_a * np.linalg.norm(a.turn, axis=1) + radius_b * np.linalg.norm(b.turn, axis=1)
+    return np.asarray((np.linalg.norm(rate, axis=2).max(axis=1) + turns) * (e - s))
 
-    def polar(u: F64, v: F64) -> F64:
-        value = (1 - u) * (1 - v) * d[:, 0] + ((1 - u) * v + u * (1 - v)) * d[:, 1] + u * v * d[:, 2]
-        return np.asarray(np.linalg.norm(value, axis=1))
 
-    speed = np.maximum(np.maximum(polar(s_, s_), polar(s_, e_)), polar(e_, e_))
-    # Bodies that turn alike (one rides on the other) still count both turns: an upper bound all the same.
-    speed = speed + radius_a * np.linalg.norm(a.turn, axis=1) + radius_b * np.linalg.norm(b.turn, axis=1)
-    return np.asarray(speed * (e - s))
+def _rate(a: Motion, b: Motion, s: F64, e: F64) -> F64:
+    """Bezier points on [s, e] of the velocity of b's centre against a's [m], shape (n, 3, 3); times of shape (n, 1)."""
+    d = 3.0 * np.diff(b.control - a.control, axis=1)
+    return np.stack([_blossom(d, t) for t in ((s, s), (s, e), (e, e))], axis=1)
+
+
+def relative_travel(a: Motion, radius_a: float, b: Motion, radius_b: float, s: F64, e: F64) -> F64:
+    """How far the surfaces of two bodies can move against each other from s to e [m], shape (n,); an upper bound.
+
+    A clearance or depth between a point of one and a point of the other changes as fast as the one body moves past the
+    other at either point, along the line through both. With centres c, turns w and u = c_b - c_a that speed is at most
+
+    - |u'| + r_a |w_a| + r_b |w_b|, as in `points_travel`, whatever they do;
+    - |u' - w_a x u| + r_b |w_b - w_a| at the point of b, and |u' - w_b x u| + r_a |w_b - w_a| at that of a: nothing for
+      bodies that turn together.
+
+    Each first term is a polynomial in time, which lies in the hull of its Bezier points on [s, e].
+    """
+    way, s_, e_ = b.control - a.control, s[:, None], e[:, None]
+    rate = _rate(a, b, s_, e_)
+    place = np.stack([_blossom(way, t) for t in ((s_, s_, s_), (s_, s_, e_), (s_, e_, e_), (e_, e_, e_))], axis=1)
+    # The rate as a cubic, as the place is one.
+    raised = np.stack(
+        [rate[:, 0], (rate[:, 0] + 2.0 * rate[:, 1]) / 3.0, (2.0 * rate[:, 1] + rate[:, 2]) / 3.0, rate[:, 2]], axis=1
+    )
+    apart = np.linalg.norm(b.turn - a.turn, axis=1)
+    found = points_travel(a, radius_a, b, radius_b, s, e)
+    for turn, radius in ((a.turn, radius_b), (b.turn, radius_a)):
+        past = np.linalg.norm(raised - np.cross(turn[:, None], place), axis=2).max(axis=1)
+        found = np.minimum(found, (past + radius * apart) * (e - s))
+    return np.asarray(found)

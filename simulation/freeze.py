@@ -13,7 +13,7 @@ from ..worlds.folder import WorldFolder, write_atomically
 from ..worlds.slices import motion_slice
 from ..worlds.spec import WorldSpec
 
-__all__ = ["engine_versions", "freeze_hash", "open_freeze", "solver_changed", "solver_source"]
+__all__ = ["engine_versions", "freeze_hash", "open_freeze", "settings_hash", "solver_changed", "solver_source"]
 
 
 _FOLDERS = (Path(__file__).parent, Path(__file__).parents[1] / "physics")
@@ -45,8 +45,14 @@ def freeze_hash(
     `source` and `versions` are of this installation, or what a record says: a record that another version made hashes to its
     own freeze all the same.
     """
-    contents = {name: entity.digest() for name, entity in built.items()}
-    return digest_of(motion_slice(spec), contents, source or solver_source(), dict(versions or engine_versions()))
+    return settings_hash(spec, {name: entity.digest() for name, entity in built.items()}, source=source, versions=versions)
+
+
+def settings_hash(
+    spec: WorldSpec, contents: Mapping[str, str], *, source: str | None = None, versions: Mapping[str, str] | None = None
+) -> str:
+    """The same from the digests of the geometry."""
+    return digest_of(motion_slice(spec), dict(contents), source or solver_source(), dict(versions or engine_versions()))
 
 
 def open_freeze(

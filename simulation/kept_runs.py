@@ -1,5 +1,8 @@
 """Runs of variants that are kept with their candidate, so that judging the same motion again does not simulate it again.
 
+Another candidate of the world has the same run where it differs in nothing that the run follows from: in a driver that is taken away in it,
+or in what acts after its end.
+
 One file holds all frames of one run. Its name is the recipe of the run, and a seal over recipe and content stands in it: what is
 damaged, altered or of another recipe is as good as absent. Acceptance is given no such folder: it simulates for itself.
 """
@@ -39,9 +42,16 @@ class KeptRuns:
         self._folder = folder
 
     def find(self, recipe: str) -> dict[str, dict[int, Mapping[str, Any]]] | None:
-        """The frames of a run; None where they are not kept, or not as they were."""
-        if self._folder is None or not (path := self._path(recipe)).is_file():
+        """The frames of a run, of this candidate or of another of its world; None where they are not kept, or not as they were."""
+        if self._folder is None or not recipe:
             return None
+        own = self._path(recipe)
+        candidates = sorted(self._folder.parent.parent.glob("*/candidate.json"))
+        others = [c.parent / self._folder.name / own.name for c in candidates if self._folder.parent / c.name in candidates]
+        found = (self._read(path, recipe) for path in (own, *others) if path.is_file())
+        return next((frames for frames in found if frames is not None), None)
+
+    def _read(self, path: Path, recipe: str) -> dict[str, dict[int, Mapping[str, Any]]] | None:
         try:
             held = read_container(path)
             sealed = bytes(held.pop(_SEAL))

@@ -19,9 +19,10 @@ from ..worlds.coarsening import coarsened, read_overrides, write_overrides
 from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import WorldFolder
 from ..worlds.spec import WorldSpec
+from .origins import Origins, checkpoint_path
 from .protocol import Solver
 from .runs import Run, make_run
-from .schedule import checkpoint_path, run_frames
+from .schedule import run_frames
 
 __all__ = ["positions_of", "probe_frames", "replay", "run_probe"]
 
@@ -58,7 +59,7 @@ def run_probe(
     if _recorded(root) != wanted:
         _discard(root)
         write_overrides(root, wanted)
-    run_frames(spec, found, root, frames=probe_frames(spec), progress=progress, check=check)
+    run_frames(spec, found, root, frames=probe_frames(spec), progress=progress, check=check, reuse=Origins(root, spec, found))
     return open_candidate(folder, freeze, "probe", found)
 
 

@@ -16,34 +16,15 @@ from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import write_atomically
 from ..worlds.spec import WorldSpec
 from ..worlds.writers import writers_of
+from .origins import Offer, Origins, checkpoint_path, trusted_frames
 from .protocol import Within
 from .runs import Run, make_run, reads
 
-__all__ = ["checkpoint_path", "run_frames", "run_groups", "stretch_count"]
+__all__ = ["run_frames", "run_groups", "stretch_count"]
 
 SLOW_FRAME_SECONDS = 2.0
 """A frame that takes longer tells how far it is and in what steps [s]: else a step that has become a thousand times shorter, or a frame
 that is made again, looks like one that stands still. Own choice; the clock decides what is told, never what is computed."""
-
-
-def checkpoint_path(folder: Path, frame: int) -> Path:
-    """File of the solver's state at a frame, in the folder of its cache."""
-    return folder / "checkpoints" / f"{frame:06d}.bin"
-
-
-def _trusted_frames(cache: Cache, frames: int) -> int:
-    """Frames at the start of a cache that are there and match their digests."""
-    try:
-        digests = cache.digests()
-    except EvidenceError:
-        return 0
-    for frame in range(min(len(digests), frames)):
-        try:
-            if cache.frame_digest(frame) != digests[frame]:
-                return frame
-        except EvidenceError:
-            return frame
-    return min(len(digests), frames)
 
 
 def _resume(run: Run, caches: Mapping[str, Cache], marks: list[int]) -> int:
@@ -57,8 +38,8 @@ def _resume(run: Run, caches: Mapping[str, Cache], marks: list[int]) -> int:
     return -1
 
 
-def _take_over(cache: Cache, index: CacheIndex) -> bool:
-    """Take an equal liquid's cache from another candidate of this world; whether there was one.
+def _take_over(cache: Cache, index: CacheIndex) -> Path | None:
+    """Take an equal liquid's cache from another candidate of this world; its folder there, if there is one.
 
     Equal means the same recipe: nothing that reaches its domain differs, whatever else of the world does.
     """
@@ -66,14 +47,31 @@ def _take_over(cache: Cache, index: CacheIndex) -> bool:
     for other in sorted(stage.parent.parent.glob(f"*/{stage.name}/{cache.folder.name}")):
         there = Cache(other)
         try:
-            if other == cache.folder or there.index != index or _trusted_frames(there, index.frames) < index.frames:
+            if other == cache.folder or there.index != index or trusted_frames(there, index.frames) < index.frames:
                 continue
         except EvidenceError:
             continue
         shutil.rmtree(cache.folder, ignore_errors=True)
         shutil.copytree(other, cache.folder)
-        return True
-    return False
+        return other
+    return None
+
+
+def _taken(
+    caches: Mapping[str, Cache], indices: Mapping[str, CacheIndex], offers: list[Offer], trusted: int, reuse: bool | Origins
+) -> int:
+    """Frames at the start of a group's caches that are to be trusted after some were taken from other runs; before, there were `trusted`."""
+    (name, cache), *others = caches.items()
+    frames, origins = indices[name].frames, reuse if isinstance(reuse, Origins) else None
+    for offer in offers:
+        if trusted < offer.frames and origins is not None:
+            trusted = max(trusted, origins.take(offer, caches, indices, trusted))
+    if not reuse or trusted >= frames or others or not indices[name].settings:
+        return trusted
+    other = _take_over(cache, indices[name])
+    if other is not None and origins is not None:
+        origins.took({name: Cache(other)}, frames)
+    return trusted if other is None else frames
 
 
 def stretch_count(spec: WorldSpec) -> int:
@@ -89,7 +87,7 @@ def run_frames(
     frames: int,
     progress: Callable[[float, int, str], None] | None = None,
     check: Callable[[], None] | None = None,
-    reuse: bool = True,
+    reuse: bool | Origins = True,
     earlier: Mapping[str, Cache] | None = None,
 ) -> dict[str, Cache]:
     """Simulate frames 0 to `frames` - 1 of every instance into `folder/<solver>/`, and the surfaces and wet maps of liquids, resuming what is there.
@@ -101,7 +99,8 @@ def run_frames(
         frames: how many frames.
         progress: called with (done, total, message); `done` may fall where a frame is made again.
         check: called between frames and within them; raises to stop.
-        reuse: whether a liquid's frames may come from another candidate; not where nothing else is to be trusted.
+        reuse: whether a liquid's frames may come from another candidate; not where nothing else is to be trusted. Other runs of this world:
+            also any frames of theirs that are the same here.
         earlier: caches of another run of this specification and geometry, whose surfaces and wet maps are taken where all its frames
             are those of this run.
 
@@ -117,9 +116,11 @@ def run_frames(
 
     caches = run_groups(spec, built, folder, frames=frames, tell=tell, check=check, reuse=reuse)
     if spec.simulation.liquid:
-        from .surfaces import map_wet_solids, mesh_liquids, take_made
+        from .surfaces import map_wet_solids, mesh_liquids, take_made, take_surfaces
 
         take_made(spec, caches, earlier or {})
+        if isinstance(reuse, Origins):
+            take_surfaces(spec, caches, reuse)
         mesh_liquids(spec, built, caches, progress=partial(tell, len(groups)), check=check)
         map_wet_solids(spec, built, caches, progress=partial(tell, len(groups) + 1), check=check)
     return caches
@@ -133,7 +134,7 @@ def run_groups(
     frames: int,
     tell: Callable[[int, float, int, str], None],
     check: Callable[[], None] | None = None,
-    reuse: bool = True,
+    reuse: bool | Origins = True,
     only: frozenset[str] | None = None,
 ) -> dict[str, Cache]:
     """Simulate frames of instances into `folder/<solver>/`, group after group, without surfaces; arguments and errors as `run_frames`.
@@ -197,25 +198,29 @@ def _run_group(
     *,
     frames: int,
     say: _Frames,
-    reuse: bool,
+    reuse: bool | Origins,
 ) -> dict[str, Cache]:
     """Simulate one group into its caches; `done` are those of the groups before it."""
-    names = tuple(caches)
-    trusted = min(_trusted_frames(c, frames) for c in caches.values())
+    names, origins = tuple(caches), reuse if isinstance(reuse, Origins) else None
+    trusted = min(trusted_frames(c, frames) for c in caches.values())
+    offers = [] if origins is None or trusted >= frames else origins.offers(names, done, frames, trusted)
     run = make_run(spec, built, names, caches=done)
-    run.prepare()
+    # A checkpoint replaces the preroll.
+    resumed = bool(trusted or offers)
+    run.prepare(resumed=resumed)
+    indices = {n: dataclasses.replace(run.solvers[n].index(), frames=frames) for n in names}
+    trusted = _taken(caches, indices, offers, trusted, reuse)
     for name, cache in caches.items():
-        index = dataclasses.replace(run.solvers[name].index(), frames=frames)
-        if reuse and trusted < frames and len(names) == 1 and index.settings and _take_over(cache, index):
-            trusted = frames
-        cache.write_index(index)
+        cache.write_index(indices[name])
     # A reader keeps the index that it saw first; another world's frames may have stood here.
     caches = {n: Cache(c.folder) for n, c in caches.items()}
     if trusted >= frames:
         return caches
     marks = set(checkpoint_frames(spec, frames))
     start = _resume(run, caches, [k for k in sorted(marks, reverse=True) if k < trusted])
-    if start < 0 and trusted > 0:
+    if origins is not None:
+        origins.keep_to(names, start + 1)
+    if start < 0 and resumed:
         run = make_run(spec, built, names, caches=done)
         run.prepare()
     writers = {name: writers_of(spec, name) for name in names}

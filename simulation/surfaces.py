@@ -20,8 +20,9 @@ from .liquid.derived_frames import take_frames
 from .liquid.scene import MARGIN
 from .liquid.surface import default_settings, mesh_surfaces
 from .liquid.wet import WetPart, map_wet
+from .origins import Origins
 
-__all__ = ["map_wet_solids", "mesh_liquids", "take_made", "walls_of"]
+__all__ = ["map_wet_solids", "mesh_liquids", "take_made", "take_surfaces", "walls_of"]
 
 
 def walls_of(
@@ -87,6 +88,14 @@ def take_made(spec: WorldSpec, caches: Mapping[str, Cache], earlier: Mapping[str
     for name in spec.simulation.liquid:
         for made in (LiquidSurface, WetMap):
             take_frames(made(caches[name]), made(earlier[name]))
+
+
+def take_surfaces(spec: WorldSpec, caches: Mapping[str, Cache], origins: Origins) -> None:
+    """Take the surfaces of the frames that were taken over, as far as all solids have moved as here."""
+    for name in spec.simulation.liquid:
+        found = origins.surfaces_of(name, caches)
+        if found is not None:
+            take_frames(LiquidSurface(caches[name]), LiquidSurface(Cache(found[0])), frames=found[1])
 
 
 def mesh_liquids(

@@ -20,15 +20,16 @@ from ..worlds.built import BuiltEntity
 from ..worlds.cache import Cache, CacheIndex
 from ..worlds.candidate import Candidate
 from ..worlds.canonical import digest_of
+from ..worlds.common_past import settings_until
 from ..worlds.errors import EngineError, EvidenceError, InputError
 from ..worlds.fields import acting_on
 from ..worlds.spec import FieldDriver, WorldSpec
 from .kept_runs import KeptRuns
+from .origins import checkpoint_path
 from .probe import positions_of
 from .protocol import Intervention, Solver
-from .recipes import coupled_recipe
+from .recipes import coupled_recipe, recipe_of
 from .runs import Run, make_run, reads
-from .schedule import checkpoint_path
 
 __all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant", "simulated"]
 
@@ -212,14 +213,16 @@ def _tell(progress: Tell | None, names: tuple[str, ...], done: int, total: int) 
 def _recipe(
     candidate: Candidate, own: Mapping[str, Cache], states: Mapping[str, bytes], done: Intervention, span: tuple[int, int]
 ) -> str:
-    """Hash of all that the frames of a group follow from: settings, geometry, engines, the run that they continue, what is prevented."""
+    """Hash of all that the frames of a group follow from: settings up to its end, geometry, engines, the run that it continues, what is
+    prevented. A group that reads the frames of others follows from the whole candidate."""
+    spec = candidate.spec
     checkpoints = {n: hashlib.sha256(s).hexdigest() for n, s in states.items()}
     # As they are, not as they were recorded: a run is not continued from a frame that was altered.
     begins = {n: c.frame_digest(span[0]) for n, c in own.items()}
     prevented = {k: sorted(v) if isinstance(v, frozenset) else v for k, v in dataclasses.asdict(done).items()}
-    return digest_of(
-        "continued", coupled_recipe(candidate.spec, candidate.built), candidate.digest, checkpoints, begins, prevented, span
-    )
+    settings = recipe_of(settings_until(spec, span[1] / spec.simulation.fps, done.without), candidate.built)
+    read = candidate.digest if any(reads(spec, n) for n in own) else ""
+    return digest_of("continued", settings, read, checkpoints, begins, prevented, span)
 
 
 def _states_at(

@@ -119,12 +119,14 @@ def edit_spec(
 
         joint = Joint(tuple(repairs), latest_candidate(session))
         hypothesis = "; ".join(r.hypothesis for r in repairs)
+    before = session.spec
     outcome = session.commit(after, patch=operations, hypothesis=hypothesis, weakening_reason=weakening_reason, joint=joint)
-    return _answer(session, outcome)
+    return _answer(session, outcome, before)
 
 
-def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
+def _answer(session: Any, outcome: dict[str, Any], before: Any = None) -> ToolReply:
     from ..workflow.answers import answer, rows_answer
+    from ..workflow.material_rows import table_values
     from ..workflow.rows import summary
 
     world = session.folder.id
@@ -136,6 +138,9 @@ def _answer(session: Any, outcome: dict[str, Any]) -> ToolReply:
         "audit": {"passed": report.passed, **{k: v for k, v in audit.items() if k not in ("summary", "warnings", "next")}},
         "bake_order": list(report.bake_order),
     }
+    taken = table_values(session.spec, before)
+    if taken:
+        data["materials_from_table"] = taken
     uncovered = [k for k, v in report.coverage.items() if not v]
     if uncovered:
         data["beats_no_shot_covers"] = uncovered[:20]

@@ -24,6 +24,7 @@ Part = Literal[
     "overview",
     "schema",
     "guide",
+    "materials",
     "spec",
     "matrix",
     "row",
@@ -43,14 +44,14 @@ Part = Literal[
 
 def inspect_world(
     context: ToolContext,
-    world: Annotated[str | None, Field(description="World id; not needed for worlds, schema and guide")] = None,
+    world: Annotated[str | None, Field(description="World id; not needed for worlds, schema, guide and materials")] = None,
     part: Annotated[
         Part,
         Field(
             description="overview: where the world stands, what comes next; schema: what a specification can say, part by part; "
-            "guide: what the skills say of a prompt, or they themselves, file by file; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
+            "guide: what the skills say of a prompt, or they themselves, file by file; materials: rows of the table of materials; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
             "row: one row in full with its history; revisions, iterations: edits, and what repairs did; "
-            "state: poses and speeds at a frame or over frames; events: contact begins; records: energy, momentum, ... over time; "
+            "state: poses, speeds, spins and contact forces at a frame or over frames; of grains and liquids count, speed, centre and front, per region; of cloth the stretch by place; events: contact begins; records: energy, momentum, ... over time; "
             "wet: what liquids wetted up to a frame, when and how deep; "
             "account: what happens, as somebody is told who did not make the world; "
             "claims: the prompt with what each span means and its row; "
@@ -72,6 +73,9 @@ def inspect_world(
             "that fit it, in 15,000 characters"
         ),
     ] = None,
+    query: Annotated[
+        str, Field(description="For materials: names, or a group (wood, metal, fabric, ...); empty for all names")
+    ] = "",
     row: Annotated[str | None, Field(description="For row: its id")] = None,
     status: Annotated[
         Literal["open", "fail", "unverified", "pass", "not_applicable"] | None,
@@ -126,6 +130,10 @@ def inspect_world(
 
             return ToolReply(prompt_guide(prompt))
         return ToolReply(parts.guide(pointer, offset=offset))
+    if part == "materials":
+        from ..workflow.material_rows import materials
+
+        return ToolReply(materials(query, offset=offset, limit=limit))
     if world is None:
         from ..worlds.folder import world_ids
 

@@ -140,8 +140,8 @@ def candidate_members(
         record: the candidate's `candidate.json`; None where nothing was simulated.
         with_caches: whether the frames are among them.
     """
+    from ..simulation.origins import checkpoint_path
     from ..simulation.probe import probe_frames
-    from ..simulation.schedule import checkpoint_path
     from ..worlds.bake_plan import checkpoint_frames
     from ..worlds.coarsening import OVERRIDES, read_overrides
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from ..worlds.documents import document_of
 from ..worlds.groups import GROUPS, group_of
 from ..worlds.ledger import Ledger
 from ..worlds.patch import differences, weakenings
@@ -61,7 +62,7 @@ class Change:
         joint: Joint | None = None,
     ) -> None:
         self.world, self.after, self.hypothesis, self.reason, self.joint = world, after, hypothesis, reason, joint
-        self._documents = world.spec.model_dump(mode="json"), after.model_dump(mode="json")
+        self._documents = document_of(world.spec), document_of(after)
         self.places = list(differences(*self._documents))
         """JSON pointers that differ."""
         self.groups = {group_of(p) for p in self.places}

@@ -12,7 +12,7 @@ from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, world_ids
 from ..worlds.ledger import Ledger
 from ..worlds.limits import check_cap, check_limits, check_workspace
-from ..worlds.patch import apply_patch, parse_spec
+from ..worlds.patch import apply_patch, parse_edit, parse_spec
 from .opened import no_revision
 from .session import Session
 from .siblings import started_anew
@@ -42,7 +42,7 @@ def create(
     if spec.get("clauses") or spec.get("spec_version", "2") == "1":
         raise InputError(NO_CLAUSES)
     document = {"spec_version": "2", "title": world.replace("_", " "), "simulation": {"frames": 96}, **spec, "prompt": prompt}
-    parsed = parse_spec(document)
+    parsed = parse_edit(document)
     if claims is not None:
         parsed = apply_patch(parsed, claim_operations(claims, parsed))
     check_limits(parsed)
@@ -97,7 +97,7 @@ def mend_hand_edit(workspace: Path, world: str, action: str, *, hypothesis: str,
                 raise RefusedError(f"another client changed {world!r} meanwhile; read it again with inspect_world")
             session.write_spec()
         return session, {"revision": session.revision, "restored": True}
-    now = parse_spec(folder.read_json(folder.spec_path))
+    now = parse_edit(folder.read_json(folder.spec_path))
     if now.prompt != before.prompt:
         raise RefusedError("world.json holds another prompt; the prompt is immutable. Use on_hand_edit='restore'")
     check_limits(now)

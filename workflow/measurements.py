@@ -5,9 +5,6 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Literal
 
-import numpy as np
-
-from ..worlds.arrays import F64
 from ..worlds.begun import open_begun, unfinished
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.channels import QUANTITIES
@@ -16,16 +13,14 @@ from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.hints import did_you_mean
 from .answers import answer, call, paged
 from .earlier import latest_probe
+from .matter_states import rounded
 from .session import Session
+from .states import MAX_SAMPLES, motion_over, state_at
 
 __all__ = ["is_whole", "latest_candidate", "measured", "refuted"]
 
 DISTRUSTED = ("delivery:replay", "delivery:digests", "delivery:cache")
 """Rows of an acceptance that say of a bake that it is not what was simulated."""
-MAX_NAMED = 6
-"""Bodies of one entity that a reply names."""
-MAX_SAMPLES = 40
-"""Frames at which one reply tells a motion."""
 
 
 def latest_candidate(session: Session, stage: str = "best") -> Candidate:
@@ -121,10 +116,6 @@ def refuted(session: Session, freeze: str) -> bool:
     return any(r["status"] == "fail" and r["id"].startswith(DISTRUSTED) for r in rows)
 
 
-def _rounded(values: Any, digits: int = 5) -> list[float]:
-    return [round(float(v), digits) for v in values]
-
-
 def measured(
     session: Session,
     part: str,
@@ -164,7 +155,7 @@ def measured(
     if part == "state":
         names = entities or list(session.spec.entities)
         over = frames is not None and last > first
-        found, place = (_motion if over else _state)(candidate, names, first, last, limit, offset)
+        found, place = (motion_over if over else state_at)(candidate, names, first, last, limit, offset)
         text = f"{len(found['entities'])} of {len(names)} entities at frame {first}" + (f" to {last}" if over else "")
         then = call("inspect_world", world=world, part="state", **same, offset=place.get("next_offset"))
         return answer({**head, **found, **place}, f"{text} of the {candidate.stage} run", then if "next_offset" in place else "")
@@ -210,86 +201,6 @@ def _records(candidate: Candidate, first: int, last: int, limit: int, head: dict
     return answer({**head, "frames": chosen, "step": step, "records": series}, text, then)
 
 
-def _one_body(candidate: Candidate, asked: str) -> tuple[str, str, dict[str, str]]:
-    """Entity and body that `entity` or `entity/body` means, and, where it has several, which of them is told.
-
-    Raises:
-        InputError: the entity has no such body.
-    """
-    name, _, wanted = asked.partition("/")
-    bodies = [b.name for b in candidate.entity(name).bodies]
-    if wanted and wanted not in bodies:
-        listed = ", ".join(bodies[:MAX_NAMED]) + (f", ... {bodies[-1]}" if len(bodies) > MAX_NAMED else "")
-        raise InputError(
-            f"{name!r} has no body {wanted!r}{did_you_mean(wanted, bodies) or ';'} its {len(bodies)} bodies are {listed}"
-        )
-    body = wanted or bodies[0]
-    if len(bodies) == 1:
-        return name, body, {}
-    place = f"{body!r}, {bodies.index(body) + 1} of {len(bodies)}"
-    if wanted:
-        return name, body, {"body": place}
-    listed = ", ".join(bodies[:MAX_NAMED])
-    return name, body, {"body": f"{place}; a box holds all; entities=['{name}/{bodies[1]}'] tells of another: {listed}, ..."}
-
-
-def _body_vertices(candidate: Candidate, name: str, body: str, frame: int) -> F64:
-    """Visible vertices of one body in the world, shape (n, 3)."""
-    return np.concatenate([candidate.surface(name, p.part, frame) for p in candidate.entity(name).parts if p.body == body])
-
-
-def _state(
-    candidate: Candidate, names: list[str], frame: int, last: int, limit: int, offset: int
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Pose, box and velocity of entities at one frame, a page of them."""
-
-    def told(asked: str) -> dict[str, Any]:
-        name, body, which = _one_body(candidate, asked)
-        pose = candidate.pose(name, frame, body)
-        vertices = candidate.vertices(name, frame) if asked == name else _body_vertices(candidate, name, body, frame)
-        found: dict[str, Any] = {
-            **which,
-            "position": _rounded(pose.position),
-            "quaternion": _rounded(pose.quaternion),
-            "box_min": _rounded(vertices.min(0)),
-            "box_max": _rounded(vertices.max(0)),
-        }
-        place = candidate.cache_row(name, body)
-        if place is not None:
-            found["velocity"] = _rounded(place[0].series("velocity")[frame, place[1]])
-        return found
-
-    page, place = paged([(n, told(n)) for n in names[: offset + limit]], offset, limit)
-    return {"frame": frame, "entities": dict(page)}, _of(place, len(names), offset + len(page))
-
-
-def _motion(
-    candidate: Candidate, names: list[str], first: int, last: int, limit: int, offset: int
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Positions and speeds of entities at evenly chosen frames, a page of entities."""
-    step = max(1, -(-(last - first + 1) // MAX_SAMPLES))
-    chosen = list(range(first, last + 1, step))
-
-    def told(asked: str) -> dict[str, Any]:
-        name, body, which = _one_body(candidate, asked)
-        found: dict[str, Any] = {**which, "position": [_rounded(candidate.pose(name, k, body).position, 4) for k in chosen]}
-        place = candidate.cache_row(name, body)
-        if place is not None:
-            velocity = place[0].series("velocity")[:, place[1]]
-            found["speed"] = [round(float((velocity[k] ** 2).sum() ** 0.5), 4) for k in chosen]
-        return found
-
-    page, place = paged([(n, told(n)) for n in names[: offset + limit]], offset, limit)
-    return {"frames": chosen, "step": step, "entities": dict(page)}, _of(place, len(names), offset + len(page))
-
-
-def _of(place: dict[str, Any], total: int, end: int) -> dict[str, Any]:
-    """The place of a page among all entities, of which only the first ones were read."""
-    return (
-        {k: v for k, v in place.items() if k != "next_offset"} | {"total": total} | ({"next_offset": end} if end < total else {})
-    )
-
-
 def _events(candidate: Candidate, names: set[str], first: int, last: int) -> list[dict[str, Any]]:
     found = []
     for cache in candidate.rigid_caches.values():
@@ -306,7 +217,7 @@ def _events(candidate: Candidate, names: set[str], first: int, last: int) -> lis
                         "time": round(float(data["event/time"][k]), 5),
                         "a": a,
                         "b": b,
-                        "point": _rounded(data["event/point"][k], 4),
+                        "point": rounded(data["event/point"][k], 4),
                         "speed": round(float(data["event/speed"][k]), 4),
                         "impulse": round(float(data["event/impulse"][k]), 7),
                     }

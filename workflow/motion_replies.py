@@ -33,7 +33,8 @@ def motion_answer(world: str, kind: str, data: dict[str, Any], detail: Detail) -
         return ToolReply(job_answer(data))
     open_count = data["counts"]["mandatory_open"]
     if kind == "probe":
-        frames = f"{data['frames_probed']} frames probed"
+        taken = f" ({'; '.join(data['taken'])})" if data.get("taken") else ""
+        frames = f"{data['frames_probed']} frames probed{taken}"
         passed = f"{frames}, all that can be judged yet passes; settings frozen as {data['freeze']}"
         then = call("bake_sim", world=world)
     else:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+from ..worlds.documents import text_of
 from ..worlds.errors import EngineError, EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, temporary_name, write_atomically
 from ..worlds.ledger import Ledger
@@ -58,9 +59,9 @@ class OpenedWorld:
 
     def write_spec(self) -> None:
         """Write `world.json`."""
-        text = self.spec.model_dump_json(indent=1, exclude_none=True).encode()
+        text = text_of(self.spec, indent=1)
         write_atomically(self.folder.spec_path, text)
-        _known.put(text, self.spec.model_dump_json(exclude_none=True), self.spec)
+        _known.put(text, text_of(self.spec).decode(), self.spec)
 
     @contextmanager
     def step(self) -> Iterator[None]:

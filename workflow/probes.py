@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
 
-__all__ = ["judge_probe", "probe", "probe_candidate"]
+__all__ = ["judge_probe", "probe", "probe_candidate", "taken_frames"]
 
 WORTH_STOPPING_S = 10.0
 """A run that will end sooner goes on, so that all its rows are known at once [s]. Own choice."""
@@ -179,8 +179,9 @@ def judge_probe(
         rows = session.cited(rows)
         changed = session.record(rows, stage="probe", checks=checks)
     passed, stops = not open_rows and not early, list(stopped or ())
+    taken = taken_frames(session.folder.candidate(freeze) / "probe", probe_frames(session.spec))
     spent = {**kept, **{f"{name}_s": round(value, 2) for name, value in seconds.items()}}
-    detail = {**_record(candidate, rows, open_rows), **spent, **settings, **({"stopped": stops} if early else {})}
+    detail = {**_record(candidate, rows, open_rows), **spent, **settings, **taken, **({"stopped": stops} if early else {})}
     session.ledger.put_freeze(freeze, session.revision, passed=passed, detail=detail)
     picture = motion_sheet(candidate, session.folder, f"probe_{freeze[:8]}.jpg")
     ended = {"stopped_at": candidate.last_frame, "of_frames": probe_frames(session.spec), "stopped_by": stops}
@@ -188,6 +189,7 @@ def judge_probe(
         "passed": passed,
         "freeze": freeze[:16],
         "frames_probed": candidate.frame_count,
+        **taken,
         **(ended if early else {}),
         "phases": _phases(candidate),
         **({"overrides": settings["overrides"]} if settings.get("overrides") else {}),
@@ -196,6 +198,20 @@ def judge_probe(
         **summary(rows),
         "picture": picture,
     }
+
+
+def taken_frames(probe: Path, count: int) -> dict[str, list[str]]:
+    """Text about the frames that a probe of so many frames took over from earlier runs, where there are any."""
+    from ..simulation.origins import taken_in
+
+    groups: dict[tuple[str, int], list[str]] = {}
+    for name, taken in sorted(taken_in(probe).items()):
+        groups.setdefault((taken.origin, taken.frames), []).append(name)
+    told = [
+        f"frames 0..{frames - 1} of {', '.join(names)} taken from {origin}{f', simulated from {frames}' if frames < count else ''}"
+        for (origin, frames), names in groups.items()
+    ]
+    return {"taken": told} if told else {}
 
 
 def _record(candidate: Candidate, rows: Sequence[Row], open_rows: list[str]) -> dict[str, Any]:

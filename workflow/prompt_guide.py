@@ -1,4 +1,4 @@
-"""The guide of one prompt, from the skills: its words marked, kinds of event for its verbs, sections, densities and a worked example.
+"""The guide of one prompt, from the skills: its words marked, kinds of event for its verbs, sections, materials and a worked example.
 
 Each skill names its words, and which of its sections and examples they call for, in `guide.json`. A start for whoever builds: nothing is judged by it.
 """
@@ -11,7 +11,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..physics.substances import DENSITY_RANGES
 from ..worlds.errors import InputError
 from ..worlds.predicates.registry import PREDICATES
 from ..worlds.prompts.descriptions import meanings
@@ -20,6 +19,7 @@ from ..worlds.prompts.lexicon import events_in, kinds_meant
 from ..worlds.prompts.proposals import proposal_text
 from ..worlds.prompts.units import folded, units_of, word_count
 from .answers import answer, call, size_of
+from .material_rows import essentials
 from .table_entries import sections_of
 
 __all__ = ["CHARACTERS", "prompt_guide"]
@@ -35,6 +35,8 @@ EVENTS = 8
 """Verbs that are told of."""
 KINDS = 4
 """Kinds of event of one verb."""
+MATERIALS = 8
+"""Materials that are told of."""
 ALIKE = 4
 """Letters that a verb begins with as a kind of event does that is called after it; such a kind comes first."""
 SKILLS_TOLD = 4
@@ -84,7 +86,7 @@ def prompt_guide(prompt: str) -> dict[str, Any]:
         "marked": proposal_text(prompt[:MARKED]),
         "skills": {c.name: list(c.because[:6]) for c in called},
         **_events(prompt),
-        "densities": _densities(prompt),
+        "materials": _materials(prompt, words),
         "rules": json.loads((SKILLS / "world-building" / "rules.json").read_text("utf-8")),
         "example": _example(words, [c.name for c in told]),
     }
@@ -192,10 +194,11 @@ def _events(prompt: str) -> dict[str, Any]:
     return {"events": verbs, "kinds": {k: PREDICATES[k].gloss for k in told}}
 
 
-def _densities(prompt: str) -> dict[str, list[float]]:
-    """Substances that the prompt names -> least and largest density [kg/m^3]."""
-    named = [m.term for m in meanings(prompt, language_of(prompt), "material")]
-    return {s: list(DENSITY_RANGES[s]) for s in dict.fromkeys(named) if s in DENSITY_RANGES}
+def _materials(prompt: str, words: list[str]) -> dict[str, dict[str, Any]]:
+    """Materials that the prompt names, with rows of the table: density [kg/m^3] and friction, each [least, typical, largest]."""
+    terms = [m.term for m in meanings(prompt, language_of(prompt), "material")]
+    told = essentials([*words, *terms])
+    return dict(list(told.items())[:MATERIALS])
 
 
 # ---------------------------------------------------------------- example

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 
+from ..worlds.documents import document_of
 from ..worlds.groups import group_of
 from ..worlds.patch import differences
 from ..worlds.requirements import Row
@@ -64,7 +65,7 @@ def cut_grounds(*specs: WorldSpec) -> set[str]:
 
 def same_causes(one: WorldSpec, other: WorldSpec) -> bool:
     """Whether two specifications are equal in everything causal: scene and solver."""
-    places = differences(one.model_dump(mode="json"), other.model_dump(mode="json"))
+    places = differences(document_of(one), document_of(other))
     return not any(group_of(p).edit_class in CAUSAL_CLASSES for p in places)
 
 

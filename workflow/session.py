@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..worlds.audits.audit import AuditReport, audit
 from ..worlds.canonical import spec_digest
+from ..worlds.documents import text_of
 from ..worlds.errors import RefusedError
 from ..worlds.limits import check_cap
 from ..worlds.provenance import stale_artifacts, stale_rows
@@ -106,7 +107,7 @@ class Session(OpenedWorld):
     def _add(self, change: Change, patch: Sequence[Mapping[str, Any]]) -> int:
         """Number of the revision that the ledger makes of a change."""
         number = self.ledger.add_revision(
-            change.after.model_dump_json(exclude_none=True),
+            text_of(change.after).decode(),
             spec_digest(change.after),
             expected=self.revision,
             patch=[dict(o) for o in patch],

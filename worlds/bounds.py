@@ -44,7 +44,7 @@ def extent(value: Any, *, most: float = math.inf, what: str, finite: bool = Fals
         at, depth = stack.pop()
         deepest = max(deepest, depth)
         if isinstance(at, dict):
-            count += sum(_text(key, what) for key in at)
+            count += sum(_text(key, what) for key in at if len(key) >= TEXT_PER_VALUE or not key.isascii())
         count += len(at)
         for item in () if count > most else at.values() if isinstance(at, dict) else at:
             if isinstance(item, float):

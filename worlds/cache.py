@@ -63,7 +63,7 @@ class CacheIndex:
     joints: tuple[str, ...]
     drivers: tuple[str, ...]
     settings: str
-    """Of a liquid: hash of everything that decides its motion, so that another candidate may take its frames over; else empty."""
+    """Hash of everything that decides the motion, so that another candidate may take its frames over; empty of a rigid instance."""
     versions: dict[str, str]
     deformables: tuple[str, ...] = ()
     """`entity/part` of every deforming part, in the order of their vertices in the channels `vertex/*`."""

@@ -11,6 +11,7 @@ from .deciding import deciding_warnings
 from .decoys import decoy_warnings
 from .denials import denied_verb, misdenied
 from .described import DESCRIBING, judged_words
+from .documents import kept_of_latest
 from .errors import InputError
 from .nouns import noun_of
 from .orders import orders_said
@@ -64,6 +65,7 @@ class Reading:
     waived: float
 
 
+@kept_of_latest
 def reading_of(spec: WorldSpec) -> Reading:
     """Cut the prompt of a specification by its claims."""
     prompt = spec.prompt

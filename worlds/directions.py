@@ -80,6 +80,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/materials", ". *", "material", "repair", "references are audited"),
     *parameters("/materials/*", "substance", "material", "repair", "what it is, and the range of densities that is allowed", physical=True),
     *parameters("/materials/*", "density", "material", "repair", "held by its substance; of substance other by nothing", physical=True),
+    *parameters("/materials/*", "of departs", "material", "repair", "which row of the table it is; the audit asks for a reason, which is printed"),
     *parameters("/materials/*", "friction rolling_friction restitution", "material", "repair", _RUBS, physical=True),
     *parameters("/materials/*/flammable", ". fuel ignition gasification char conductivity heat_capacity", "material", "repair", "when it burns, and how much; rows hold its mass and heat", physical=True),
     *parameters("/materials/*/appearance", ". color roughness metallic transmission pattern pattern_scale drying", "look", "none", _LOOK),

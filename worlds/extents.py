@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 __all__ = ["box_extent", "box_size", "initial_box", "initial_volume", "least_extent", "part_box", "shape_volume"]
 
 
-def _corners(shape: Shape) -> F64 | None:
-    """Corners of a box around a shape in its own frame (8, 3) [m]; None for files, which are not read here."""
+def _ends(shape: Shape) -> tuple[F64, F64] | None:
+    """Lowest and highest corner of a box around a shape in its own frame [m]; None for files, which are not read here."""
 
     if shape.kind == "box" or shape.kind == "wedge":
         low, high = -0.5 * np.array(shape.size), 0.5 * np.array(shape.size)
@@ -40,6 +40,15 @@ def _corners(shape: Shape) -> F64 | None:
         low, high = points.min(0), points.max(0)
     else:
         return None
+    return low, high
+
+
+def _corners(shape: Shape) -> F64 | None:
+    """Corners of a box around a shape in its own frame (8, 3) [m]; None for files."""
+    ends = _ends(shape)
+    if ends is None:
+        return None
+    low, high = ends
     return np.array([[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
@@ -61,8 +70,8 @@ def least_extent(shape: Shape) -> float | None:
 
 def box_size(shape: Shape) -> F64 | None:
     """Extents of the box around a shape along its own axes (3,) [m]; None for files and fields."""
-    corners = _corners(shape)
-    return None if corners is None else np.asarray(np.ptp(corners, axis=0))
+    ends = _ends(shape)
+    return None if ends is None else np.asarray(ends[1] - ends[0])
 
 
 def box_extent(shape: Shape) -> float | None:

@@ -11,6 +11,8 @@ from .vocabulary import SpecModel
 
 __all__ = ["DriverBase", "Instance", "Matter", "MatterShape", "TimedDriver"]
 
+STEP_SLACK = 1e-6
+"""Clocks of engines that add up their steps may be this far from the time of a frame [s]: far more than rounding, far less than a step."""
 MatterShape = Literal["solid", "deforming", "loose"]
 """`solid`: surfaces that keep their form; `deforming`: surfaces that bend; `loose`: matter without a surface of its own."""
 
@@ -58,10 +60,37 @@ class Instance(SpecModel):
 class DriverBase(SpecModel):
     """A driver, a member of the union `Driver`."""
 
+    later: ClassVar[frozenset[str]] = frozenset()
+    """Fields that decide nothing before it begins: no model, no step length, no state of an engine knows of them earlier."""
+    absent: ClassVar[frozenset[str]] = frozenset()
+    """Fields that nothing reads in a run from which it is taken away."""
+    switched: ClassVar[bool] = False
+    """Whether every engine that it acts on ends a step just where it begins and ends, so that the state then knows nothing of it yet."""
+
     @property
     def begins(self) -> float:
         """Time at which it acts first within the sequence [s]."""
         return max(0.0, float(getattr(self, "start", getattr(self, "time", 0.0))))
+
+    @property
+    def slack(self) -> float:
+        """By how much before it begins and ends a state may know of it [s]."""
+        return 0.0 if self.switched else STEP_SLACK
+
+    def alike_until(self, other: DriverBase | None) -> float:
+        """Time until which motion is the same to the byte with another driver in its place, or with none [s].
+
+        0 where that is not known: only fields named in `later` can give more.
+        """
+        if type(other) is not type(self):
+            return 0.0
+        changed = {name for name in type(self).model_fields if getattr(self, name) != getattr(other, name)}
+        if not changed <= self.later:
+            return 0.0 if changed else math.inf
+        times = [d.begins for d in (self, other)]
+        if changed == {"end"}:
+            times = [math.inf if end is None else float(end) for end in (getattr(d, "end", None) for d in (self, other))]
+        return max(0.0, min(times) - self.slack)
 
 
 class TimedDriver(DriverBase):

@@ -11,9 +11,11 @@ from pydantic import ValidationError
 
 from .bounds import check_document, extent, shown
 from .categories.registry import CATEGORIES
+from .documents import bare_document, document_of
 from .errors import SpecError
 from .hints import patch_problem, spec_problem
 from .limits import CAPS, check_cap
+from .named_materials import declared_by_name, filled_materials
 from .predicates.registry import PREDICATES, interval_tightens
 from .spec import WorldSpec
 from .weakened import (
@@ -24,7 +26,7 @@ from .weakened import (
     surface_weakenings,
 )
 
-__all__ = ["apply_patch", "differences", "entity_weakenings", "parse_spec", "story_weakenings", "weakenings"]
+__all__ = ["apply_patch", "differences", "entity_weakenings", "parse_edit", "parse_spec", "story_weakenings", "weakenings"]
 
 _ERROR_CHARACTERS = 300
 _SHOWN_PROBLEMS = 20
@@ -95,15 +97,60 @@ def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> Wor
         SpecError: an operation fails, the result does not validate, or the prompt would change.
     """
     check_cap("patch_operations", len(operations), what="this patch")
-    changed = spec.model_dump(mode="json", exclude_none=True)
+    changed: Any = bare_document(spec)
+    own: dict[int, Any] = {}
     added = 0
     for number, operation in enumerate(operations):
+        for pointer in (operation.get("from"), operation.get("path")):
+            changed = _with_own(changed, pointer, own)
         changed, more = _applied(changed, operation, number)
         added += more
         check_cap("patch_values", added, what=f"operations 0 to {number} of this patch")
     if not isinstance(changed, dict) or changed.get("prompt") != spec.prompt:
         raise SpecError("the prompt is immutable; create another world for another prompt")
-    return parse_spec(changed)
+    return parse_edit(changed)
+
+
+def parse_edit(document: Any) -> WorldSpec:
+    """Validate a document that a client edited; materials that it only names get what they are from the table of materials.
+
+    Raises:
+        LimitError: it is larger than any specification may be.
+        SpecError: as `parse_spec`; the table has no such row.
+    """
+    check_document(document, "the specification")
+    return declared_by_name(parse_spec(filled_materials(document)))
+
+
+def _with_own(document: Any, pointer: Any, own: dict[int, Any]) -> Any:
+    """The document with copies of what an operation at a pointer may change, so that whoever shares the original keeps it as it is.
+
+    Args:
+        document: objects and arrays, some of them shared.
+        pointer: JSON pointer; what leads nowhere changes nothing.
+        own: copies that earlier operations made, by identity; takes the new ones.
+    """
+
+    def owned(value: Any) -> Any:
+        if id(value) not in own:
+            value = value.copy()
+            own[id(value)] = value
+        return value
+
+    if not isinstance(document, dict | list) or not isinstance(pointer, str):
+        return document
+    document = at = owned(document)
+    for token in pointer.split("/")[1:-1]:
+        key: Any = token.replace("~1", "/").replace("~0", "~")
+        if isinstance(at, list):
+            key = int(key) if key.isdecimal() and int(key) < len(at) else None
+        elif key not in at:
+            key = None
+        if key is None or not isinstance(at[key], dict | list):
+            break
+        child = at[key] = owned(at[key])
+        at = child
+    return document
 
 
 def _applied(document: Any, operation: Mapping[str, Any], number: int) -> tuple[Any, int]:
@@ -131,6 +178,8 @@ def _applied(document: Any, operation: Mapping[str, Any], number: int) -> tuple[
 
 def differences(old: Any, new: Any, pointer: str = "") -> Iterator[str]:
     """JSON pointers at which two documents differ, leaves or whole added and removed subtrees."""
+    if old == new:
+        return
     if isinstance(old, dict) and isinstance(new, dict):
         for key in sorted({*old, *new}):
             place = f"{pointer}/{key}"
@@ -138,7 +187,7 @@ def differences(old: Any, new: Any, pointer: str = "") -> Iterator[str]:
                 yield place
             else:
                 yield from differences(old[key], new[key], place)
-    elif old != new:
+    else:
         yield pointer
 
 
@@ -249,6 +298,8 @@ def _robustness_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> It
 def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     now = new["relations"]
     for key, relation in old["relations"].items():
+        if relation == now.get(key):
+            continue
         if key not in now:
             if relation["kind"] != "fastened":
                 yield f"/graph/relations/{key} ({relation['kind']}) removed"
@@ -269,6 +320,8 @@ def entity_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterato
             yield f"/entities/{key} removed"
             continue
         now = new[key]
+        if now == entity:
+            continue
         if entity["motion"] == "dynamic" and now["motion"] != "dynamic":
             yield f"/entities/{key}/motion dynamic -> {now['motion']}"
         if now.get("afloat") and not entity.get("afloat"):
@@ -302,13 +355,13 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
         after: the one after it.
         judged: entities that failing rows name: their surfaces are what was judged.
     """
-    old, new = before.model_dump(mode="json", exclude_none=True), after.model_dump(mode="json", exclude_none=True)
+    old, new = bare_document(before), bare_document(after)
     found = list(story_weakenings(old["story"], new["story"]))
     found += _robustness_weakenings(old["story"]["robustness"], new["story"]["robustness"])
     found += _graph_weakenings(old["graph"], new["graph"])
     found += entity_weakenings(old["entities"], new["entities"])
     found += surface_weakenings(old["entities"], new["entities"], judged)
-    places = list(differences(before.model_dump(mode="json"), after.model_dump(mode="json")))
+    places = list(differences(document_of(before), document_of(after)))
     found += directed_weakenings(old, new, places)
     found += physical_weakenings(before, after, old, new, places)
     found += _shot_weakenings(old["shots"], new["shots"])

@@ -8,13 +8,12 @@ the story and the shot plan over the same motion), `seen` (plates: pictures of t
 
 from __future__ import annotations
 
-import threading
-from collections import deque
 from collections.abc import Mapping
 from typing import Any
 
-from .canonical import digest_of
+from .canonical import Encoded, digest_of
 from .categories.registry import CATEGORIES
+from .documents import document_of, kept_of_latest
 from .requirements import Row
 from .slices import geometry_slice, motion_slice
 from .spec import Fastened, WorldSpec
@@ -45,48 +44,28 @@ def _plan_slice(spec: WorldSpec, name: str) -> Any:
     }
 
 
-_kept: deque[tuple[WorldSpec, dict[str, str]]] = deque(maxlen=8)
-"""Recipes by specification: frozen, so the same object has the same ones."""
-_kept_lock = threading.Lock()
-
-
 def recipes(spec: WorldSpec) -> dict[str, str]:
-    """Recipe of every artifact that the specification implies; those of the latest specifications are kept."""
-    with _kept_lock:
-        known = next((found for other, found in _kept if other is spec), None)
-    if known is None:
-        known = _recipes(spec)
-        with _kept_lock:
-            _kept.append((spec, known))
-    return dict(known)
+    """Recipe of every artifact that the specification implies."""
+    return dict(_recipes(spec))
 
 
+_PICTURE_FORMAT = frozenset(("width", "height", "samples"))
+"""Fields of the look that plates have of their own."""
+_PLANNED = frozenset(("covers", "subjects", "intent"))
+"""Fields of a shot that say what it is for, and not where its camera stands."""
+
+
+@kept_of_latest
 def _recipes(spec: WorldSpec) -> dict[str, str]:
-    found: dict[str, str] = {}
-    limits = spec.simulation.limits.model_dump(mode="json")
-    relations = {k: r.model_dump(mode="json") for k, r in spec.graph.relations.items()}
-    # An entity's `static` evidence covers itself; pairs belong to both of their entities.
-    by_entity: dict[str, list[Any]] = {}
-    for key in sorted(relations):
-        for end in ("a", "b"):
-            by_entity.setdefault(relations[key][end], []).append(relations[key])
-    for name, entity in spec.entities.items():
-        geometry = geometry_slice(spec, name)
-        found[f"built:{name}"] = digest_of(geometry)
-        found[f"static:{name}"] = digest_of(
-            geometry,
-            entity.pose,
-            entity.dimensions,
-            entity.nominal_diagonal,
-            entity.motion,
-            by_entity.get(name, []),
-            limits,
-            *([entity.afloat] if entity.afloat is not None else []),
-        )
+    document = document_of(spec)
+    entities, limits = document["entities"], document["simulation"]["limits"]
+    relations, look = document["graph"]["relations"], document["look"]
+    geometries = {name: geometry_slice(spec, name) for name in spec.entities}
+    found = _of_entities(document, geometries)
     for name in spec.terrains:
         found[f"terrain:{name}"] = landscape_digest(spec, name)
-    motion = digest_of(motion_slice(spec))
-    graph = digest_of(relations, {k: r.model_dump(mode="json") for k, r in spec.graph.regions.items()})
+    motion = digest_of(motion_slice(spec, geometries))
+    graph = digest_of(relations, document["graph"]["regions"])
     found["motion"] = motion
     for category in CATEGORIES.values():
         found |= category.recipes(spec, motion)
@@ -94,14 +73,14 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
         motion, [r for r in relations.values() if r["kind"] == Fastened.model_fields["kind"].default], limits
     )
     found["category"] = digest_of(motion, limits)
-    floating = {k: e.afloat for k, e in spec.entities.items() if e.afloat is not None}
-    found["story"] = digest_of(motion, spec.story, graph, limits, *([floating] if floating else []))
+    floating = {k: e["afloat"] for k, e in entities.items() if e["afloat"] is not None}
+    found["story"] = digest_of(motion, document["story"], graph, limits, *([floating] if floating else []))
     aspect = spec.look.width / spec.look.height
-    found["shots"] = digest_of(motion, spec.shots, spec.story, limits, aspect)
-    appearance = {k: m.appearance.model_dump(mode="json") for k, m in spec.materials.items()}
+    found["shots"] = digest_of(motion, document["shots"], document["story"], limits, aspect)
+    appearance = {k: m["appearance"] for k, m in document["materials"].items()}
     lands = {k: v for k, v in found.items() if k.startswith("terrain:")}
-    light = spec.look.model_dump(mode="json", exclude={"width", "height", "samples"})
-    cameras = {k: s.model_dump(mode="json", exclude={"covers", "subjects", "intent"}) for k, s in spec.shots.items()}
+    light = {k: v for k, v in look.items() if k not in _PICTURE_FORMAT}
+    cameras = {k: {f: v for f, v in s.items() if f not in _PLANNED} for k, s in document["shots"].items()}
     found["seen"] = digest_of(motion, cameras, aspect, lands, light, appearance)
     found["acceptance"] = digest_of(
         found["story"],
@@ -109,15 +88,37 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
         found["contact"],
         found["category"],
         sorted(v for k, v in found.items() if k.startswith("static:")),
-        spec.clauses if spec.spec_version == "1" else spec.claims,
+        document["clauses" if spec.spec_version == "1" else "claims"],
         spec.prompt,
     )
-    found["final"] = digest_of(
-        found["acceptance"],
-        lands,
-        spec.look,
-        appearance,
-    )
+    found["final"] = digest_of(found["acceptance"], lands, look, appearance)
+    return found
+
+
+def _of_entities(document: Mapping[str, Any], geometries: Mapping[str, Any]) -> dict[str, str]:
+    """Recipes of the entities of a specification, as JSON, with the slices of their geometry: what is built and its evidence at frame 0.
+
+    The evidence covers the entity itself; pairs belong to both of their entities.
+    """
+    found: dict[str, str] = {}
+    relations, limits = document["graph"]["relations"], Encoded.of(document["simulation"]["limits"])
+    by_entity: dict[str, list[Any]] = {}
+    for key in sorted(relations):
+        for end in ("a", "b"):
+            by_entity.setdefault(relations[key][end], []).append(relations[key])
+    for name, entity in document["entities"].items():
+        geometry = Encoded.of(geometries[name])
+        found[f"built:{name}"] = digest_of(geometry)
+        found[f"static:{name}"] = digest_of(
+            geometry,
+            entity["pose"],
+            entity["dimensions"],
+            entity["nominal_diagonal"],
+            entity["motion"],
+            by_entity.get(name, []),
+            limits,
+            *([entity["afloat"]] if entity["afloat"] is not None else []),
+        )
     return found
 
 

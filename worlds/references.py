@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import Any
+from typing import Any, get_args
 
 from .predicates.registry import PREDICATES
 from .spec import Ref, SpecModel
@@ -46,9 +46,15 @@ def _fields(model: type[SpecModel]) -> tuple[tuple[str, str | None], ...]:
             for mark in getattr(part, "__metadata__", ()):
                 if target is None and isinstance(mark, Ref):
                     target = mark.target
-        if info.annotation not in (int, float, bool):
+        if target is not None or _holds_models(info.annotation):
             found.append((name, target))
     return tuple(found)
+
+
+def _holds_models(annotation: Any) -> bool:
+    """Whether a value of a type may be a model or hold one."""
+    inner = get_args(annotation)
+    return any(map(_holds_models, inner)) if inner else isinstance(annotation, type) and issubclass(annotation, SpecModel)
 
 
 def kinds_of(predicate: SpecModel) -> set[str]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from .documents import document_of
+
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
@@ -17,19 +19,19 @@ MOTION_VERSION = "1"
 def physical_materials(materials: Mapping[str, Any]) -> dict[str, Any]:
     """Materials as JSON without their looks; those that cannot burn say nothing of it."""
     return {
-        k: m.model_dump(mode="json", exclude={"appearance", *(["flammable"] if m.flammable is None else [])})
+        k: m.model_dump(mode="json", exclude={"appearance", "of", "departs", *(["flammable"] if m.flammable is None else [])})
         for k, m in materials.items()
     }
 
 
 def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
     """Everything that decides the geometry and mass of one entity."""
-    entity = spec.entities[name]
+    entity, document = spec.entities[name], document_of(spec)["entities"][name]
     names = {entity.material, *(p.material for p in entity.parts.values() if p.material)}
     return {
         **({} if entity.breakable is None else {"breakable": entity.breakable.model_dump(mode="json", exclude={"bond"})}),
         "parts": {k: p.model_dump(mode="json", exclude_defaults=True) for k, p in entity.parts.items()},
-        "generator": None if entity.generator is None else entity.generator.model_dump(mode="json"),
+        "generator": document["generator"],
         "material": entity.material,
         "densities": {n: spec.materials[n].density for n in sorted(names) if n in spec.materials},
         "mass": None,
@@ -37,9 +39,15 @@ def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
     }
 
 
-def motion_slice(spec: WorldSpec) -> dict[str, Any]:
-    """Everything that decides the motion: entities' physics and places, materials, the plan without its limits."""
-    plan = spec.simulation.model_dump(mode="json", exclude={"limits"})
+def motion_slice(spec: WorldSpec, geometries: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Everything that decides the motion: entities' physics and places, materials, the plan without its limits.
+
+    Args:
+        spec: the specification.
+        geometries: slices of the geometry of its entities, where the caller has them.
+    """
+    document = document_of(spec)
+    entities = document["entities"]
     used = {e.material for e in spec.entities.values()} | {
         p.material for e in spec.entities.values() for p in e.parts.values() if p.material
     }
@@ -47,15 +55,15 @@ def motion_slice(spec: WorldSpec) -> dict[str, Any]:
         "spec_version": MOTION_VERSION,
         "entities": {
             k: {
-                "geometry": geometry_slice(spec, k),
-                "pose": e.pose.model_dump(mode="json"),
+                "geometry": geometry_slice(spec, k) if geometries is None else geometries[k],
+                "pose": entities[k]["pose"],
                 "motion": e.motion,
-                "physics": e.physics.model_dump(mode="json"),
+                "physics": entities[k]["physics"],
                 "active": e.active,
-                **({} if e.breakable is None else {"bond": e.breakable.bond.model_dump(mode="json")}),
+                **({} if e.breakable is None else {"bond": entities[k]["breakable"]["bond"]}),
             }
             for k, e in spec.entities.items()
         },
         "materials": physical_materials({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
-        "plan": plan,
+        "plan": {k: v for k, v in document["simulation"].items() if k != "limits"},
     }

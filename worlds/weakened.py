@@ -55,7 +55,7 @@ def physical_weakenings(
     yield from _plan(old["simulation"], new["simulation"])
     judged = set[str]()
     for key, entity in old["entities"].items():
-        if key in new["entities"]:
+        if key in new["entities"] and entity != new["entities"][key]:
             yield from _entity(key, entity, new["entities"][key])
             for place, told in _strengths(key, entity, new["entities"][key], old["story"]):
                 judged.add(place)

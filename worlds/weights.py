@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..physics.substances import DENSITY_RANGES
+from .materials import DENSITY_RANGES
 
 __all__ = ["LEAST_WALL", "ROUNDING", "Weights", "allowed"]
 

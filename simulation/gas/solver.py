@@ -25,6 +25,7 @@ from ...worlds.errors import InputError
 from ...worlds.fields import fields_of
 from ..boundaries import BodyState, Surround, surround_of
 from ..coupled_solver import CoupledSolver, motion_records
+from ..recipes import coupled_recipe, reader_recipe
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
 from .dust import Dust
@@ -37,11 +38,17 @@ from .source import cover, share_of
 from .surfaces import Surfaces
 
 if TYPE_CHECKING:
-    from ...worlds.spec import EmissionDriver
+    from collections.abc import Mapping
+
+    from ...worlds.built import BuiltEntity
+    from ...worlds.cache import Cache
+    from ...worlds.spec import EmissionDriver, WorldSpec
     from .solids import Solids
 
 __all__ = ["SolverGas"]
 
+REACH = 2.0
+"""Solids up to so many cells outside its box stand in a gas's way."""
 VOLUME = 4
 """Place of the volume in what a border counts, after the four amounts."""
 
@@ -65,6 +72,14 @@ class SolverGas(CoupledSolver):
     KIND = "gas"
     REMEDY = "shorten max_step or lower courant"
 
+    @staticmethod
+    def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
+        """Recipe of a gas, which reads the bodies' motion: only what reaches its domain, unless it may burn or impacts raise dust in it."""
+        found = gas_of(spec, name)
+        if found is None or found[2].fuel is not None or dusts_of(spec, name):
+            return coupled_recipe(spec, built)
+        return reader_recipe(spec, built, name, caches, margin=REACH * found[2].resolution, rough=True)
+
     @property
     def surround(self) -> Surround:
         """The bodies that stand in its way."""
@@ -82,7 +97,7 @@ class SolverGas(CoupledSolver):
         self.grid = grid_of(instance, self.physics.resolution)
         middles = corners_of(self.grid.shape, self.grid.cell, self.grid.corner)[:-1, :-1, :-1] + 0.5 * self.grid.cell
         self._middles = middles.reshape(-1, 3)
-        self._surround = surround_of(spec, self.built, domain_box(instance), 2.0 * self.grid.cell)
+        self._surround = surround_of(spec, self.built, domain_box(instance), REACH * self.grid.cell)
         self.obstacles = Obstacles(self._surround, self.grid)
         settings = instance.settings
         self.fuel = fuel_of(self.physics)

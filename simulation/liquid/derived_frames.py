@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...worlds.cache import Cache
 from ...worlds.derived import Derived
 from ...worlds.folder import write_atomically
 
@@ -53,7 +54,7 @@ def make_frames(
             check()
 
 
-def take_frames(made: Derived, earlier: Derived) -> None:
+def take_frames(made: Derived, earlier: Derived, *, frames: int | None = None) -> None:
     """Put a copy of what was made of another cache where this one's stands, if that has more frames.
 
     Whoever goes on from there tests recipe, digest and source of every frame, as of those that an interrupted run left.
@@ -61,12 +62,19 @@ def take_frames(made: Derived, earlier: Derived) -> None:
     Args:
         made: where the copy goes.
         earlier: what is copied, made of the same frames.
+        frames: how many at the start are of the same; default all.
     """
-    if earlier.count() <= made.count():
+    count = earlier.count() if frames is None else min(frames, earlier.count())
+    if count <= made.count():
         return
     folder = made.files.folder
     spare = folder.with_name(f".{folder.name}.taken")
     shutil.rmtree(spare, ignore_errors=True)  # what a kill left
-    shutil.copytree(earlier.files.folder, spare)
+    spare.mkdir(parents=True)
+    dropped = {earlier.files.path(k).name for k in range(count, earlier.count())}
+    for path in earlier.present():
+        if path.name not in dropped:
+            shutil.copy2(path, spare)
+    Cache(spare).begin_digests(earlier.files.digests()[:count])
     shutil.rmtree(folder, ignore_errors=True)
     spare.rename(folder)

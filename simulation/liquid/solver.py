@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.categories.liquid.facts import declares_heat
+from ...worlds.categories.liquid.facts import declares_heat, spacing_of
 from ...worlds.errors import EngineError
 from ..boundaries import BodyState, Surround
 from ..coupled_solver import CoupledSolver, motion_records
 from ..protocol import SHORTEST
+from ..recipes import reader_recipe
 from .engine import Engine, LiquidReport, LiquidSetup
-from .recipe import liquid_recipe
-from .scene import LiquidScene, build_scene
+from .scene import MARGIN, LiquidScene, build_scene
 
 if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
@@ -55,7 +55,7 @@ class SolverLiquid(CoupledSolver):
     @staticmethod
     def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
         """Recipe of a liquid that reads the bodies' motion: only what reaches its domain."""
-        return liquid_recipe(spec, built, name, caches)
+        return reader_recipe(spec, built, name, caches, margin=MARGIN * spacing_of(spec, name), rough=False)
 
     def set_up(self) -> None:
         """Fill the volume and make the engine."""

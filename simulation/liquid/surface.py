@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -11,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.launch import cores
 from ...worlds.arrays import F64, I32
 from ...worlds.built import TriangleMesh
 from ...worlds.cache import Cache, digest_arrays
@@ -31,6 +34,8 @@ ROUGH = 0.15
 liquid is not, and the colour field sees the difference (measured 0.11 in still water, whose centre of mass stays within 0.2 %)."""
 NEARLY = 1e-3
 """Share of the volume that one step may miss."""
+AHEAD = 3
+"""Frames in hand at once: while some are drawn, spray and foam of the next are followed."""
 BARE = 0.4
 """Distance from walls within which there is no foam."""
 Walls = Callable[[int], Sequence[TriangleMesh]]
@@ -94,26 +99,23 @@ class _State:
 
 def _pieces(mesh: surface_mesh.SurfaceMesh, least: float) -> tuple[surface_mesh.SurfaceMesh, int]:
     """The mesh without pieces and cavities smaller than `least` [m^3], and the number of pieces that are not cavities."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
+    from .mesh_kernels import components
 
-    faces, count = mesh.faces, len(mesh.vertices)
-    if not len(faces):
+    if not len(mesh.faces):
         return mesh, 0
-    start, end = faces[:, :2].reshape(-1), faces[:, 1:].reshape(-1)
-    _, label = connected_components(
-        coo_matrix((np.ones(len(start), np.int8), (start, end)), shape=(count, count)), directed=False
-    )
-    own = label[faces[:, 0]]
-    a, b, c = (mesh.vertices[faces[:, k]] - mesh.vertices[0] for k in range(3))
-    volume = np.bincount(own, (a * np.cross(b, c)).sum(1) / 6, minlength=label.max() + 1)
+    root = np.arange(len(mesh.vertices))
+    components(mesh.faces, root)
+    own = root[mesh.faces[:, 0]]
+    volume = np.bincount(own, surface_mesh.face_volumes(mesh.vertices, mesh.faces), minlength=len(root))
     kept = np.abs(volume) >= least
-    faces = faces[kept[own]]
-    used, number = np.unique(faces, return_inverse=True)
-    small = surface_mesh.SurfaceMesh(
-        mesh.vertices[used], number.reshape(-1, 3).astype(np.int32), mesh.velocity[used], mesh.temperature[used]
-    )
-    return small, int((volume[kept] > 0).sum())
+    faces = mesh.faces[kept[own]]
+    number = int((volume[kept] > 0).sum())
+    if len(faces) == len(mesh.faces):
+        return mesh, number
+    used = np.flatnonzero(kept[root])
+    place = np.zeros(len(root), np.int32)
+    place[used] = np.arange(len(used), dtype=np.int32)
+    return surface_mesh.SurfaceMesh(mesh.vertices[used], place[faces], mesh.velocity[used], mesh.temperature[used]), number
 
 
 def _filled(
@@ -215,29 +217,40 @@ def surface_frame(
         before: what the frame before left.
         walls: world meshes of what holds the liquid.
     """
+    draw, state = _follow(data, settings, dt, before)
+    return draw(walls), state
+
+
+def _follow(
+    data: dict[str, Any], settings: SurfaceSettings, dt: float, before: _State | None
+) -> tuple[Callable[[Sequence[TriangleMesh]], dict[str, Any]], _State]:
+    """Spray and foam of a frame, which follow from the frame before: what the next takes over, and what draws this one between walls."""
     position, velocity = data["particle/position"].astype(np.float64), data["particle/velocity"].astype(np.float64)
     identity, spacing = data["particle/id"], settings.spacing
     around: Surroundings = surroundings(position, velocity, spacing)
     was = np.isin(identity, before.spray) if before is not None else np.zeros(len(identity), dtype=bool)
     spray = foam.spray_of(around.count, clumps(position, spacing), was)
     state, amount = foam.grow_foam(identity, velocity, around, ~spray, before.foam if before is not None else None, dt)
-    channels, records = _meshes(data, position, ~spray, settings, walls)
-    records["spray_volume"] = float(data["particle/volume"][spray].sum(dtype=np.float64))
-    channels |= {
-        "origin": np.asarray(data["origin"], dtype=np.float64),
-        "spray/position": data["particle/position"][spray],
-        "spray/velocity": data["particle/velocity"][spray],
-        "spray/volume": data["particle/volume"][spray],
-        "spray/fluid": data["particle/fluid"][spray],
-        "spray/id": identity[spray],
-        "foam/position": _bubbles(data, position, around.normal, amount, settings, walls),
-        "foam/id": state.identity,
-        "foam/amount": state.amount,
-    }
-    if "particle/temperature" in data:
-        channels["spray/temperature"] = data["particle/temperature"][spray]
-    channels |= {f"record/{k}": np.float64(v) for k, v in records.items()}
-    return channels, _State(identity[spray], state)
+
+    def draw(walls: Sequence[TriangleMesh]) -> dict[str, Any]:
+        channels, records = _meshes(data, position, ~spray, settings, walls)
+        records["spray_volume"] = float(data["particle/volume"][spray].sum(dtype=np.float64))
+        channels |= {
+            "origin": np.asarray(data["origin"], dtype=np.float64),
+            "spray/position": data["particle/position"][spray],
+            "spray/velocity": data["particle/velocity"][spray],
+            "spray/volume": data["particle/volume"][spray],
+            "spray/fluid": data["particle/fluid"][spray],
+            "spray/id": identity[spray],
+            "foam/position": _bubbles(data, position, around.normal, amount, settings, walls),
+            "foam/id": state.identity,
+            "foam/amount": state.amount,
+        }
+        if "particle/temperature" in data:
+            channels["spray/temperature"] = data["particle/temperature"][spray]
+        return channels | {f"record/{k}": np.float64(v) for k, v in records.items()}
+
+    return draw, _State(identity[spray], state)
 
 
 def _recipe(settings: SurfaceSettings) -> dict[str, Any]:
@@ -289,14 +302,22 @@ def mesh_surfaces(
     digests = cache.digests()
     start, state = _trusted(made, about["recipe"], cache.index.frames)
 
-    def make(frame: int) -> tuple[dict[str, Any], frozenset[str]]:
+    drawn: deque[Future[dict[str, Any]]] = deque()
+
+    def follow(frame: int) -> Future[dict[str, Any]]:
         nonlocal state
         data = cache.read(frame)
         if digest_arrays(data) != digests[frame]:
             raise EvidenceError(f"particles of {cache.folder.name!r} at frame {frame} were altered; bake again")
-        held = walls(frame) if walls is not None else ()
-        channels, state = surface_frame(data, settings, dt=1.0 / cache.index.fps, before=state, walls=held)
-        return channels, frozenset({"surface", "surface heat"} if "particle/temperature" in data else {"surface"})
+        draw, state = _follow(data, settings, 1.0 / cache.index.fps, state)
+        return pool.submit(draw, walls(frame) if walls is not None else ())
 
-    make_frames(made, start, make, about, progress=progress, check=check)
+    def make(frame: int) -> tuple[dict[str, Any], frozenset[str]]:
+        for ahead in range(frame + len(drawn), min(frame + AHEAD, cache.index.frames)):
+            drawn.append(follow(ahead))
+        channels = drawn.popleft().result()
+        return channels, frozenset({"surface", "surface heat"} if "surface/temperature" in channels else {"surface"})
+
+    with ThreadPoolExecutor(min(AHEAD, cores())) as pool:
+        make_frames(made, start, make, about, progress=progress, check=check)
     return LiquidSurface(cache)

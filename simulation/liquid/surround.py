@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from ...geometry.launch import cores
 from ...worlds.arrays import F64
 
-__all__ = ["Surroundings", "clumps", "surroundings"]
+__all__ = ["Surroundings", "carried", "clumps", "crowding", "surroundings"]
 
 SUPPORT = 2.0
 """Reach of a neighbourhood in spacings; 32 neighbours inside a lattice, about 20 on its face."""
@@ -36,6 +37,34 @@ class Surroundings:
     """Potential of wave crests: convexity where a particle moves outwards, else 0."""
 
 
+@dataclass(frozen=True)
+class _Cells:
+    """Particles sorted into cubic cells."""
+
+    order: NDArray[np.int64]
+    """Index of each in the order given (n,)."""
+    position: F64
+    """Sorted (n, 3)."""
+    grid: tuple[F64, float, NDArray[np.int64], NDArray[np.int64]]
+    """Lower corner, side of a cell, cells along each axis, key of each particle's cell (n,)."""
+
+    @classmethod
+    def of(cls, position: F64, size: float) -> _Cells:
+        """Sort particles (n, 3), n > 0, into cells of a side."""
+        lower = position.min(0) - 0.5 * size
+        cell = np.floor((position - lower) / size).astype(np.int64)
+        dims = cell.max(0) + 2
+        key = (cell[:, 0] * dims[1] + cell[:, 1]) * dims[2] + cell[:, 2]
+        order = np.argsort(key, kind="stable")
+        return cls(order, np.ascontiguousarray(position[order]), (lower, size, dims, key[order]))
+
+    def in_given_order(self, *values: NDArray[Any]) -> list[NDArray[Any]]:
+        """Sorted values, as the particles were given."""
+        back = np.empty(len(self.order), np.int64)
+        back[self.order] = np.arange(len(self.order))
+        return [v[back] for v in values]
+
+
 def _sliced(kernel: object, count: int, *inputs: object) -> None:
     starts = range(0, count, SLICE)
     with ThreadPoolExecutor(max(1, min(cores(), len(starts)))) as pool:
@@ -56,23 +85,43 @@ def surroundings(position: F64, velocity: F64, spacing: float) -> Surroundings:
     from .surround_kernels import crests, surroundings
 
     support = SUPPORT * spacing
-    lower = position.min(0) - 0.5 * support
-    cell = np.floor((position - lower) / support).astype(np.int64)
-    dims = cell.max(0) + 2
-    key = (cell[:, 0] * dims[1] + cell[:, 1]) * dims[2] + cell[:, 2]
-    order = np.argsort(key, kind="stable")
-    key, near, speed = key[order], np.ascontiguousarray(position[order]), np.ascontiguousarray(velocity[order])
+    cells = _Cells.of(position, support)
+    near, speed = cells.position, np.ascontiguousarray(velocity[cells.order])
     count, side, trapped, crest = np.empty(n, np.int32), np.empty((n, 3)), np.empty(n), np.empty(n)
-    _sliced(surroundings, n, near, speed, lower, support, dims, key, support, count, side, trapped)
+    _sliced(surroundings, n, near, speed, *cells.grid, support, count, side, trapped)
     length = np.linalg.norm(side, axis=1)
     outside = length > INSIDE
     normal = np.where(outside[:, None], side / np.maximum(length, 1e-12)[:, None], 0.0)
-    _sliced(crests, n, near, normal, lower, support, dims, key, support, crest)
+    _sliced(crests, n, near, normal, *cells.grid, support, crest)
     moving = np.linalg.norm(speed, axis=1)
     crest[(speed * normal).sum(1) < 0.6 * moving] = 0.0
-    back = np.empty(n, np.int64)
-    back[order] = np.arange(n)
-    return Surroundings(count[back], normal[back], trapped[back], crest[back])
+    return Surroundings(*cells.in_given_order(count, normal, trapped, crest))
+
+
+def crowding(position: F64, support: float, enough: float) -> F64:
+    """Neighbours of every particle within a support [m], weighted by 1 - (distance / support)^2, up to `enough` (n,)."""
+    from .surround_kernels import crowding as kernel
+
+    cells, found = _Cells.of(position, support), np.empty(len(position))
+    _sliced(kernel, len(position), cells.position, *cells.grid, 1, enough, found)
+    return cells.in_given_order(found)[0]
+
+
+def carried(points: F64, position: F64, values: F64, support: float) -> F64:
+    """Values of particles at points (v, c): means weighted by the cubic spline kernel; 0 where no particle is within the support.
+
+    Args:
+        points: (v, 3) [m].
+        position: of the particles (n, 3) [m], n > 0.
+        values: theirs (n, c).
+        support: radius of the kernel [m].
+    """
+    from .surround_kernels import carried as kernel
+
+    reach = 2
+    cells, found = _Cells.of(position, support / reach), np.empty((len(points), values.shape[1]))
+    _sliced(kernel, len(points), points, cells.position, np.ascontiguousarray(values[cells.order]), *cells.grid, reach, found)
+    return found
 
 
 def clumps(position: F64, spacing: float) -> NDArray[np.int64]:

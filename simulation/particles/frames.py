@@ -11,11 +11,17 @@ from ...worlds.arrays import F64
 from ...worlds.fields import Fields, fields_of
 from ..boundaries import BodyState
 from ..coupled_solver import CoupledSolver, motion_records
+from ..recipes import reader_recipe
 from .energy import Elastic
+from .scene import reach_of
 from .setup import GrainReport
 
 if TYPE_CHECKING:
-    from ...worlds.spec import ParticlePhysics
+    from collections.abc import Mapping
+
+    from ...worlds.built import BuiltEntity
+    from ...worlds.cache import Cache
+    from ...worlds.spec import ParticlePhysics, WorldSpec
 
 __all__ = ["FramedParticles"]
 
@@ -38,6 +44,11 @@ class FramedParticles(CoupledSolver):
 
     KIND = "particles"
     REMEDY = "lower its step"
+
+    @staticmethod
+    def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
+        """Recipe of particles that read the bodies' motion: only what reaches their domain."""
+        return reader_recipe(spec, built, name, caches, margin=reach_of(spec, name), rough=True)
 
     def __init__(self, *given: Any, **named: Any) -> None:
         super().__init__(*given, **named)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
     from ...worlds.spec import ParticlePhysics, WorldSpec
 
-__all__ = ["MARGIN", "GrainScene", "build_grains", "surround_for"]
+__all__ = ["MARGIN", "GrainScene", "build_grains", "reach_of", "surround_for"]
 
 MARGIN = 4.0
 """Solids up to so many radii outside a domain count as reaching into it."""
@@ -39,9 +39,12 @@ class GrainScene(NamedTuple):
 
 def surround_for(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str) -> Surround:
     """Bodies that reach into an instance's domain."""
-    low, high = domain_box(spec.simulation.particles[name])
-    largest = max((p.radius * (1 + p.radius_spread) for p in _physics(spec, name)), default=0.0)
-    return surround_of(spec, built, (low, high), MARGIN * largest, soft=soft_met(spec, name))
+    return surround_of(spec, built, domain_box(spec.simulation.particles[name]), reach_of(spec, name), soft=soft_met(spec, name))
+
+
+def reach_of(spec: WorldSpec, name: str) -> float:
+    """Distance from an instance's domain up to which solids count [m]."""
+    return MARGIN * max((p.radius * (1 + p.radius_spread) for p in _physics(spec, name)), default=0.0)
 
 
 def _physics(spec: WorldSpec, name: str) -> list[ParticlePhysics]:

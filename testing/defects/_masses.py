@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...physics.substances import DENSITY_RANGES
+from ...worlds.materials import DENSITY_RANGES
 from ...worlds.spec import Box, Cylinder, Entity, Material, Part, RigidPhysics, Shape, Sphere
 from ...worlds.weights import LEAST_WALL
 from ..worlds.small_worlds import entity, make_candidate, world

@@ -17,6 +17,7 @@ from worldagent.testing.worlds.small_worlds import ground, world
 from worldagent.tests.verifiers.pushed_blocks import N, only, pushed
 from worldagent.verifiers.story.counterfactual import check
 from worldagent.worlds.cache import read_container, write_container
+from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.predicates import Displacement
 from worldagent.worlds.spec import (
@@ -100,6 +101,42 @@ def test_the_same_motion_is_not_simulated_twice(tmp_path: Path, monkeypatch: pyt
     assert len(frames) == once
     only(candidate)  # what is given no folder simulates for itself
     assert len(frames) == 2 * once
+
+
+def _shoved(folder: Path, *, start: int = 5, end: float = 0.5, **force: float) -> Candidate:
+    """A candidate of one world, in which a block is shoved from a frame on."""
+    shove = ForceDriver(entity="b", force=(force.get("x", 3.0), 0, 0), start=start / 24, end=end)
+    spec = pushed(drivers={"shove": shove})
+    candidate = simulate(folder, spec)
+    (folder / "candidate.json").write_text("{}")
+    return replace(candidate, variants=folder / "variants")
+
+
+def _positions(candidate: Candidate, done: Intervention, start: int, end: int) -> np.ndarray:
+    return np.asarray(run_variant(candidate, done, start=start, end=end).caches["rigid"].series("position"))
+
+
+@pytest.mark.parametrize(
+    ("done", "last", "changes", "shared"),
+    [
+        (Intervention(without=frozenset({"shove"})), 20, {"x": 9.0}, True),
+        (Intervention(without=frozenset({"shove"})), 20, {"end": 0.6}, False),
+        (Intervention(held=frozenset({"a"}), since=5 / 24), 20, {"x": 9.0}, False),
+        (Intervention(held=frozenset({"a"}), since=2 / 24), 5, {"x": 9.0}, True),
+        (Intervention(held=frozenset({"a"}), since=2 / 24), 6, {"x": 9.0}, False),
+    ],
+)
+def test_a_run_without_what_an_edit_changed_is_kept_for_the_next_candidate(
+    done: Intervention, last: int, changes: dict[str, float], shared: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another force in a run without it, or after its end, changes nothing in that run; anything else is simulated anew."""
+    first, second = _shoved(tmp_path / "one"), _shoved(tmp_path / "two", **changes)  # type: ignore[arg-type]
+    start = round(24 * done.since) or 5
+    fresh = _positions(replace(second, variants=None), done, start, last)
+    _positions(first, done, start, last)
+    frames = counted_frames(monkeypatch)
+    assert np.array_equal(_positions(second, done, start, last), fresh)
+    assert (frames == []) == shared
 
 
 def test_a_kept_run_that_was_touched_or_is_of_another_recipe_is_made_anew(

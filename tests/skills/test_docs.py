@@ -54,6 +54,13 @@ def test_the_page_of_events_of_the_skill_is_fresh() -> None:
     assert page.read_text() == _generator("events").page(), "run: python docs/generate_events.py"
 
 
+def test_what_skills_show_of_the_table_of_materials_is_current() -> None:
+    files = _generator("materials").files()
+    assert len(files) == 4
+    for path, text in files.items():
+        assert path.read_text() == text, f"{path.name}; run: python docs/generate_materials.py"
+
+
 def test_a_bound_without_unit_or_reason_is_refused(tmp_path: Path) -> None:
     read = _generator("choices").bounds_of
     module = tmp_path / "bounds.py"

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
-from worldagent.physics.substances import DENSITY_RANGES
 from worldagent.server.skill_files import SKILLS, skill_files, skill_names
 from worldagent.verifiers.catalogue import QUESTIONS
 from worldagent.verifiers.categories.cloth.questions import CATEGORY, NUMERICAL
@@ -20,6 +19,7 @@ from worldagent.verifiers.diagnosis.table import TABLES
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.categories.liquid.facts import LEAST_SPACINGS, LEAST_WALL
 from worldagent.worlds.groups import GROUPS
+from worldagent.worlds.materials import DENSITY_RANGES, row_named
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates.event_kinds import BODY_EVENTS
 from worldagent.worlds.predicates.registry import PREDICATES
@@ -237,6 +237,9 @@ def test_the_materials_and_the_world_of_the_elastic_skill_are_accepted_by_their_
     for name, values in json.loads((SKILLS / "elastic-bodies" / "materials.json").read_text()).items():
         physics = {k: v for k, v in values.items() if k in ElasticPhysics.model_fields}
         assert set(values) - set(physics) == {"density"}, name
+        row = row_named(name)
+        for quantity, figure in {} if row is None else row[1].figures.items():
+            assert quantity not in values or figure.holds(values[quantity]), (name, quantity)
         ElasticPhysics.model_validate({"category": "elastic", **physics})
     report = audit(parse_spec(json.loads((SKILLS / "elastic-bodies" / "jelly.json").read_text())))
     assert [(r.id, r.evidence) for r in report.rows if r.mandatory and r.status not in ("pass", "not_applicable")] == []

@@ -63,8 +63,15 @@ def test_the_marked_text_is_the_prompt() -> None:
     told = prompt_guide(prompt)
     marks = parse_marks(told["marked"], prompt)
     assert [m.quote for m in marks][:3] == ["glass", "jug", "tips over"]
-    assert set(told["densities"]) == {"glass", "wood"}
+    assert set(told["materials"]) == {"soda_lime_glass", "honey", "oak"}
+    assert told["materials"]["oak"]["friction"] == [0.32, 0.48, 0.62]
     assert "pours" in told["events"]["pours"]
+
+
+def test_a_substance_without_a_row_of_its_name_leads_to_its_rows() -> None:
+    told = prompt_guide("A wooden crate falls off a lorry.")["materials"]
+    assert told["wood"]["density"] == [120, 1200]
+    assert "walnut" in told["wood"]["rows"]
 
 
 def test_a_prompt_of_no_known_word_says_so_and_leads_on() -> None:

@@ -117,6 +117,8 @@ JSON = st.recursive(
 
 @given(value=JSON)
 @example(value={"\x00": None})
+@example(value=["\x001e-7", 1e-7])
+@example(value=["\\u00001e-7", 1e-7])
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_the_fast_writer_gives_the_bytes_of_the_reference(value: object) -> None:
     try:

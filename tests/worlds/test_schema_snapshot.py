@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "bc7098b59eb10afd2c6abfa486e38bf4c3f6591e77b13b93eb9594c9151df79e"
+SCHEMA = "eca70e99dd598ea861bbcb91de6cfc98b3f6462de4e2dc75eafa052496f7713f"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -11,7 +11,9 @@ Criterion. Between two frames each body moves on the cubic through its recorded 
   the cubic displaced in its middle by no more than the change of velocity can explain.
 
 A body that begins on one side of a wall and ends on the other has no free path. Depth is Lipschitz in the travel, so
-that intervals with less relative travel than twice the wanted depth hide nothing and are not tested.
+that intervals with less relative travel than twice the wanted depth hide nothing and are not tested. Nor are those in
+which two bodies of one entity moved as one, as pieces do whose bond holds: at both ends they stand to each other alike
+to rounding, and they turned alike, so that the path on which they keep their places is free.
 """
 
 from __future__ import annotations
@@ -31,12 +33,13 @@ from ...geometry import (
     candidate_pairs,
     lowest_clearance,
     lowest_clearances,
+    points_travel,
     relative_travel,
     signed_clearance,
 )
-from ...worlds.arrays import F64, RigidPose
+from ...worlds.arrays import F64, RigidPose, quaternion_product, rotation_matrix
 from ..scene.own_bodies import joined
-from .bounds import BENT, BEYOND, PRECISION, TUNNEL_SHARE
+from .bounds import BENT, BEYOND, PRECISION, ROUNDING, TUNNEL_SHARE
 from .flights import Flight, reconstructed
 from .paths import Paths
 
@@ -129,6 +132,8 @@ def _case(search: Paths, i: int, j: int, meet: NDArray[np.intp]) -> _Case | None
     a, b = surfaces.parts[i], surfaces.parts[j]
     noise, allowed = surfaces.noise(a.entity, b.entity), surfaces.allowed_depth(a.entity, b.entity)
     one, two = search.body(a).flight, search.body(b).flight
+    if a.entity == b.entity:
+        meet = meet[~_as_one(one.motion.take(meet), two.motion.take(meet), search.radius[j])]
     travel = relative_travel(
         one.motion.take(meet), search.radius[i], two.motion.take(meet), search.radius[j], np.zeros(len(meet)), np.ones(len(meet))
     )
@@ -139,13 +144,27 @@ def _case(search: Paths, i: int, j: int, meet: NDArray[np.intp]) -> _Case | None
     walls = min(search.wall(i), search.wall(j))
     # Two open sheets have no wall: any crossing counts.
     bound = allowed + (max(TUNNEL_SHARE * walls, noise) if np.isfinite(walls) else noise)
-    fast = travel > 2.0 * bound
-    meet, travel = meet[fast], travel[fast]
+    meet = meet[travel > 2.0 * bound]
     if len(meet) == 0:
         return None
     # What overlaps at a written frame fails there.
     floor = -(allowed + noise)
-    return _Case(i, j, a.solid, one, b.solid, two, meet, travel, floor, bound, PRECISION * bound)
+    return _Case(i, j, a.solid, one, b.solid, two, meet, floor, bound, PRECISION * bound)
+
+
+def _as_one(a: Motion, b: Motion, radius: float) -> NDArray[np.bool_]:
+    """Intervals in which b, of some radius about its centre [m], keeps its place against a at both ends and turns with it, shape (n,)."""
+    places = []
+    for motion, other, s in ((a, b, 0.0), (a, b, 1.0)):
+        time = np.full(len(motion), s)
+        back = motion.at(time)[1] * np.array([1.0, -1.0, -1.0, -1.0])
+        way = np.einsum("nij,nj->ni", rotation_matrix(back), other.centers(time) - motion.centers(time))
+        places.append((way, quaternion_product(back, other.at(time)[1])))
+    (first, turned), (last, turned_last) = places
+    # Either sign is the same orientation; an angle of x changes a unit quaternion by x / 2.
+    turn = 2.0 * np.minimum(np.linalg.norm(turned_last - turned, axis=1), np.linalg.norm(turned_last + turned, axis=1))
+    whole = np.linalg.norm(b.turn - a.turn, axis=1) > np.pi
+    return np.asarray((np.linalg.norm(last - first, axis=1) + radius * turn <= ROUNDING) & ~whole)
 
 
 def _judge(search: Paths, case: _Case, low: Lowest) -> Passage | None:
@@ -153,7 +172,7 @@ def _judge(search: Paths, case: _Case, low: Lowest) -> Passage | None:
     a, b = search.surfaces.parts[case.i], search.surfaces.parts[case.j]
     deep = np.flatnonzero((low.value < -case.bound) & (low.ends.min(axis=1) >= case.floor))
     for k in deep:
-        interval, travel = int(case.meet[k]), float(case.travel[k])
+        interval, travel = int(case.meet[k]), case.points_travel(search, int(case.meet[k]))
         felt = search.log.gap(a.entity, b.entity, interval + 1)
         if felt is not None and _felt_in_time(search.surfaces, a.entity, b.entity, felt, case.bound, travel):
             continue
@@ -199,8 +218,6 @@ class _Case:
     flight_b: Flight
     meet: NDArray[np.intp]
     """Intervals in which they may meet, shape (n,)."""
-    travel: F64
-    """Upper bound of the relative travel in each [m], shape (n,)."""
     floor: float
     """[m] Intervals with a lower clearance at one of their ends are not tested."""
     bound: float
@@ -225,6 +242,13 @@ class _Case:
         way = found.point_b - found.point_a
         length = float(np.linalg.norm(way))
         return (way / length if length > 0.0 else np.zeros(3)), found.point_a
+
+    def points_travel(self, search: Paths, interval: int) -> float:
+        """How far points of the two can move against each other in an interval [m]; an upper bound."""
+        here = np.array([interval])
+        motions = self.flight_a.motion.take(here), self.flight_b.motion.take(here)
+        radii = search.radius[self.i], search.radius[self.j]
+        return float(points_travel(motions[0], radii[0], motions[1], radii[1], np.zeros(1), np.ones(1))[0])
 
     def bent_free(self, search: Paths, i: int, j: int, interval: int) -> bool:
         """Whether forces other than gravity bent the paths enough for one of the other plausible paths to be free."""

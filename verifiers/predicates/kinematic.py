@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.errors import EvidenceError
@@ -17,10 +18,22 @@ from ..ledgers import motion
 from .outcome import Comparison, Outcome, Series, band, judge, vector
 
 if TYPE_CHECKING:
+    from ...worlds.candidate import Candidate
     from ...worlds.spec import Region
     from .scope import Scope
 
-__all__ = ["crosses", "displacement", "joint_angle", "reaches", "region_offset", "speed", "stays_in", "tilts", "topples"]
+__all__ = [
+    "crosses",
+    "displacement",
+    "joint_angle",
+    "points_in_region",
+    "reaches",
+    "region_offset",
+    "speed",
+    "stays_in",
+    "tilts",
+    "topples",
+]
 
 TINY = 1e-300
 """Keeps a margin below zero, and a distance above it, where the entity was exactly on the plane."""
@@ -54,6 +67,23 @@ def region_offset(region: Region, points: F64) -> tuple[F64, F64]:
         offset[:, 2] = np.sign(arm[:, 2]) * np.clip(np.abs(arm[:, 2]) - region.height / 2, 0, None)
     outside = np.linalg.norm(offset, axis=1)
     return np.where(outside > 0, -outside, inner), offset
+
+
+def points_in_region(candidate: Candidate, region_id: str | None, points: F64, frame: int) -> NDArray[np.bool_]:
+    """Which points in the world, shape (n, 3), lie in a region at a frame; all where none is asked for.
+
+    Raises:
+        EvidenceError: there is no such region.
+    """
+    if region_id is None:
+        return np.ones(len(points), dtype=bool)
+    region = candidate.spec.graph.regions.get(region_id)
+    if region is None:
+        raise EvidenceError(f"region {region_id!r} is not in the scene graph")
+    if region.relative_to is not None:
+        at, turn = (t[frame] for t in motion.entity_poses(candidate, region.relative_to))
+        points = (points - at) @ rotation_matrix(turn)
+    return np.asarray(region_offset(region, points)[0] >= 0.0)
 
 
 def _hull_points(vertices: F64) -> F64:

@@ -18,6 +18,7 @@ from ...worlds.bound_fields import dressing
 from ...worlds.categories.registry import CATEGORIES, shape_of
 from ...worlds.directions import way_of
 from ...worlds.errors import EvidenceError
+from ...worlds.named_materials import departures as material_departures
 from ...worlds.spec import Connects, Dimensions, Limits, RigidPhysics, SpringJoint
 from ...worlds.walkers import carrier_words, easier_than_a_person
 from ..categories.registry import judged
@@ -58,6 +59,7 @@ def scene_lines(candidate: Candidate) -> list[dict[str, str]]:
             _dressing(candidate),
             _springs(candidate),
             _pairs(spec),
+            _materials(spec),
             _guides(spec),
             _starts(spec),
             _margins(spec),
@@ -100,6 +102,17 @@ def _pairs(spec: WorldSpec) -> Iterator[tuple[str, str]]:
             yield (
                 f"{pair.a!r} meets {pair.b!r} with a {field} of {value:g}, where their materials give {given}: {pair.reason}",
                 "what lies between the two is not simulated",
+            )
+
+
+def _materials(spec: WorldSpec) -> Iterator[tuple[str, str]]:
+    """Materials that are not what their row of the table says."""
+    for name, material in spec.materials.items():
+        for field, value, figure in material_departures(material):
+            low, _, high = figure.range
+            yield (
+                f"material {name!r} is {material.of} with a {field} of {value:g}, where the table has {low:g} to {high:g}: {material.departs}",
+                "what makes it another is not simulated",
             )
 
 

@@ -10,13 +10,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...physics.substances import DENSITY_RANGES
 from ..canonical import digest_of
 from ..categories.category import declares
 from ..categories.registry import CATEGORIES
+from ..documents import document_of
 from ..fields import field_drivers
 from ..groups import group_of
 from ..instances import bake_order
+from ..materials import DENSITY_RANGES
 from ..problems import Problem, replaced
 from ..references import closest, references
 from ..requirements import Correction, Row
@@ -29,6 +30,7 @@ from .fields import field_problems
 from .foreseen import foreseen
 from .joints import joint_problems
 from .masses import mass_problems
+from .named_materials import row_problems
 from .ownership import ownership_problems
 from .pairs import surface_problems
 from .reach import reach_problems
@@ -71,7 +73,7 @@ class AuditReport:
 class _Audit:
     def __init__(self, spec: WorldSpec) -> None:
         self.spec = spec
-        self.document = spec.model_dump(mode="json")
+        self.document = document_of(spec)
         self.rows: list[Row] = []
         self.recipe = digest_of(self.document)[:32]
 
@@ -228,11 +230,11 @@ class _Audit:
 
     def bounds(self) -> None:
         """Limits fit the solver's settings."""
-        problems = [*skin_problems(self.spec), *pair_problems(self.spec), *surface_problems(self.spec)]
+        problems = [*skin_problems(self.spec), *pair_problems(self.spec), *surface_problems(self.spec), *row_problems(self.spec)]
         problems += bound_problems(self.spec) + overlap_problems(self.spec) + hold_problems(self.spec)
         text = (
-            "collision skins stay within the contact tolerance and the bodies, one entry per pair of contacts and near what the materials give, bounds of "
-            "events above noise, intended overlaps below the bodies' size, holds that end"
+            "collision skins stay within the contact tolerance and the bodies, one entry per pair of contacts and near what the materials give, materials "
+            "as their rows of the table or with what they depart in, bounds of events above noise, intended overlaps below the bodies' size, holds that end"
         )
         self.add("bounds", text, problems, group="physical")
 

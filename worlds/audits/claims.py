@@ -12,6 +12,7 @@ from typing import Any
 
 from ..claims import Reading, named_in, reading_of
 from ..denials import misdenied
+from ..documents import document_of
 from ..postures import posture_problems
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
@@ -63,7 +64,7 @@ _ORDERED = frozenset({"before", "after", "until", "within"})
 
 def claim_problems(spec: WorldSpec) -> list[Problem]:
     """Claims that are not in the prompt, name nothing that is judged, or less than their type asks for; and words that no claim takes up."""
-    reading, document = reading_of(spec), spec.model_dump(mode="json")
+    reading, document = reading_of(spec), document_of(spec)
     found = [Problem(f"/claims/{name}/quote", text) for name, text in reading.problems]
     for name, claim in spec.claims.items():
         found += _claim(spec, document, name, claim)

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ...physics.substances import DENSITY_RANGES
 from ..categories.category import declares
 from ..categories.registry import CATEGORIES
+from ..materials import DENSITY_RANGES, ROUNDING, material_table
 from ..problems import Problem
 
 if TYPE_CHECKING:
@@ -28,12 +28,21 @@ def mass_problems(spec: WorldSpec) -> Iterator[Problem]:
 
 def _called_otherwise(spec: WorldSpec) -> Iterator[Problem]:
     """`steel` and `polished_steel` weigh what steel does: with the substance `other` they could weigh what they liked."""
+    rows = material_table().materials
     for name, material in spec.materials.items():
-        word = name.replace("-", "_").rstrip("0123456789_").rsplit("_", 1)[-1]
+        called = name.replace("-", "_").rstrip("0123456789_")
+        word = called.rsplit("_", 1)[-1]
         low, high = DENSITY_RANGES.get(word, (0.0, math.inf))
+        row = next((rows[n] for n in (called, word) if n in rows and n not in DENSITY_RANGES), None)
+        ways = "or call the material what it is"
+        # Of another substance a name is a colour: wood that is called gold.
+        if row is not None and row.substance == material.substance and material.of is None and material.departs is None:
+            low, _, high = row.figures["density"].range
+            low, high = (1.0 - ROUNDING) * low, (1.0 + ROUNDING) * high
+            ways = f"say in `departs` what makes it another (it is printed), {ways}"
         if word != "other" and not low <= material.density <= high:
             yield Problem(
                 f"/materials/{name}/density",
                 f"material {name!r} is called {word} and weighs {material.density:g} kg/m^3, {word} {low:g} to {high:g}; give it a density of "
-                f"{word}, or call the material what it is",
+                f"{word}, {ways}",
             )

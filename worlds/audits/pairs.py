@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ..materials import friction_between
 from ..problems import Problem, replaced
 
 if TYPE_CHECKING:
@@ -44,10 +45,19 @@ def departures(spec: WorldSpec, pair: ContactPair) -> Iterator[tuple[str, float,
         value = getattr(pair, field)
         if value is None:
             continue
+        if field == "friction" and all(_measured(spec, m, n, value) for m in sides[0] for n in sides[1]):
+            continue
         given = [joined(getattr(spec.materials[m], field), getattr(spec.materials[n], field)) for m in sides[0] for n in sides[1]]
         least, most = _allowed(field, min(given), max(given))
         if not least <= value <= most:
             yield field, value, (min(given), max(given))
+
+
+def _measured(spec: WorldSpec, a: str, b: str, value: float) -> bool:
+    """True of a friction that the table of materials has for the rows of two materials."""
+    rows = [spec.materials[name].of for name in (a, b)]
+    found = None if rows[0] is None or rows[1] is None else friction_between(rows[0], rows[1])
+    return found is not None and found.holds(value)
 
 
 def _materials(spec: WorldSpec, name: str) -> set[str]:

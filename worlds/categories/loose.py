@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import F64
+from ..fields import acting_on, field_drivers
+from ..slices import MOTION_VERSION, geometry_slice, physical_materials
 
 if TYPE_CHECKING:
     from ..spec import GasInstance, LiquidInstance, ParticleInstance, WorldSpec
 
-__all__ = ["ROUNDED", "LooseEstimate", "counts", "domain_box", "told_box"]
+__all__ = ["ROUNDED", "LooseEstimate", "counts", "domain_box", "loose_slice", "told_box"]
 
 ROUNDED = 1e-3
 """Share that sizes may be short by: messages tell spacings with three digits, and corners are sums."""
@@ -53,4 +55,39 @@ def counts(spec: WorldSpec, estimates: Iterable[LooseEstimate]) -> dict[str, flo
         "particle_steps": sum(e.particles * e.steps for e in found),
         "cells": sum(e.cells for e in found),
         "cache_bytes": particles * spec.simulation.frames * CACHE_BYTES_PER_PARTICLE_FRAME,
+    }
+
+
+def loose_slice(spec: WorldSpec, name: str, meeting: Iterable[str], *, rough: bool = False) -> dict[str, Any]:
+    """Everything that decides the motion of loose matter that is pushed by bodies and does not push them.
+
+    Args:
+        spec: the specification.
+        name: the instance.
+        meeting: solids that reach into its domain; the paths of moving ones are content, not specification.
+        rough: whether the materials of these solids decide too: their friction, how they bounce and burn.
+    """
+    plan = spec.simulation
+    instance, solids = plan.solvers[name], sorted(meeting)
+    members = [m for m in instance.members if m in spec.entities]
+    used = {spec.entities[m].material for m in members}
+    rubbed = {}
+    if rough:
+        touching = [spec.entities[m] for m in (*members, *solids)]
+        used |= {m for e in touching for m in (e.material, *(p.material for p in e.parts.values())) if m}
+        rubbed = {"contacts": {k: c.model_dump(mode="json") for k, c in plan.contacts.items() if {c.a, c.b} & set(members)}}
+    return {
+        "spec_version": MOTION_VERSION,
+        "instance": instance.model_dump(mode="json"),
+        "members": {
+            m: [geometry_slice(spec, m), spec.entities[m].model_dump(mode="json", include={"pose", "physics"})] for m in members
+        },
+        "materials": physical_materials({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
+        "solids": {
+            m: [geometry_slice(spec, m), spec.entities[m].pose.model_dump(mode="json"), spec.entities[m].motion] for m in solids
+        },
+        "drivers": {k: d.model_dump(mode="json") for k, d in plan.drivers.items() if getattr(d, "entity", None) in members}
+        | {k: d.model_dump(mode="json") for k, d in field_drivers(spec).items() if set(members) & set(acting_on(spec, d))},
+        "clock": [plan.fps, plan.preroll, list(plan.gravity), plan.seed],
+        **rubbed,
     }

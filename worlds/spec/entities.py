@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ..categories.cloth.models import ClothPhysics
 from ..categories.elastic.models import ElasticPhysics
@@ -82,6 +82,21 @@ class Material(SpecModel):
         default=None, description="static rigid entities of it burn in the box of a gas with its fuel"
     )
     appearance: Appearance = Appearance()
+    of: Text | None = Field(
+        default=None,
+        description="row of the table of materials that gives what is left out: density, substance, friction, restitution, look; "
+        "inspect_world(part='materials', query=...)",
+    )
+    departs: Annotated[str, Field(min_length=12, max_length=300, pattern=r"\S\s+\S")] | None = Field(
+        default=None,
+        description="what makes it another than its row (waxed, wet, hollow), where values leave its ranges; printed",
+    )
+
+    @model_serializer(mode="wrap")
+    def _said(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Materials that name no row are written as they always were, so that digests of older worlds stay."""
+        written: dict[str, Any] = handler(self)
+        return {k: v for k, v in written.items() if v is not None or k not in ("of", "departs")}
 
 
 class Part(SpecModel):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from ...physics.substances import AIR_DENSITY, AIR_VISCOSITY
-from ..matter import TimedDriver
+from ..matter import DriverBase, TimedDriver
 from ..shapes import Pose
 from ..vocabulary import EntityRef, Finite, NonNegative, Positive, SpecModel, Vec3
 
@@ -121,6 +121,8 @@ class FieldDriver(TimedDriver):
     accelerates all alike.
     """
 
+    later: ClassVar[frozenset[str]] = frozenset({"field", "region", "fade", "start", "rise", "end", "seed"})
+    absent: ClassVar[frozenset[str]] = frozenset({"field", "region", "fade", "seed"})
     kind: Literal["field"] = "field"
     field: Annotated[
         WindField | TurbulenceField | VortexField | DragField | AttractionField,
@@ -139,3 +141,9 @@ class FieldDriver(TimedDriver):
     rise: NonNegative = Field(default=0.0, description="time to full strength [s]")
     end: Positive | None = Field(default=None, description="[s]; default: to the end")
     seed: int = Field(default=0, ge=0, lt=2**31, description="of gusts and eddies")
+
+    def alike_until(self, other: DriverBase | None) -> float:
+        """As of every driver; another kind of field makes other matter of it from the start: still air or none."""
+        if isinstance(other, FieldDriver) and other.field.kind != self.field.kind:
+            return 0.0
+        return super().alike_until(other)

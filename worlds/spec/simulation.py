@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, get_args
+from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import Field
 
@@ -63,6 +63,9 @@ Joint = Annotated[HingeJoint | SlideJoint | BallJoint | WeldJoint | SpringJoint,
 class ReleaseDriver(DriverBase):
     """Holds the entity where it is at frame 0 and lets go at `time`."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"time"})
+    absent: ClassVar[frozenset[str]] = frozenset({"time"})
+    switched: ClassVar[bool] = True
     kind: Literal["release"] = "release"
     entity: EntityRef
     time: NonNegative = Field(description="[s]")

@@ -12,7 +12,7 @@ import trimesh
 from scipy.spatial import cKDTree
 from worldagent.simulation.liquid import foam, surface_mesh
 from worldagent.simulation.liquid.surface import SurfaceSettings, default_settings, mesh_surfaces, surface_frame
-from worldagent.simulation.liquid.surround import clumps, surroundings
+from worldagent.simulation.liquid.surround import carried, clumps, crowding, surroundings
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
@@ -138,6 +138,24 @@ def test_the_same_particles_give_the_same_bytes(tmp_path: Path) -> None:
         (tmp_path / name).mkdir()
         digests.add(mesh_surfaces(make_cache(tmp_path / name, [data, data])).digest())
     assert len(digests) == 1
+
+
+def test_values_at_a_surface_are_kernel_means_of_the_particles_near_and_crowding_counts_neighbours_up_to_enough() -> None:
+    """Against sums over all pairs, with the cubic spline's values at 0, 1/2 and 1 of its support (1, 1/4, 0)."""
+    rng = np.random.default_rng(2)
+    place, points = rng.uniform(0, 8 * S, (300, 3)), np.concatenate([rng.uniform(-S, 9 * S, (200, 3)), [[1.0, 1.0, 1.0]]])
+    values, support = rng.normal(0, 1, (300, 2)), 2 * S
+    q = np.linalg.norm(points[:, None] - place, axis=2) / support
+    weight = np.where(q < 0.5, 1 - 6 * q**2 + 6 * q**3, np.where(q < 1, 2 * np.clip(1 - q, 0, 1) ** 3, 0.0))
+    total = weight.sum(1)
+    means = (weight @ values) / np.where(total > 0, total, 1)[:, None]
+    assert (total[:-1] > 0).mean() > 0.9
+    assert carried(points, place, values, support) == pytest.approx(np.where(total[:, None] > 0, means, 0.0), abs=1e-12)
+    apart = np.linalg.norm(place[:, None] - place, axis=2) / support
+    number = np.clip(1 - apart**2, 0, None).sum(1) - 1
+    assert crowding(place, support, 1e9) == pytest.approx(number, abs=1e-9)
+    some = float(np.median(number))
+    assert crowding(place, support, some) == pytest.approx(np.minimum(number, some), abs=1e-9)
 
 
 def test_sheets_and_strands_are_liquid_while_drops_and_lone_particles_are_spray() -> None:

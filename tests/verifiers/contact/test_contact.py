@@ -6,8 +6,10 @@ import time
 
 import numpy as np
 import pytest
+from worldagent.testing.defects._motion import Track, candidate_of, pieces, turn_of
 from worldagent.testing.worlds.small_worlds import IDENTITY, Touch, ball, box, entity, ground, make_candidate, world
 from worldagent.verifiers.contact import check as contact
+from worldagent.worlds.arrays import rotation_matrix
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Box, Fastened, HingeJoint, Part, PathDriver, PathKey, Pose, Rope
 
@@ -282,3 +284,66 @@ def test_bodies_of_one_entity_are_compared_but_not_neighbours_of_a_rope(tmp_path
     row = rows_of(tmp_path / "b", things, track)["contact:rope:rope"]
     assert (row.status, row.first_failing_frame) == ("fail", 7)
     assert row.measured == pytest.approx(-0.01, rel=0.15)
+
+
+# ---------------------------------------------------------------- pieces that move as one
+
+
+def thrown_pieces(folder, seed, *, through=None, whole_turn=None) -> dict[str, Row]:
+    """Rows of two flush pieces that are thrown with a spin, strike something half-way, and turn the other way from then on.
+
+    Args:
+        folder: of the candidate.
+        seed: of sizes, spins and speeds.
+        through: frame from which the second piece is on the far side of the first.
+        whole_turn: frame up to which the second piece turned once more about its far end, through the first.
+    """
+    rng = np.random.default_rng(seed)
+    size = rng.uniform(0.05, 0.15, size=3)
+    thing = entity(
+        *(Part(shape=Box(size=tuple(size)), pose=Pose(position=(k * size[0], 0, 0))) for k in (0, 1)),
+        motion="dynamic",
+        at=(0, 0, 2),
+    )
+    spec = world({"ground": ground(), "thing": thing}, frames=FRAMES, gravity=(0, 0, 0))
+    rate = np.where(np.arange(FRAMES) < FRAMES // 2, 1.0, -0.6) * float(rng.uniform(8.0, 20.0))
+    drift = np.where(np.arange(FRAMES)[:, None] < FRAMES // 2, 1.0, -0.5) * rng.uniform(-2.0, 2.0, size=3)
+    angle, center = np.cumsum(rate) / 24, np.array([0, 0, 5.0]) + np.cumsum(drift, axis=0) / 24
+    axis = np.array([0.0, 0.6, 0.8])
+    quaternion, spins = turn_of(axis, angle), rate[:, None] * axis
+    paths = {}
+    for k in (0, 1):
+        place = np.zeros((FRAMES, 3))
+        place[:, 0] = (k - 0.5) * size[0]
+        if k and through is not None:
+            place[through:, 0] = -1.5 * size[0]
+        arm = np.einsum("nij,nj->ni", rotation_matrix(quaternion), place)
+        spin = spins.copy()
+        if k and whole_turn is not None:
+            spin[whole_turn - 1 : whole_turn + 1] += 2 * np.pi * 24 * axis
+        paths[f"thing/p{k}"] = Track(center + arm, quaternion, drift + np.cross(spins, arm), spin)
+    candidate = candidate_of(folder, spec, paths, built={"thing": pieces("thing", thing, spec)})
+    return {r.id: r for r in contact.check(candidate)}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pieces_that_fly_spin_and_bounce_as_one_need_no_search(tmp_path, seed):
+    rows = thrown_pieces(tmp_path, seed)
+    assert failing(rows) == set()
+    assert rows["contact:scene"].evidence["fast_moves"] == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("frame", [3, FRAMES // 2 - 2, FRAMES - 1])
+def test_a_piece_that_came_loose_and_went_through_its_neighbour_is_found(tmp_path, seed, frame):
+    rows = thrown_pieces(tmp_path, seed, through=frame)
+    assert rows["contact:scene"].status == "fail"
+    assert rows["contact:scene"].first_failing_frame == frame
+    assert failing(rows) == {"contact:scene", "contact:through:thing:thing"}
+
+
+def test_a_piece_that_turns_once_more_than_its_neighbour_did_not_move_with_it(tmp_path):
+    """Law: at both ends of the interval it stands as before; its recorded spin tells the whole turn between."""
+    rows = thrown_pieces(tmp_path, 0, whole_turn=5)
+    assert rows["contact:scene"].status == "fail"
+    assert rows["contact:scene"].first_failing_frame == 5

@@ -29,7 +29,7 @@ def broken(*operations: tuple[str, Any]) -> WorldSpec:
 
 BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an unknown material": ([("/entities/ball/material", "stele")], "references", "did you mean 'steel'"),
-    "an unknown part material": ([("/entities/ball/parts/body/material", "lead")], "references", "/parts/body/material"),
+    "an unknown part material": ([("/entities/ball/parts/body/material", "unobtainium")], "references", "/parts/body/material"),
     "an unknown support": ([("/graph/relations/on_shelf_b1/a", "table")], "references", "unknown entity 'table'"),
     "an unknown region end": ([("/graph/relations/way", {"kind": "connects", "a": "r1", "b": "r2"})], "references", "unknown region 'r1'"),
     "an unknown owner": ([("/story/beats/roll/owner", "fluid")], "references", "unknown owner 'fluid'"),

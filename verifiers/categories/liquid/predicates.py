@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ....worlds.arrays import F64, rotation_matrix
+from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.predicates import (
     LiquidArrives,
@@ -22,8 +22,7 @@ from ....worlds.predicates import (
     SubmergedFraction,
     WetArea,
 )
-from ...ledgers import motion
-from ...predicates.kinematic import region_offset
+from ...predicates.kinematic import points_in_region
 from ...predicates.outcome import Comparison, Outcome, Series, band, judge
 from .frames import Frame, Liquid
 from .samples import samples
@@ -33,7 +32,6 @@ from .told import liquid_or_none, painted
 from .wet import touched
 
 if TYPE_CHECKING:
-    from ....worlds.candidate import Candidate
     from ....worlds.spec import SpecModel
     from ...predicates.scope import Scope
 
@@ -96,20 +94,6 @@ def _frames(scope: Scope, liquid: Liquid, member: int) -> Iterator[tuple[int, Fr
         yield i, frame, frame.fluid == member
 
 
-def _inside(candidate: Candidate, region_id: str | None, frame: Frame) -> NDArray[np.bool_]:
-    """Which particles lie in a region; all where none is asked for."""
-    if region_id is None:
-        return np.ones(frame.count, dtype=bool)
-    region = candidate.spec.graph.regions.get(region_id)
-    if region is None:
-        raise EvidenceError(f"region {region_id!r} is not in the scene graph")
-    points = frame.position
-    if region.relative_to is not None:
-        at, turn = (t[frame.index] for t in motion.entity_poses(candidate, region.relative_to))
-        points = (points - at) @ rotation_matrix(turn)
-    return np.asarray(region_offset(region, points)[0] >= 0.0)
-
-
 def _banded(scope: Scope, p: Banded, value: F64, unit: str, what: str) -> Outcome:
     margin, side = band(value, p.min, p.max)
 
@@ -126,7 +110,7 @@ def liquid_volume_in(scope: Scope, p: LiquidVolumeIn, liquid: Liquid, member: in
     """Measured: sum of the volumes of the particles whose middles are in the region."""
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, liquid, member):
-        value[i] = float(frame.volume[own & _inside(scope.candidate, p.region, frame)].sum())
+        value[i] = float(frame.volume[own & points_in_region(scope.candidate, p.region, frame.position, frame.index)].sum())
     return _banded(scope, p, value, "m^3", f"volume of {p.entity} in {p.region}")
 
 
@@ -190,7 +174,7 @@ def liquid_arrives(scope: Scope, p: LiquidArrives, liquid: Liquid, member: int) 
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, liquid, member):
         if p.region is not None:
-            there = own & _inside(scope.candidate, p.region, frame)
+            there = own & points_in_region(scope.candidate, p.region, frame.position, frame.index)
         else:
             there = own & _near(target, frame, p.within if p.within is not None else TOUCH * liquid.spacing)
         value[i] = float(frame.volume[there].sum())
@@ -300,7 +284,7 @@ def liquid_speed(scope: Scope, p: LiquidSpeed, liquid: Liquid, member: int) -> O
     """Measured: mean or largest speed of the particles."""
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, liquid, member):
-        own = own & _inside(scope.candidate, p.region, frame)
+        own = own & points_in_region(scope.candidate, p.region, frame.position, frame.index)
         if own.any():
             value[i] = _measured(np.linalg.norm(frame.velocity[own], axis=1), frame.mass[own], p.measure)
     return _banded(scope, p, value, "m/s", f"{p.measure} speed of {p.entity}")
@@ -315,7 +299,7 @@ def liquid_temperature(scope: Scope, p: LiquidTemperature, liquid: Liquid, membe
             raise EvidenceError(
                 f"no temperature is recorded of {p.entity!r}; give a liquid of its instance a temperature, conductivity or activation"
             )
-        own = own & _inside(scope.candidate, p.region, frame)
+        own = own & points_in_region(scope.candidate, p.region, frame.position, frame.index)
         if own.any():
             rows = np.argsort(frame.others["particle/id"], kind="stable")
             heat = np.asarray(frame.others["particle/temperature"], dtype=np.float64)[rows]

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ....worlds.arrays import F64, rotation_matrix
+from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.predicates import ParticleCountIn, ParticlesSettled, ParticleVolumeIn, PileHeight, RunOut
-from ...ledgers import motion
-from ...predicates.kinematic import region_offset
+from ...predicates.kinematic import points_in_region
 from ...predicates.outcome import Outcome, Series, band, judge
 from .frames import Swarm, SwarmFrame, swarm_of
 
@@ -94,16 +93,7 @@ def _absent(scope: Scope, entity: str, i: int) -> str:
 
 def _within(candidate: Candidate, region_id: str | None, frame: SwarmFrame, rows: Rows) -> Rows:
     """Rows of particles whose middles lie in a region; all where none is asked for."""
-    if region_id is None:
-        return rows
-    region = candidate.spec.graph.regions.get(region_id)
-    if region is None:
-        raise EvidenceError(f"region {region_id!r} is not in the scene graph")
-    points = frame.position[rows]
-    if region.relative_to is not None:
-        at, turn = (t[frame.index] for t in motion.entity_poses(candidate, region.relative_to))
-        points = (points - at) @ rotation_matrix(turn)
-    return rows[region_offset(region, points)[0] >= 0.0]
+    return rows[points_in_region(candidate, region_id, frame.position[rows], frame.index)]
 
 
 def _elsewhere(

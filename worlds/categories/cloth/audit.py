@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ....physics.substances import DENSITY_RANGES
+from ...materials import DENSITY_RANGES
 from ...problems import Problem, replaced
 from ...weights import ROUNDING
 from ..holders import cannot_hold

@@ -94,6 +94,7 @@ class GasInstance(Instance):
 class EmissionDriver(TimedDriver):
     """Makes gas in the parts of a gas entity during [start, end) seconds; without one it makes none."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"start", "end"})  # its rate bounds every step
     kind: Literal["emission"] = "emission"
     entity: EntityRef = Field(description="the gas")
     rate: Positive = Field(description="of gas at its source's temperature [m^3/s]")
@@ -104,6 +105,7 @@ class EmissionDriver(TimedDriver):
 class IgnitionDriver(TimedDriver):
     """A spark or pilot flame: in a ball a gas with fuel burns whatever its temperature, during [start, end) seconds. It gives no heat itself."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"center", "radius", "start", "end"})
     kind: Literal["ignition"] = "ignition"
     entity: EntityRef = Field(description="the gas, which has a fuel")
     center: Vec3 = Field(description="of the ball [m]")
@@ -119,6 +121,7 @@ class DustDriver(TimedDriver):
     Impacts count in the box around the parts of the gas entity, widened by a cell: the room in which dust lies.
     """
 
+    later: ClassVar[frozenset[str]] = frozenset({"per_energy", "radius", "start", "end"})
     kind: Literal["dust"] = "dust"
     entity: EntityRef = Field(description="the gas, which has a soot_density and no fuel")
     bodies: Annotated[list[EntityRef], Field(min_length=1, max_length=32)] = Field(

@@ -99,6 +99,7 @@ class FlipInstance(Instance):
 class InflowDriver(TimedDriver):
     """Lets liquid in through a disc or rectangle, along its local +z, during [start, end) seconds."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"start", "end"})  # its speed bounds the steps of a grid
     kind: Literal["inflow"] = "inflow"
     entity: EntityRef = Field(description="the liquid")
     pose: Pose = Field(default=Pose(), description="of the opening in the world; liquid leaves along its +z")

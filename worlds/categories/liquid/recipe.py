@@ -2,57 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...canonical import digest_of
 from ...extents import initial_box
-from ...fields import acting_on, field_drivers
 from ...instances import coupled_groups, soft_met
-from ...slices import MOTION_VERSION, geometry_slice, physical_materials
-from ..loose import domain_box
+from ..loose import domain_box, loose_slice
 from .facts import spacing_of
 
 if TYPE_CHECKING:
     from ...spec import WorldSpec
 
-__all__ = ["DOMAIN_MARGIN", "liquid_recipes", "liquid_slice"]
+__all__ = ["DOMAIN_MARGIN", "liquid_recipes"]
 
 DOMAIN_MARGIN = 4.0
 """Solids up to so many spacings outside a liquid's domain count as reaching into it."""
-
-
-def liquid_slice(spec: WorldSpec, name: str, meeting: Iterable[str]) -> dict[str, Any]:
-    """Everything that decides the motion of a liquid that is pushed by bodies and does not push them.
-
-    Args:
-        spec: the specification.
-        name: the instance.
-        meeting: solids that reach into its domain; the paths of moving ones are content, not specification.
-    """
-    plan = spec.simulation
-    instance = plan.liquid[name]
-    members = [m for m in instance.members if m in spec.entities]
-    used = {spec.entities[m].material for m in members}
-    return {
-        "spec_version": MOTION_VERSION,
-        "instance": instance.model_dump(mode="json"),
-        "members": {
-            m: [geometry_slice(spec, m), spec.entities[m].model_dump(mode="json", include={"pose", "physics"})] for m in members
-        },
-        "materials": physical_materials({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
-        "solids": {
-            m: [geometry_slice(spec, m), spec.entities[m].pose.model_dump(mode="json"), spec.entities[m].motion]
-            for m in sorted(meeting)
-        },
-        "drivers": {
-            k: d.model_dump(mode="json")
-            for k, d in plan.drivers.items()
-            if d.kind in ("inflow", "outflow", "waves") and d.entity in members
-        }
-        | {k: d.model_dump(mode="json") for k, d in field_drivers(spec).items() if set(members) & set(acting_on(spec, d))},
-        "clock": [plan.fps, plan.preroll, list(plan.gravity), plan.seed],
-    }
 
 
 def _reaching(spec: WorldSpec, name: str) -> list[str]:
@@ -79,5 +43,5 @@ def liquid_recipes(spec: WorldSpec, motion: str) -> dict[str, str]:
         solids = _reaching(spec, name)
         still = all(spec.entities[s].motion == "static" for s in solids)
         alone = still and not any(name in group for group in coupled_groups(spec)) and not soft_met(spec, name)
-        found[f"liquid:{name}"] = digest_of(liquid_slice(spec, name, solids), spec.simulation.frames) if alone else motion
+        found[f"liquid:{name}"] = digest_of(loose_slice(spec, name, solids), spec.simulation.frames) if alone else motion
     return found

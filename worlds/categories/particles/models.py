@@ -77,6 +77,7 @@ class BallisticInstance(Instance):
 class EmitterDriver(TimedDriver):
     """Lets ballistic particles out of a disc, in a cone about its local +z, during [start, end) seconds."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"pose", "size", "rate", "speed", "speed_spread", "cone", "start", "end"})
     kind: Literal["emitter"] = "emitter"
     entity: EntityRef = Field(description="the ballistic particles")
     pose: Pose = Field(default=Pose(), description="of the disc in the world")

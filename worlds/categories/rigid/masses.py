@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....physics.substances import DENSITY_RANGES
 from ...extents import shape_volume
+from ...materials import DENSITY_RANGES
 from ...problems import Problem, removed
 from ...weights import LEAST_WALL, ROUNDING, Weights, allowed
 from .models import RigidPhysics

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+import itertools
+import math
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
@@ -21,6 +22,10 @@ __all__ = [
     "RigidPhysics",
     "RigidSettings",
 ]
+
+
+AHEAD = 1e-3
+"""The spin of a path at a time is taken from its turn within this time ahead [s]."""
 
 
 class RigidPhysics(Matter):
@@ -95,16 +100,35 @@ class PathDriver(DriverBase):
         """When its poses first change [s]: leading keys with equal poses are a wait."""
         keys = sorted(self.keys.values(), key=lambda k: k.time)
         start = keys[0].time
-        for before, after in pairwise(keys):
+        for before, after in itertools.pairwise(keys):
             if before.pose != keys[0].pose or after.pose != keys[0].pose:
                 break
             start = after.time
         return start
 
+    def alike_until(self, other: DriverBase | None) -> float:
+        """As of every driver; a path is the same up to the last key but one that both have at their start, and while both wait.
+
+        The slope at a key follows from its neighbours, at the first one from the first three; the spin looks ahead by less than `AHEAD`.
+        """
+        if not isinstance(other, PathDriver) or self.entity != other.entity:
+            return 0.0
+        one, two = (sorted(d.keys.values(), key=lambda k: k.time) for d in (self, other))
+        if one == two:
+            return math.inf
+        same = [a for a, _ in itertools.takewhile(lambda pair: pair[0] == pair[1], zip(one, two, strict=False))]
+        waits = [k.time for k in itertools.takewhile(lambda k: k.pose == same[0].pose, same)] if same else []
+        times = [waits[-1]] if len(waits) > 1 else []
+        times += [min(same[-2].time, same[-1].time - AHEAD)] if len(same) > 2 else []
+        return max(0.0, max(times, default=0.0) - AHEAD)
+
 
 class ForceDriver(TimedDriver):
     """Constant force and torque on an entity during [start, end) seconds."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"entity", "force", "torque", "start", "end"})
+    absent: ClassVar[frozenset[str]] = frozenset({"force", "torque"})
+    switched: ClassVar[bool] = True
     kind: Literal["force"] = "force"
     entity: EntityRef
     force: Vec3 = (0, 0, 0)
@@ -112,10 +136,16 @@ class ForceDriver(TimedDriver):
     start: NonNegative = 0.0
     end: Positive
 
+    def alike_until(self, other: DriverBase | None) -> float:
+        """As of every driver; a body without it has the same model."""
+        return self.start if other is None else super().alike_until(other)
+
 
 class MotorDriver(DriverBase):
     """Drives a hinge or slide towards a velocity with at most `max_effort` during [start, end) seconds."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"start", "end"})
+    switched: ClassVar[bool] = True
     kind: Literal["motor"] = "motor"
     joint: JointRef
     velocity: Finite = Field(description="[rad/s] or [m/s]")
@@ -127,6 +157,8 @@ class MotorDriver(DriverBase):
 class DetachDriver(DriverBase):
     """Opens a weld or cuts a spring or rope at `time`."""
 
+    later: ClassVar[frozenset[str]] = frozenset({"time"})
+    switched: ClassVar[bool] = True
     kind: Literal["detach"] = "detach"
     joint: JointRef
     time: NonNegative

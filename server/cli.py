@@ -200,7 +200,7 @@ def _add_bench(add: _Add) -> None:
         "skills: only this skill; prompts --dishonest: only this mechanism (repeatable)",
     )
     bench.add_argument(
-        "--dishonest", action="store_true", help="prompts: judge tricks on honest worlds instead; 1 where one gets through"
+        "--dishonest", action="store_true", help="prompts: judge tricks on honest worlds; 1 where one gets through"
     )
     bench.add_argument(
         "--jobs", type=int, metavar="N", choices=range(1, 65), help="prompts --dishonest: scenes at a time (default: 1)"

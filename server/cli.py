@@ -199,9 +199,7 @@ def _add_bench(add: _Add) -> None:
         help="defects: only this check, or `accepted` for the accepted worlds; corrections: only worlds of this suite, `flaws` or `edits`; "
         "skills: only this skill; prompts --dishonest: only this mechanism (repeatable)",
     )
-    bench.add_argument(
-        "--dishonest", action="store_true", help="prompts: judge tricks on honest worlds; 1 where one gets through"
-    )
+    bench.add_argument("--dishonest", action="store_true", help="prompts: tricks on honest worlds; 1 where one gets through")
     bench.add_argument(
         "--jobs", type=int, metavar="N", choices=range(1, 65), help="prompts --dishonest: scenes at a time (default: 1)"
     )

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "0413cccac101f8389e9db6b51682843eaed1130da9693ca3a44cdfd416494298"
+SCHEMA = "4f9735d16c20f4239cf333cfc5511c1a176a6db03fd1e0155fcd8274c40cbda0"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -70,6 +70,8 @@ def overlap_corrections(
     mover, other = order
     spec = surfaces.candidate.spec
     found = not_colliding(surfaces, parts)
+    if any(c.group == "shape" for c in found):
+        return found  # what does not collide passes through at any step
     if bad[0] == 0:
         found.append(
             correction(

@@ -32,6 +32,8 @@ CHAINED = ("beat", "causal", "robustness")
 """Checks whose rows hang on a chain of bodies: an edit of any of them is about the row."""
 CITED = 3
 """Most past edits told per cause."""
+AGAINST = "against it: "
+"""Begins the evidence that speaks against a cause: such a one carries no patch of the table."""
 EASIER_GROUPS = ("story", "limits")
 SUPPORTED, OPEN, CONTRADICTED = 0, 1, 3
 """Ranks by evidence; an edit that makes the specification easier goes one further down."""
@@ -134,7 +136,7 @@ def _rank(row: Row, cause: Cause | None, group: str) -> tuple[int, str]:
     if cause is not None:
         against = [c for c in cause.unless if _holds(row, c)]
         if against:
-            rank, because = CONTRADICTED, "against it: " + _words(row, against[0])
+            rank, because = CONTRADICTED, AGAINST + _words(row, against[0])
         elif cause.when and all(_holds(row, c) for c in cause.when):
             rank, because = SUPPORTED, "; ".join(dict.fromkeys(_words(row, c) for c in cause.when))
     easier = group in EASIER_GROUPS or (cause is not None and cause.weakens)
@@ -198,7 +200,9 @@ def _joined(
     because: str,
 ) -> Correction:
     """A correction from what the check measured, filled up by the table; or from the table alone."""
-    patch = () if cause is None or document is None else tuple(_operations(row, cause.patch, names, document))
+    patch: tuple[dict[str, Any], ...] = ()
+    if cause is not None and document is not None and not because.startswith(AGAINST):
+        patch = tuple(_operations(row, cause.patch, names, document))
     if measured is not None:
         update: dict[str, Any] = {"skill": measured.skill or cited, "because": because}
         if patch and not measured.patch:

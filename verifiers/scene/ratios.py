@@ -11,6 +11,7 @@ from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
 from .bounds import SCENERY
 from .extents import region_diagonal
+from .rescaling import scaled
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["RATIOS", "Ratio", "default_ratio", "ratio_finding"]
 
+AMPLE = 1.01
+"""[1] Own choice: a suggested scale goes this far past what the ratio asks for."""
 LEAST = 1e-150
 """Stands for diagonals that underflow [m], so that ratios stay finite."""
 
@@ -112,6 +115,9 @@ def ratio_finding(candidate: Candidate, relation: Relation) -> Finding:
                     pointer("entities", n, "dimensions", "size") if n in entities else pointer("graph", "regions", n)
                     for n in order
                 ),
+                patch=()
+                if ok or odd not in entities
+                else scaled(candidate, odd, AMPLE * factor if factor > 1 else factor / AMPLE),
             ),
         ),
         evidence={"diagonal_a_m": a, "diagonal_b_m": b, "allowed": [low, high], "relation": relation.kind},

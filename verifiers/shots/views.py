@@ -156,7 +156,7 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, shown: f
         bound,
         entity=subject,
         frame=first if missed[:1] == [3] else (bad_frames or [best.frame])[0],
-        hints=_nearer(sight, beat, best, leaves=seen_share < limits.beat_seen_frames) if missed else (),
+        hints=_nearer(sight, beat, best, leaves=0.0 < seen_share < limits.beat_seen_frames) if missed else (),
         evidence={
             "best_frame": best.frame,
             "best_share": best.share,

@@ -35,8 +35,9 @@ from ...worlds.settled import settling
 from ..categories.registry import judge_of
 from ..ledgers import motion
 from ..rows.answers import guarded, row_of
-from ..rows.corrections import correction, halve_any_step, set_value
+from ..rows.corrections import correction, halve_any_step, longer, set_value
 from ..rows.findings import Finding
+from .beat_corrections import still_moves
 from .offers import let_meet
 from .phase_contacts import asks_for_contact, first_contact, promises
 from .phase_ends import SPAN, ending
@@ -349,6 +350,15 @@ def _more_frames(candidate: Candidate, phases: Phases) -> int:
     return max(end - phases.last_frame, second if end <= phases.last_frame else 1)
 
 
+def _goes_on(candidate: Candidate) -> bool:
+    """Whether anything still moves at the end, or a driver or beat is yet to come; waiting brings nothing else."""
+    spec, last = candidate.spec, candidate.last_frame
+    bodies = [n for n, e in spec.entities.items() if e.motion != "static"]
+    due = any(b.frames[1] > last for b in spec.story.beats.values())
+    later = any(d.begins * spec.simulation.fps > last for d in spec.simulation.drivers.values())
+    return due or later or still_moves(candidate, bodies)
+
+
 def _blown_up() -> list[Correction]:
     return [halve_any_step("energy grows at the end and no driver feeds it: the solver may diverge", "; more frames do not help")]
 
@@ -366,13 +376,13 @@ def _hints(candidate: Candidate, phase: str, more: int) -> list[Correction]:
             correction("bodies start in the air or overlap", "placement", "put them on their supports", pointers=("/entities",)),
         ]
     planned = candidate.spec.simulation.frames
-    longer = candidate.last_frame + 1 + more
+    total = candidate.last_frame + 1 + more
     wait = correction(
         "the run is too short" if phase != "activation" else "nothing acts within the run",
         "interval",
-        f"simulate {more} more frames, to frame {longer - 1}",
+        f"simulate {more} more frames, to frame {total - 1}",
         pointers=("/simulation/frames",),
-        patch=({"op": "replace", "path": "/simulation/frames", "value": longer},) if longer > planned else (),
+        patch=longer(candidate.spec, total) if total > planned and _goes_on(candidate) else (),
     )
     act = correction(
         "nothing sets the scene in motion",

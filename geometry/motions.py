@@ -29,7 +29,7 @@ class State(NamedTuple):
     quaternion: F64
     """Unit quaternions, shape (n, 4)."""
     velocity: F64 | None = None
-    """Of the centre [m/s], shape (n, 3); None where unknown."""
+    """Velocity of the centre [m/s], shape (n, 3); None where unknown."""
     spin: F64 | None = None
     """Angular velocity in world axes [rad/s], shape (n, 3); None where unknown."""
 

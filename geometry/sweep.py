@@ -95,7 +95,7 @@ class Sweep(NamedTuple):
     ends_above: float = -np.inf
     """Motions with a lower clearance [m] at one of their ends are not searched."""
     names: str = "two surfaces"
-    """Of both, for messages."""
+    """Names of both surfaces, for messages."""
 
 
 class _Ask(NamedTuple):

@@ -28,7 +28,7 @@ __all__ = ["SCOPES", "Grant", "IssuedToken", "Scope", "TokenBook", "check_token_
 
 Scope = Literal["read", "write"]
 SCOPES: tuple[Scope, ...] = get_args(Scope)
-"""What a token allows; write includes read."""
+"""Scopes that a token allows; write includes read."""
 SHORTEST_TOKEN = 16
 PREFIX = "wa"
 MOST_TOKENS = 256

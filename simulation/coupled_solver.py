@@ -46,9 +46,9 @@ class CoupledSolver(ABC):
     """
 
     KIND = ""
-    """Of the instance, for messages."""
+    """Kind of the instance, for messages."""
     REMEDY = ""
-    """What to do where its state is no longer finite."""
+    """Advice where its state is no longer finite."""
     PASSES = False
     """Whether an intervention may let it through solids."""
 

@@ -14,11 +14,11 @@ from pathlib import Path
 __all__ = ["Sources", "unsure_tests"]
 
 RAISING = frozenset({"raises", "warns", "deprecated_call"})
-"""Of pytest: what fails if its block does not do so."""
+"""Functions of pytest whose block fails if it does not raise or warn."""
 FAILING = frozenset({"fail", "AssertionError"})
-"""What an `if` ends in where it is an assertion in other words."""
+"""Calls at the end of an `if` that is an assertion in other words."""
 ENDING = frozenset({"fail", "skip", "xfail"})
-"""Of pytest: what ends a test that has not passed."""
+"""Functions of pytest that end a test which has not passed."""
 SAME_LENGTH = frozenset(
     {"enumerate", "sorted", "reversed", "list", "tuple", "set", "items", "keys", "values", "dict", "array", "asarray"}
 )

@@ -47,7 +47,7 @@ class Loose(NamedTuple):
 
     @property
     def centre(self) -> F64:
-        """Of mass [m], shape (3,); there must be particles."""
+        """Centre of mass [m], shape (3,); there must be particles."""
         return np.asarray(self.mass @ self.position / self.mass.sum())
 
 

@@ -36,11 +36,11 @@ DAMAGE = (
     *(OSError, EOFError, KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError, RuntimeError),
     *(zipfile.BadZipFile, zlib.error, struct.error),
 )
-"""What reading a damaged zip file of arrays may raise."""
+"""Exceptions that reading a damaged zip file of arrays may raise."""
 HEADER_BYTES = 512
 """Longest head of an array in a container; those of the channels have 128."""
 _LOCAL = struct.Struct("<4s22xHH")
-"""What stands before a member: signature, length of the name, length of what else there is."""
+"""Head of a member: signature, length of the name, length of what else there is."""
 PAIRS = ("contact/pair", "event/pair")
 """Channels of indices into `CacheIndex.colliders`."""
 KEPT_BYTES = 256_000_000

@@ -92,9 +92,9 @@ class PredicateInfo:
     directed: bool = False
     """The event is done by `entity` to `other`, and is another one with the two exchanged."""
     gloss: str = ""
-    """Of an event, its definition with its thresholds, in one plain sentence."""
+    """Definition of an event with its thresholds, in one plain sentence."""
     source: str = ""
-    """Of that definition: paper, standard, handbook, or own choice with its reason."""
+    """Source of that definition: paper, standard, handbook, or own choice with its reason."""
 
 
 def _children(predicate: SpecModel) -> list[SpecModel]:

@@ -53,7 +53,7 @@ class Sunlight:
     sky: F64
     """Visible part of the sky, 0 to 1."""
     exposure: F64
-    """Of `wind_exposure`."""
+    """Openness to the wind, as `wind_exposure` returns it."""
 
 
 def relief(grid: Grid, height: F64, *, window: float = 0.0) -> Relief:

@@ -10,9 +10,9 @@ wp.set_module_options({"enable_backward": False})
 __all__ = ["bound", "move", "reached", "stride"]
 
 SHARE = wp.constant(wp.float64(0.8))
-"""Of the way to the plane between two things that one step may take."""
+"""Share of the way to the plane between two things that one step may take."""
 KEEP = wp.constant(wp.float64(0.05))
-"""Of the distance of contact: nearer than this nothing comes nearer still."""
+"""Share of the distance of contact: nearer than this nothing comes nearer still."""
 
 
 @wp.kernel

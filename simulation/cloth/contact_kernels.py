@@ -10,7 +10,7 @@ wp.set_module_options({"enable_backward": False})
 __all__ = ["at_shares", "closing", "crowd", "lean", "meet", "press", "tell", "way_between", "yield_to"]
 
 PUSH = wp.constant(wp.float64(0.1))
-"""Of an overlap of the contact shells that one step takes back."""
+"""Share of an overlap of the contact shells that one step takes back."""
 FASTEST = wp.constant(wp.float64(0.2))
 """[m/s] at most with which it does."""
 

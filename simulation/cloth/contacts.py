@@ -92,11 +92,11 @@ class Surfaces(NamedTuple):
     """The triangles that can meet."""
 
     faces: I32
-    """Of the sheets."""
+    """Triangles of the sheets, shape (m, 3)."""
     sheet_vertices: int
     """How many vertices are the sheets'; the others are the solids'."""
     solid_faces: I32
-    """Of all solids, among all vertices."""
+    """Triangles of all solids, indices among all vertices."""
     solid_body: I32
     """Row of each of those triangles."""
     holder: I32

@@ -83,7 +83,7 @@ def offer(which, pairs, kinds, share, normal, wanted, friction, stiff, u, given,
 
 @njit(cache=True, nogil=True)
 def _friction(friction, kind):
-    """Of a kind of pair."""
+    """Friction coefficient of a kind of pair."""
     return friction[(kind - 2) // 4 + 1] if kind > 1 else friction[0]
 
 

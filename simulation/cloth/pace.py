@@ -17,7 +17,7 @@ __all__ = ["fastest_point", "stiffening"]
 TENSION = 1.5
 """Own choice, above what tension adds to the stiffness across itself per extension."""
 MOST = 4.0
-"""Of squeezed triangles: beyond, a sheet folds and is squeezed no further."""
+"""Largest factor on the stiffness of squeezed triangles: beyond, a sheet folds and is squeezed no further."""
 
 
 def stiffening(x: F64, edges: I32, length: F64) -> float:

@@ -163,7 +163,7 @@ class SolverCloth(CoupledSolver):
     # ------------------------------------------------------------------ output
 
     def coordinates(self) -> tuple[F64, F64]:
-        """Of the vertices."""
+        """Positions [m] and velocities [m/s] of the vertices, shape (n, 3) each."""
         return self.engine.vertices()
 
     def measured(self) -> dict[str, Any]:

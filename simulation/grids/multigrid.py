@@ -44,7 +44,7 @@ class Level:
     x: Any
     children: Any = None
     parent: Any = None
-    """Of the finer level's rows: their row here."""
+    """Row of this level for each row of the finer one."""
 
 
 @dataclass(frozen=True)

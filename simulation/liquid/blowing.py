@@ -24,7 +24,7 @@ class Blown(NamedTuple):
     """Effect of fields in a step."""
 
     change: F64
-    """Of velocities [m/s], shape (n, 3)."""
+    """Change of the velocities [m/s], shape (n, 3)."""
     given: F64
     """Momentum [N s] and energy [J], shape (4,)."""
 

@@ -150,7 +150,7 @@ class Filling:
     position: F64
     """(n, 3) [m]"""
     volume: float
-    """Of each [m^3]."""
+    """Volume of each particle [m^3]."""
     blocked: float
     """Share of the volume that lies in solids."""
 

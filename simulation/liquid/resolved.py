@@ -18,7 +18,7 @@ from .filling import PlacedSolid
 __all__ = ["require_resolved"]
 
 PITCH = 0.5
-"""Of the grid on which passages are looked for, in spacings."""
+"""Cell of the grid on which passages are looked for, in spacings."""
 MOST_CELLS = 8_000_000
 """Cells of that grid; above, the pitch grows to a whole spacing, and beyond that passages are not looked for."""
 LEAST_ROOM = 27

@@ -20,11 +20,11 @@ from .walls import Walls
 __all__ = ["Grains"]
 
 SKIN = 0.3
-"""Of the mean radius: how much farther than contact lists reach."""
+"""Share of the mean radius by which lists reach farther than contact."""
 USED = 0.4
-"""Of the skin: the way of a grain or of a surface after which lists are made anew."""
+"""Share of the skin: the way of a grain or of a surface after which lists are made anew."""
 TRAVEL = 0.09
-"""Of the skin: the longest way of a grain in one step."""
+"""Share of the skin: the longest way of a grain in one step."""
 COLLISION = 20.0
 """Steps in which the fastest grain's collision with its like is resolved, at least."""
 BATCH = 8
@@ -346,7 +346,7 @@ class Grains:
         return total, work
 
     def positions(self) -> F64:
-        """Of the grains in their present order [m], shape (n, 3)."""
+        """Positions of the grains in their present order [m], shape (n, 3)."""
         c = self.now.columns(self.count)
         result: F64 = (c["place"][:, :3].astype(float) + c["left"]) * self.unit + self.origin
         return result

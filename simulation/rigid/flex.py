@@ -44,7 +44,7 @@ NODE_INERTIA = 1e-9
 LAYERS_FOR_SELF = 3
 """Cells along an axis from which on parts of one body can meet: the engine leaves out neighbouring cells."""
 EIGEN_STEPS, EIGEN_MARGIN = 30, 1.05
-"""Of a power iteration, which comes within some per cent from below."""
+"""Steps of a power iteration, which comes within some per cent from below, and the factor that covers the rest."""
 TRAVEL_SHARE = 0.5
 """Own choice: a surface that moves farther per step than this share of its shortest edge may jump over another."""
 
@@ -58,7 +58,7 @@ class FlexBody:
     physics: ElasticPhysics
     lattice: Lattice
     pose: RigidPose
-    """Of the body's frame in the world, at rest."""
+    """Pose of the body's frame in the world, at rest."""
     masses: F64
     """At the nodes [kg], shape (n,)."""
     carriers: list[str]
@@ -219,7 +219,7 @@ _ORIGIN = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
 _RESIDUAL = re.compile(r"relative residual of ([0-9.eE+-]+)")
 _heard: list[str] = []
-"""What the engine said since it was last asked; its own handler would write it to a file in the working directory."""
+"""Messages of the engine since it was last asked; its own handler would write them to a file in the working directory."""
 
 
 def hear(text: str) -> None:

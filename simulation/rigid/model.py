@@ -64,7 +64,7 @@ class RigidModel:
     kin_rows: Any = None
     """Whether an entry of `bodies` is a piece of one, shape (n,)."""
     masses: Any = None
-    """Of each entry of `bodies` alone [kg], shape (n,)."""
+    """Mass of each entry of `bodies` alone [kg], shape (n,)."""
     actuator_of: dict[str, int] = field(default_factory=dict)
 
 

@@ -50,7 +50,7 @@ class _Contacts(NamedTuple):
     """All listed contacts of one batch, shape (n,) each."""
 
     key: NDArray[np.int64]
-    """Of the pair."""
+    """Number that stands for the pair of colliders."""
     step: NDArray[np.int64]
     live: NDArray[np.bool_]
     """Whether it was solved."""

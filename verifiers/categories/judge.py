@@ -104,7 +104,7 @@ class Judge:
     goes_on: ClassVar[str] = "moves on"
     """How it goes on where a run ends before it rests."""
     in_fields: ClassVar[tuple[str, str] | None] = None
-    """What is simplified where the medium of a force field, {0}, acts on it, and with which effect; None where no field does."""
+    """Simplification where the medium of a force field, {0}, acts on it, and its effect; None where no field does."""
 
     @property
     def body(self) -> bool:

@@ -55,7 +55,7 @@ CLAIMS = (
     _Claim(MATTER, LEDGER, lambda land, *_: ledger_finding(land)),
     _Claim(PLANTS, 0.0, plant_finding),
 )
-"""What is measured of the landscape itself."""
+"""Questions about the landscape itself, each with its bound and the function that measures it."""
 
 
 def check(candidate: Candidate) -> list[Row]:
@@ -67,7 +67,7 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 _known: dict[tuple[str, int, int, str], tuple[str, tuple[Measurement, ...]]] = {}
-"""What was found of the last landscapes, by file, its time and size, and the specification."""
+"""Digest and measurements of the last landscapes, by file, its time and size, and the specification."""
 
 
 def _measured(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str, F64]) -> tuple[str, tuple[Measurement, ...]]:

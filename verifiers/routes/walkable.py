@@ -36,7 +36,7 @@ class Carrier:
     headroom: float
     """[m]"""
     tangent: float
-    """Of the steepest slope."""
+    """Tangent of the steepest slope."""
     step: float
     """[m]"""
 

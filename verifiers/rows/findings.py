@@ -26,7 +26,7 @@ class Finding:
     """One sentence with numbers."""
     measured: float | None = None
     bound: float | None = None
-    """What `measured` is compared with."""
+    """Number that `measured` is compared with."""
     unit: str = ""
     """SI unit of both; empty takes that of the question."""
     entity: str | None = None

@@ -32,9 +32,9 @@ class Question:
     id: str
     """`support:rope`: the check, then the name of the question where the check has several."""
     predicate: str
-    """What is required. {0}, {1} stand for the names of the subject; a finding may repeat it with the numbers of its case."""
+    """Requirement in words. {0}, {1} stand for the names of the subject; a finding may repeat it with the numbers of its case."""
     measures: str = ""
-    """What `measured` is; empty where the answer has no number."""
+    """Meaning of `measured`; empty where the answer has no number."""
     unit: str = ""
     """SI unit of the measured value and its bound; `various` where each finding names its own."""
     comparison: Comparison = ""
@@ -42,7 +42,7 @@ class Question:
     bound: str = ""
     """Where the bound comes from: a field of the specification, a named constant, or words."""
     subject: tuple[str, ...] = ()
-    """What the names of the subject are: `entity`, `solver`, `relation`, `beat`, `shot`."""
+    """Kinds of the subject's names: `entity`, `solver`, `relation`, `beat`, `shot`."""
     order: str = ""
     """Pattern of the row id where it is not the question, then the subject: `terrain:{0}:tight`."""
     mandatory: bool = True

@@ -56,7 +56,7 @@ class Seen:
     frame: int
     shot: str
     share: float
-    """Of the picture that shows the entity."""
+    """Share of the picture that shows the entity."""
     unoccluded: float
     """Pixels seen / pixels seen if nothing else were there; 0 where it is out of the picture."""
     hidden_by: str | None
@@ -86,7 +86,7 @@ class _Cast(NamedTuple):
 
 
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
-"""Of loose matter, whose meshes are in the world."""
+"""Pose of loose matter, whose meshes are in the world."""
 HELD_SHAPES = 16
 """Frames whose deformed solids are kept."""
 HELD_FACES = 4_000_000

@@ -37,19 +37,19 @@ class Anchor(NamedTuple):
     """A joint or rope end at a fixed point of space."""
 
     name: str
-    """Of the joint or rope."""
+    """Name of the joint or rope."""
     field: str
     """`anchor` or `parent_point` of a joint, `start` or `end` of a rope."""
     kind: str
     """Kind of the joint; `rope`."""
     entity: str
-    """What it holds."""
+    """Entity that it holds."""
     point: F64
     """[m]"""
     where: tuple[str | int, ...]
     """Steps of the pointer to the point."""
     axis: F64 | None = None
-    """Of a hinge."""
+    """Axis of a hinge."""
 
     @property
     def words(self) -> str:

@@ -39,7 +39,7 @@ class CategorySpec:
     name: str
     shape: MatterShape
     covers: str = ""
-    """What its engines simulate, for the list of capabilities; empty where none does."""
+    """Matter that its engines simulate, for the list of capabilities; empty where none does."""
     physics: type[Matter] | None = None
     """Its member of the union `Physics`; None for what entities of other categories declare beside their physics."""
     contract: str = ""
@@ -59,7 +59,7 @@ class CategorySpec:
     parameters: tuple[Parameter, ...] = ()
     """Its fields, each with group and direction."""
     channels: Mapping[str, tuple[Channel, ...]] = field(default_factory=dict)
-    """What it writes into caches, by kind of writer: its name for all of its own instances, others as `writers` tells."""
+    """Channels that it writes into caches, by kind of writer: its name for all of its own instances, others as `writers` tells."""
     dimensions: Mapping[str, str] = field(default_factory=dict)
     """Named sizes of these channels that no other category has, and what their rows are."""
     changes: Callable[[WorldSpec, str], Iterable[str]] = lambda spec, name: ()

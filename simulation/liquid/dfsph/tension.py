@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 __all__ = ["Tension"]
 
 REACH = 2.0
-"""Of the attraction, in supports of the pressure's kernel: two cells of the grid."""
+"""Reach of the attraction, in supports of the pressure's kernel: two cells of the grid."""
 CORE_REACH = 1.25
-"""Of the push, in the same."""
+"""Reach of the push, in the same unit."""
 CORE = CORE_REACH / REACH
 """Strength of the push in that of the attraction: the pulls of half-spaces on their outermost particles are as 1 / reach, so none is left."""
 MEAN = 31.0 / 70.0

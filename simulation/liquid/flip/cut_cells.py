@@ -71,7 +71,7 @@ class CutCells:
         self.sources = Sources(self.run, setup, self._origin)
         self.volume = 0.0
         self._dt = 0.0
-        """Of the present step [s]."""
+        """Length of the present step [s]."""
 
     def _faces(self, grid: Grid, *names: str) -> list[Any]:
         return [self.run.array(name, grid.cells, warp().vec3) for name in names]

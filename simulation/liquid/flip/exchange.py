@@ -34,7 +34,7 @@ class Exchange:
         self._grid, self._shut = grid, shut
         self.mouths = mouths
         self.mass = 0.0
-        """Of a full cell [kg]."""
+        """Mass of a full cell [kg]."""
         wp, rows = warp(), level.rows
         flags = [run.array(f"touch/{name}", rows + 1, wp.int32) for name in ("flag", "thin")]
         run(kernels.touching, rows, [shut, *flags])

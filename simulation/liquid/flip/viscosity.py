@@ -56,7 +56,7 @@ class Viscosity:
         self.friction = run.upload("viscous/friction", np.array([*friction, 0.0], np.float32), warp().float32)
         self._slots = -1
         self.least = self.most = 0.0
-        """Of the particles' viscosities [Pa s]."""
+        """Least and greatest viscosity of the particles [Pa s]."""
 
     def look(self, markers: Markers, dt: float) -> float | None:
         """Share of motion below a cell's size that survives viscosity in a step of `dt`; None where viscosity does not count."""

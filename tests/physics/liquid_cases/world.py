@@ -1,4 +1,4 @@
-"""What the cases share: boxes of liquid, tanks of boxes, bodies moved by the impulses that the engine reports, and figures."""
+"""Tools that the cases share: boxes of liquid, tanks of boxes, bodies moved by the impulses that the engine reports, and figures."""
 
 from __future__ import annotations
 

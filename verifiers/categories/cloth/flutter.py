@@ -28,7 +28,7 @@ class _Points:
     """Points of a sheet and how each goes to and fro along its own main direction."""
 
     rows: NDArray[np.intp]
-    """Of the channels `vertex/*`."""
+    """Rows of the channels `vertex/*`."""
     rest: F64
     """In the entity's frame (n, 3) [m]."""
     area: F64

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 __all__ = ["cloth_lines"]
 
 LOST = 0.05 * (2 * math.pi) ** 2
-"""Of a swing of 1 Hz per second and second of step: the theta rule at 0.55 takes 0.05 w^2 h."""
+"""Loss of a swing of 1 Hz per second and second of step: the theta rule at 0.55 takes 0.05 w^2 h."""
 
 
 PUSHED = 0.1, 0.2
-"""Of an overlap of two contact shells, what a step takes back; and with which speed at most [m/s]."""
+"""Share of an overlap of two contact shells that a step takes back; and the greatest speed with which it does [m/s]."""
 
 
 def cloth_lines(candidate: Candidate) -> list[dict[str, str]]:

@@ -37,7 +37,7 @@ class _Foot(NamedTuple):
     corners: NDArray[np.intp]
     """Vertices of the nearest triangle, shape (n, 3)."""
     weight: F64
-    """Of these, shape (n, 3)."""
+    """Weights of these vertices, shape (n, 3)."""
     rim: NDArray[np.bool_]
     """Whether the point lies on the rim, shape (n,)."""
     side: F64

@@ -41,7 +41,7 @@ class _Event(NamedTuple):
     tension: float
     cause: int
     sides: I32
-    """Of the part's corners (k, 2)."""
+    """Indices among the part's corners (k, 2)."""
     triangles: I32
     places: F64
 

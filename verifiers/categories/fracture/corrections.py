@@ -73,7 +73,7 @@ def _apart(
     pointer: str,
     asked: list[Broken | Breach | Debris],
 ) -> list[Correction]:
-    """Of debris: whether enough lumps came loose at all, and how far they went."""
+    """Corrections of debris: by whether enough lumps came loose at all, and how far they went."""
     one = asked[0]
     lumps, reached = details.get("lumps"), details.get("reached")
     if len(asked) > 1 or not isinstance(one, Debris) or not isinstance(lumps, int) or outcome.bound is None:

@@ -65,7 +65,7 @@ class Frames:
         if any(r is None for r in rows):
             raise EvidenceError(f"the cache of {solver!r} lacks pieces of {entity!r}; bake again")
         self.rows = np.array(rows, dtype=np.int64)
-        """Of the pieces among the instance's bodies."""
+        """Rows of the pieces among the instance's bodies."""
         pose = pose_of(candidate.spec.entities[entity].pose)
         self.rest_turn: F64 = rotation_matrix(pose.quaternion)
         self._rest = pose

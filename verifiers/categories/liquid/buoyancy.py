@@ -38,7 +38,7 @@ class _Lift:
     """Mean push on one body over every window of frames; arrays have the shape (frames,) and are NaN where no window can be judged."""
 
     row: int
-    """Of the body among the boundaries."""
+    """Row of the body among the boundaries."""
     push: F64
     """Upward push [N]."""
     wanted: F64

@@ -35,7 +35,7 @@ Rows = NDArray[np.intp]
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
 """Order of `settings.domain.sides`."""
 CHANNELS = ("origin", "particle/position", "particle/velocity", "particle/id", "particle/fluid", "particle/volume")
-"""What every row needs."""
+"""Channels that every row needs."""
 
 
 KEPT_BYTES = 200_000_000
@@ -86,7 +86,7 @@ class Frame:
 
     @property
     def fastest(self) -> float:
-        """Of all [m/s]; 0 where there is none."""
+        """Speed of the fastest particle [m/s]; 0 where there is none."""
         return float(np.sqrt(self.squared.max(initial=0.0)))
 
 
@@ -194,7 +194,7 @@ class Liquid:
 
     @cached_property
     def strength(self) -> float:
-        """Of gravity [m/s^2]."""
+        """Strength of gravity [m/s^2]."""
         return float(np.linalg.norm(self.gravity))
 
     @cached_property

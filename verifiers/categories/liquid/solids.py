@@ -39,7 +39,7 @@ class Piece:
     part: str
     solid: Solid
     position: F64
-    """Of its body's frame [m], shape (frames, 3)."""
+    """Position of its body's frame [m], shape (frames, 3)."""
     turn: F64
     """Shape (frames, 3, 3)."""
     still: bool

@@ -37,11 +37,11 @@ class _Impact(NamedTuple):
 
     frame: int
     place: F64
-    """Of the body's middle [m], shape (3,)."""
+    """Position of the body's middle [m], shape (3,)."""
     speed: float
     """Against the liquid about it [m/s]."""
     level: float
-    """Of the surface about it at the frame before, along up [m]."""
+    """Level of the surface about it at the frame before, along up [m]."""
     below: frozenset[int]
     """Ids of what was then about it, not above the surface."""
 

@@ -106,7 +106,7 @@ class Way:
     width: float
     """[m]"""
     between: tuple[Piece, ...]
-    """What it lies between, the nearest first."""
+    """Pieces that it lies between, the nearest first."""
 
 
 def narrow_ways(visited: Visited, still: tuple[Piece, ...], least: float) -> list[Way] | None:

@@ -38,7 +38,7 @@ ONWARD = 0.6180339887498949
 HOLE = 2.0
 """[largest radii] Radius of the spheres about tetrahedra: 1.22 to 1.41 in dense packings, up to 1.9 in loose ones."""
 FLAT = 1e-9
-"""Of the cube of the largest radius: six times the volume of tetrahedra without any."""
+"""Six times the volume up to which a tetrahedron counts as flat, in cubes of the largest radius."""
 
 
 def chosen(frame: SwarmFrame) -> NDArray[np.intp]:

@@ -21,7 +21,7 @@ SLOWEST_BOUNCE = 0.01
 GRAVITY_STEPS = 4.0
 """Nor do those that close slower than gravity makes them in so many steps."""
 PASSED = 0.03 / 0.97
-"""What constraints let pass of what pushes them, over what they stop."""
+"""Push that constraints let pass, over the push that they stop."""
 SOFTEST = 200.0
 """A contact is as soft as that of a body so many times lighter than the heaviest one, at most."""
 JERK_STEPS = 0.8

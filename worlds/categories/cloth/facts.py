@@ -51,7 +51,7 @@ class ClothEstimate(NamedTuple):
 
     vertices: float
     steps: float
-    """Of the whole run, preroll included."""
+    """Steps of the whole run, preroll included."""
     written: float
     """Vertices of its frames: those of sheets that can tear are corners of triangles."""
 

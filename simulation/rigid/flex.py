@@ -192,7 +192,7 @@ def add_flex(builder: Any, name: str) -> FlexBody:
 def part_flexes(rigid: RigidModel) -> None:
     """Let each of the pairs `rigid.parted` pass through each other.
 
-    Every elastic body of such a pair has two bits of its own: all but its partners meet them. Written after anything that
+    Every elastic body of such a pair has two bits of its own: all but the bodies of its pairs meet them. Written after anything that
     writes contact types.
     """
     model = rigid.model

@@ -53,7 +53,7 @@ def _rests(books: Books) -> Rests:
 
 
 def _on_bodies(books: Books) -> F64:
-    """Gravity, and what partners and fields gave, per body [N s], shape (F - 1, n, 3)."""
+    """Gravity, and what coupled solvers and fields gave, per body [N s], shape (F - 1, n, 3)."""
     free = books.free_time[:, books.owner]
     found: F64 = (free * books.body_mass)[:, :, None] * books.gravity
     if both_ways(books.candidate.spec, books.cache.index.solver):

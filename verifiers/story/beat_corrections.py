@@ -31,7 +31,7 @@ LASTING = frozenset({"flutters"})
 def corrections_of(
     candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
 ) -> list[Correction]:
-    """Ranked hints from what was measured.
+    """Ranked corrections from what was measured.
 
     Args:
         candidate: what was judged.

@@ -176,7 +176,7 @@ class Exchange:
         return kick, spin
 
     def end(self, q: Any) -> F64:
-        """Impulse on each boundary, then on mouths and on the domain (last) [N s, N m s]; walls move as after it."""
+        """Impulse on each boundary, then on openings and on the domain (last) [N s, N m s]; walls move as after it."""
         many = self.solids.count + len(self.mouths)
         if not self.solids.count:
             return np.zeros((many + 1, 6))

@@ -37,7 +37,7 @@ class Rubbed:
     """Result of a viscous step."""
 
     impulse: F64
-    """On boundaries, mouths and the domain (last), linear and about their centres [N s, N m s]."""
+    """On boundaries, openings and the domain (last), linear and about their centres [N s, N m s]."""
     kick: F64
     """Change of the boundaries' velocities (b, 3) [m/s]."""
     spin: F64
@@ -182,7 +182,7 @@ class Viscosity:
         return Rubbed(impulse, kick, spin, iterations, capped)
 
     def _impulse(self, kick: F64, spin: F64) -> F64:
-        """On every boundary, mouth and the domain, at the velocities found."""
+        """On every boundary, opening and the domain, at the velocities found."""
         exchange = self._exchange
         walls = exchange.moved(kick, spin)
         self._multiply(self._u, walls, self._ap)

@@ -23,7 +23,7 @@ __all__ = ["breaking"]
 def breaking(
     candidate: Candidate, predicate: SpecModel, entity: str, outcome: Outcome, details: dict[str, object], pointer: str
 ) -> list[Correction] | None:
-    """Hints for a breakable body that breaks or falls apart too little; None where something else is asked.
+    """Corrections for a breakable body that breaks or falls apart too little; None where something else is asked.
 
     Args:
         candidate: what was judged.

@@ -1,6 +1,6 @@
 """Whether the spacing of a liquid resolves where it comes in and goes out, what stands in it and the ways it takes (R58).
 
-- `openings`: mouths of inflows and outflows are wide enough.
+- `openings`: those of inflows and outflows are wide enough.
 - `obstacles`: fixed solids are thick enough wherever they are wet.
 - `passages`: no way between fixed solids that liquid gets to is narrower than what is resolved, where no wider one is beside it.
 

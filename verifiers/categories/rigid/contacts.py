@@ -118,7 +118,7 @@ def _struck(books: Books) -> Flags:
 
 
 def moves(books: Books, rows: NDArray[np.int64], interval: NDArray[np.int64]) -> Flags:
-    """Whether a contact's partner moves at either end of the interval; static ones (row -1) do not."""
+    """Whether the other body of a contact moves at either end of the interval; static ones (row -1) do not."""
     fastest = surface_speeds(books)
     known = np.maximum(rows, 0)
     return np.asarray((rows >= 0) & (np.maximum(fastest[interval, known], fastest[interval + 1, known]) > 1e-3))

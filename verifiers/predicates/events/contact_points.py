@@ -143,7 +143,7 @@ def _own_frame(course: Course, points: F64, at: slice) -> F64:
 
 
 def _carried_at(partner: Course, points: F64, at: slice) -> F64:
-    """Velocity of the partner's matter at some points [m/s], shape (f, 3)."""
+    """Velocity of the other body's matter at some points [m/s], shape (f, 3)."""
     if partner.candidate.spec.entities[partner.entity].motion == "static":
         return np.zeros_like(points)
     result: F64 = partner.velocities[at] + np.cross(partner.spins[at], points - partner.centers[at])

@@ -43,7 +43,7 @@ def seams_of(corners: F64) -> Seams:
     """How corners (3 t, 3) [m] hang together at rest: those at the same place are one.
 
     Raises:
-        InputError: a side has more than one partner, triangles face different ways, or meet in a point alone.
+        InputError: a side meets more than one other side, triangles face different ways, or meet in a point alone.
     """
     _, first, place_of = np.unique(corners, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(np.argsort(first, kind="stable"), kind="stable")

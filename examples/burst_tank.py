@@ -41,7 +41,7 @@ CRATE_DENSITY = 1200.0
 """Density of a crate packed with bricks [kg/m^3], 5.8 kg each. Heavier than water, for they stand flat on the floor, where particles do not get
 under them: the flood pushes them, and nothing has to lift them."""
 SWEPT = 0.4
-"""How far the flood sweeps each crate along the street [m], at least; a crate is 0.2 m long."""
+"""Least way that the flood sweeps each crate along the street [m]; a crate is 0.2 m long."""
 CRATES = {"crate_a": (0.7, 0.2), "crate_b": (0.95, -0.22), "crate_c": (1.25, 0.05)}
 LIFT = (0.25, 1.0)
 """The gate rises between these times [s]."""

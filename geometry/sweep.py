@@ -91,7 +91,7 @@ class Sweep(NamedTuple):
     precision: float = 0.0
     """The value is at most this much [m] above the true one where that is lower than `below`."""
     first_found: bool = False
-    """Whether any value lower than `below` ends the search of its motion."""
+    """True if any value lower than `below` ends the search of its motion."""
     ends_above: float = -np.inf
     """Motions with a lower clearance [m] at one of their ends are not searched."""
     names: str = "two surfaces"

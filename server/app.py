@@ -251,7 +251,7 @@ def create_server(
 
 
 def _waits(name: str, arguments: dict[str, Any]) -> bool:
-    """Whether a call may wait for a job: `job` only waits when it is told to, pictures only for the film."""
+    """True if a call may wait for a job: `job` only waits when it is told to, pictures only for the film."""
     if name == "job":
         return bool(arguments.get("action") == "wait")
     return not (name == "render_shot" and arguments.get("kind") != "final")

@@ -19,7 +19,7 @@ class Check:
     ok: bool
     detail: str
     required: bool = True
-    """Whether the server does not work without it."""
+    """True if the server does not work without it."""
     cost: str = ""
     """Loss for the user where it is missing, in plain words."""
     remedy: str = ""

@@ -100,7 +100,7 @@ class TokenBook:
         return self._folder / "token_uses.json"
 
     def required(self) -> bool:
-        """Whether requests need a token: one was given, or the workspace ever issued one, even if all are revoked."""
+        """True if requests need a token: one was given, or the workspace ever issued one, even if all are revoked."""
         return self._given is not None or os.path.lexists(self.path)
 
     def check(self, token: str) -> Grant | None:

@@ -126,7 +126,7 @@ class Surround:
 
 
 def meets_domain(entity: Entity, built: BuiltEntity, box: tuple[F64, F64], margin: float) -> bool:
-    """Whether a solid at its place at frame 0 reaches into a domain; what moves may always come there."""
+    """True if a solid at its place at frame 0 reaches into a domain; what moves may always come there."""
     if entity.motion != "static":
         return True
     base = pose_of(entity.pose)

@@ -50,7 +50,7 @@ class CoupledSolver(ABC):
     REMEDY = ""
     """Advice where its state is no longer finite."""
     PASSES = False
-    """Whether an intervention may let it through solids."""
+    """True if an intervention may let it through solids."""
 
     @staticmethod
     def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
@@ -155,7 +155,7 @@ class CoupledSolver(ABC):
         return resting(self.surround)
 
     def held(self, time: float) -> bool:
-        """Whether an intervention keeps it where it is at `time` [s]."""
+        """True if an intervention keeps it where it is at `time` [s]."""
         return bool(self._done.held & set(self.members)) and time >= self._done.since - SHORTEST
 
     def begin_frame(self, frame: int) -> None:

@@ -27,7 +27,7 @@ PRODUCT = (
 """Folders that the ceilings hold for; benchmarks, examples and test worlds are data more than code."""
 WRITTEN = (*PRODUCT, "testing", "bench", "examples", "packaging", "docs", "skills", "tests")
 """Folders whose docstrings are measured."""
-RIDDLES = ("What ", "Of ")
+RIDDLES = ("What ", "Whether ", "How ", "Of ")
 """Beginnings of docstrings that name no thing."""
 MODULE, FUNCTION, PARAMETERS = 400, 60, 8
 """Lines of a module, lines of a function, parameters of a function."""

@@ -24,7 +24,7 @@ LEAST_ROWS = 3
 DRAIN = 2.0
 """Length along the flow of the box in which a river leaves, in spacings, besides its width: no film stays behind it."""
 OVER = 0.5
-"""How far that box reaches beyond the water, beside, below and above it, in its depths."""
+"""Distance that the box reaches beyond the water, beside, below and above it, in its depths."""
 
 
 def water_operations(

@@ -65,7 +65,7 @@ class BuiltPart:
     deviation: tuple[float, float]
     """[m] (largest distance of the collision surface outside the visible one, and of the visible outside it)."""
     smooth: bool
-    """Whether the renderer should interpolate normals."""
+    """True if the renderer should interpolate normals."""
     simulation: SimulationMesh | None = None
     """Mesh that the solver of a deforming part moves; None for other parts."""
 

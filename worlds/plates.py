@@ -121,7 +121,7 @@ class Plates:
         write_atomically(folder / "index.json", json.dumps(asdict(self), indent=1, sort_keys=True).encode())
 
     def same_making(self, other: Plates) -> bool:
-        """Whether both are pictures of one bake in one light, made by one program."""
+        """True if both are pictures of one bake in one light, made by one program."""
         return (self.recipe, self.cache, dict(self.renderer), self.size, self.samples) == (
             other.recipe,
             other.cache,

@@ -59,7 +59,7 @@ Tightens = Literal["up", "down", "none"]
 Interval = Literal["narrower", "wider", "end", "either"]
 """Change of its frames that makes a predicate harder to meet; `end`: only the last frame counts; `either`: it cannot be told."""
 BAND: Mapping[str, Tightens] = {"min": "up", "max": "down"}
-"""How the bounds of a `Band` tighten."""
+"""Direction in which each bound of a `Band` tightens."""
 POSE = ("position", "quaternion")
 """Channels of the poses of bodies."""
 

@@ -84,7 +84,7 @@ def clipped_tets(solid: Solid, points: F64, tets: I32) -> tuple[F64, I32]:
 
 
 def inside_of(depth: F64, tets: I32) -> NDArray[np.intp]:
-    """How many corners of each tetrahedron lie inside or on the surface."""
+    """Number of corners of each tetrahedron inside or on the surface."""
     return np.asarray((depth[tets] <= 0.0).sum(axis=1), dtype=np.intp)
 
 

@@ -32,7 +32,7 @@ class GroundCover:
     index: np.ndarray
     """Index of the winning material, shape (rows, cols)."""
     retention: F64
-    """How well the ground holds water, 0 to 1, shape (rows, cols)."""
+    """Share of water that the ground holds, 0 to 1, shape (rows, cols)."""
     blend: tuple[float, ...]
     """Width over which each material fades into its neighbours [m]."""
 

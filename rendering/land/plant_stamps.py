@@ -29,7 +29,7 @@ BARE = 8
 CROWNS = {"broad": (0.66, 0.29, 0.34), "bush": (0.45, 0.52, 0.5), "rock": (0.3, 0.7, 0.6), "column": (0.5, 0.09, 0.5)}
 """Round crowns: height of the middle, half width and half height, over the height of the plant."""
 TRUNKS = {"broad": (0.5, 0.022), "cone": (0.2, 0.018), "palm": (0.9, 0.016)}
-"""How high the trunk shows, and half its width."""
+"""Height up to which the trunk shows, and half its width."""
 
 
 class Stamp(NamedTuple):
@@ -41,7 +41,7 @@ class Stamp(NamedTuple):
     light: F64
     """Factor on the colour."""
     bark: np.ndarray
-    """Whether it is trunk."""
+    """True where it is trunk."""
 
 
 class Stand(NamedTuple):

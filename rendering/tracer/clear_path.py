@@ -124,7 +124,7 @@ def _towards(self: Any, scene: Any, start: Any, ds: Any, within: Any, active: An
 
 
 class _Turn(NamedTuple):
-    """How light goes on at a face."""
+    """Light that goes on at a face."""
 
     mirrored: Any
     passed: Any

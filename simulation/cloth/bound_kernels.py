@@ -99,7 +99,7 @@ def reached(
     u: wp.array(dtype=wp.vec3d),
     share: wp.array(dtype=wp.float64),
 ):
-    """How far from where it was expected a vertex comes in this step, over how far the lists of pairs hold."""
+    """Write the distance of each vertex from its expected place in this step, over the distance for which the lists of pairs hold."""
     i = first + wp.tid()
     moved = x[i] - anchor[i] + clock[0] * u[i]
     gone = wp.length(moved - (clock[2] + clock[0]) * plan[i])

@@ -17,7 +17,7 @@ FASTEST = wp.constant(wp.float64(0.2))
 
 @wp.func
 def stands(c: wp.vec4d, kind: wp.vec2i):
-    """Whether a pair is the one of several with the same nearest points that counts: edges where they meet inside both, a triangle inside
+    """True if a pair is the one of several with the same nearest points that counts: edges where they meet inside both, a triangle inside
     itself or at edges and corners that it stands for."""
     zero = wp.float64(0.0)
     if is_edges(kind):

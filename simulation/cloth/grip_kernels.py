@@ -217,7 +217,7 @@ def _pressed(vertex, value, p, out):
 
 @njit(cache=True, nogil=True)
 def agree(which, pairs, share, normal, stiff, part, place, frames, rest, room, weight):
-    """How much less each free vertex moves along its warp, weft and normal with its contacts than without, as if alone: square roots
+    """Factor by which each free vertex moves less along its warp, weft and normal with its contacts than without, as if alone: square roots
     (free, 3), in the order of the factor. `rest` is the diagonal of what is factored."""
     room[:] = 0.0
     for k in range(len(which)):

@@ -21,7 +21,7 @@ MOST = 4.0
 
 
 def stiffening(x: F64, edges: I32, length: F64) -> float:
-    """How much larger the square of the highest frequency is than at rest, about, and at least 1.
+    """Square of the highest frequency over that at rest, about, and at least 1.
 
     Tension stiffens a sheet across itself, squeezed triangles shear harder.
 

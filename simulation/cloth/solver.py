@@ -87,7 +87,7 @@ class SolverCloth(CoupledSolver):
     # ------------------------------------------------------------------ stepping
 
     def held(self, time: float) -> bool:
-        """Whether a release driver or an intervention keeps this cloth where it is at `time` [s]."""
+        """True if a release driver or an intervention keeps this cloth where it is at `time` [s]."""
         return super().held(time) or time < self._let_go - SHORTEST
 
     def step(self, limit: float, bodies: BodyState, time: float) -> ClothReport:

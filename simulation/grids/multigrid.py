@@ -49,7 +49,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Solution:
-    """How a solve ended: iterations, largest residual [as the right side], and whether the cap stopped it."""
+    """End of a solve: iterations, largest residual [as the right side], and whether the cap stopped it."""
 
     iterations: int
     residual: float

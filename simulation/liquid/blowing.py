@@ -46,7 +46,7 @@ class Blowing:
                 self._points.append((row, surface_points(boundary.mesh, setup.spacing, *box)))
 
     def acts(self, time: float, dt: float) -> bool:
-        """Whether any field acts within a step of the engine."""
+        """True if any field acts within a step of the engine."""
         since = time - self.setup.preroll
         return any(f.acts(since, since + dt) for f in self.setup.fields)
 

@@ -279,7 +279,7 @@ class Grains:
         return self.passes.greatest("most", counts, n, self._counts, self._most)
 
     def _gone(self, n: int) -> int:
-        """How many grains have left; they sort last."""
+        """Number of grains that have left; they sort last."""
         from .list_kernels import GONE
 
         if int(self._key[n - 1 : n].numpy()[0]) != GONE:
@@ -295,7 +295,7 @@ class Grains:
 
     @property
     def listed(self) -> bool:
-        """Whether lists of contacts are there."""
+        """True if lists of contacts are there."""
         return self._known
 
     def forget_lists(self) -> None:

@@ -54,7 +54,7 @@ class Bodies:
     offset: wp.array(dtype=wp.int32)
     """First triangle of each body."""
     soft: wp.array(dtype=wp.int32)
-    """Whether its vertices move by themselves; its pose is then that of the world."""
+    """True where its vertices move by themselves; its pose is then that of the world."""
     speed: wp.array(dtype=wp.vec3d)
     """Velocities of such vertices, among those of all bodies [m/s]."""
     yields: wp.array(dtype=wp.float64)
@@ -164,12 +164,12 @@ class Contacts:
     """First corner of the triangle."""
     number: wp.int32
     faces: wp.int32
-    """How many of them are on faces."""
+    """Number of them that are on faces."""
 
 
 @wp.func
 def lies_under(found: Contacts, c: wp.vec3d, big: wp.float64):
-    """Whether a point of an edge belongs to a face that acts already."""
+    """True if a point of an edge belongs to a face that acts already."""
     under = wp.int32(0)
     for s in range(found.faces):
         if wp.abs(wp.dot(row_of(found.normal, s), c - row_of(found.point, s))) < wp.float64(1.0e-3) * big:

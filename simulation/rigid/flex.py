@@ -120,7 +120,7 @@ def pinned_nodes(lattice: Lattice, pin: Pin) -> Any:
 
 
 def is_soft(spec: WorldSpec, name: str) -> bool:
-    """Whether an entity is an elastic body."""
+    """True if an entity is an elastic body."""
     return isinstance(spec.entities[name].physics, ElasticPhysics)
 
 
@@ -251,7 +251,7 @@ class Flexes:
 
     @property
     def slow_enough(self) -> bool:
-        """Whether no surface may have jumped over another in a step of the frame."""
+        """True if no surface may have jumped over another in a step of the frame."""
         shortest = min(float(b.lattice.edge.min()) / 2 for b in self.bodies)
         return self.travel <= TRAVEL_SHARE * shortest
 

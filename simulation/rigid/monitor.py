@@ -53,7 +53,7 @@ class _Contacts(NamedTuple):
     """Number that stands for the pair of colliders."""
     step: NDArray[np.int64]
     live: NDArray[np.bool_]
-    """Whether it was solved."""
+    """True where it was solved."""
     impulse: F64
     """Normal [N s]."""
 
@@ -203,7 +203,7 @@ class ContactMonitor:
     # ------------------------------------------------------------------ per frame
 
     def _slept_through(self, key: int, last: float, now: float, dt: float) -> bool:
-        """Whether a pair was not seen from `last` to `now` only because a body of it slept."""
+        """True if a pair was not seen from `last` to `now` only because a body of it slept."""
         for side in divmod(key, self.count):
             for tree in self._trees[side]:
                 slept, woke = self.slept[tree], self.woke[tree]

@@ -27,7 +27,7 @@ class Meeting:
     first: float
     """[s]"""
     from_start: bool
-    """Whether they touch from the first frame on."""
+    """True if they touch from the first frame on."""
     impulse: float = 0.0
     """Sum of all pushes [N s]."""
     hardest: float = 0.0

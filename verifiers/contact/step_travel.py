@@ -148,7 +148,7 @@ class _Steps:
         )
 
     def _bound(self) -> NDArray[np.bool_]:
-        """Whether each part feels more than gravity and contacts: joints, drivers, fields, other solvers."""
+        """True where each part feels more than gravity and contacts: joints, drivers, fields, other solvers."""
         plan = self.candidate.spec.simulation
         if any(getattr(d, "kind", "") == "field" for d in plan.drivers.values()) or len(plan.solvers) > 1:
             return np.ones(len(self.parts.thick), dtype=bool)

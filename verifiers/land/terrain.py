@@ -111,7 +111,7 @@ def _answer(name: str, found: Measurement, bound: float, action: str, *, evidenc
 
 
 def _tight(candidate: Candidate, name: str, land: SavedLandscape, digest: str) -> Finding:
-    """Whether water finds no way through the ground: holes in the land, grounds that are not closed, gaps between them."""
+    """Judge whether water finds no way through the ground: holes in the land, grounds that are not closed, gaps between them."""
     mend = "give its dem layer holes='fill', or give entity=... with centers and sizes that adjoin"
     extra = [candidate.recipe("tight", [p.entity for p in patches(candidate.spec, name)]), digest]
     return _answer(name, tight_finding(candidate, name, land), 0.0, mend, evidence={}, extra=extra)

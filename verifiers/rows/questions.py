@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 __all__ = ["GROUP_OF", "Comparison", "Question", "by_name"]
 
 Comparison = Literal["<=", ">=", "==", "in", ""]
-"""How the measured value must compare with the bound; empty where nothing is measured."""
+"""Comparison of the measured value with the bound; empty where nothing is measured."""
 
 GROUP_OF: Mapping[Check, Group] = {
     **dict.fromkeys(("terrain", "scale", "interpenetration", "support", "navigability", "relations"), "spatial"),
@@ -38,7 +38,7 @@ class Question:
     unit: str = ""
     """SI unit of the measured value and its bound; `various` where each finding names its own."""
     comparison: Comparison = ""
-    """How the measured value must compare with the bound, unless a finding says otherwise."""
+    """Comparison of the measured value with the bound, unless a finding says otherwise."""
     bound: str = ""
     """Where the bound comes from: a field of the specification, a named constant, or words."""
     subject: tuple[str, ...] = ()
@@ -46,7 +46,7 @@ class Question:
     order: str = ""
     """Pattern of the row id where it is not the question, then the subject: `terrain:{0}:tight`."""
     mandatory: bool = True
-    """Whether acceptance needs the row."""
+    """True if acceptance needs the row."""
     matrix_group: Group | None = None
     """Group of the matrix, where it is not that of the check."""
 

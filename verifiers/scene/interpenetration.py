@@ -188,7 +188,7 @@ def separating_move(
 
 
 def _apart(surfaces: Surfaces, mover: str, other: str, frame: int, offset: F64) -> bool:
-    """Whether `mover`, displaced by `offset` [m], clears `other` by `MARGIN`."""
+    """True if `mover`, displaced by `offset` [m], clears `other` by `MARGIN`."""
     for i in surfaces.parts_of[mover]:
         one = surfaces.parts[i]
         pose = surfaces.track(mover, one.body).at(frame)
@@ -223,7 +223,7 @@ def _struck(surfaces: Surfaces, mover: str, other: str, offset: F64) -> str | No
 
 
 def _fixed(surfaces: Surfaces, entity: str) -> bool:
-    """Whether an entity stays where it is placed: it is static, or pins hold it."""
+    """True if an entity stays where it is placed: it is static, or pins hold it."""
     return surfaces.is_static(entity) or bool(getattr(surfaces.candidate.spec.entities[entity].physics, "pins", None))
 
 

@@ -86,7 +86,7 @@ def _diagonal(candidate: Candidate, node: str) -> float:
 
 
 def ratio_finding(candidate: Candidate, relation: Relation) -> Finding:
-    """Whether the specified diagonals of a relation's nodes are in proportion."""
+    """Judge whether the specified diagonals of a relation's nodes are in proportion."""
     entities = candidate.spec.entities
     a, b = (_diagonal(candidate, n) for n in (relation.a, relation.b))
     low, high = relation.ratio or default_ratio(candidate, relation)

@@ -149,7 +149,7 @@ def _moved(frames: tuple[int, int], at: int) -> tuple[int, int]:
 
 
 def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> bool:
-    """Whether an event came nearest where the run ends."""
+    """True if an event came nearest where the run ends."""
     nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
     if not isinstance(nearest, int) or outcome.comparison == "" or getattr(predicate, "when", "") == "end":
         return False

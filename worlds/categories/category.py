@@ -29,7 +29,7 @@ class Audit:
     predicate: str
     problems: Callable[[WorldSpec], list[Problem]]
     also: Callable[[WorldSpec], bool] = lambda spec: False
-    """Whether the row is asked for where no entity and no instance is of the category."""
+    """Function of a specification: true if the row is asked for where no entity and no instance is of the category."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class CategorySpec:
     masses: Callable[[WorldSpec, str], Iterable[Problem]] = lambda spec, entity: ()
     """Problems of the declared mass of an entity of it."""
     bodies: Callable[[Entity], int] = lambda entity: 1
-    """How many bodies an entity of it becomes."""
+    """Number of bodies that an entity of it becomes."""
     starts_alone: bool = False
     """An entity of it with a velocity at frame 0 moves without any cause, so that a beat has to tell of that."""
     coupling: Callable[[WorldSpec, str, Coupling], Iterable[Problem]] | None = None
@@ -101,7 +101,7 @@ class CategorySpec:
 
 
 def declares(category: CategorySpec, entity: Entity) -> bool:
-    """Whether an entity is of a category."""
+    """True if an entity is of a category."""
     if category.physics is None:
         return getattr(entity, category.contract) is not None
     return isinstance(entity.physics, category.physics)

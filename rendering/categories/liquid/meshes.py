@@ -28,7 +28,7 @@ WATER_AFTER_A_METRE = (0.70, 0.93, 0.975)
 DROPS_PER_PARTICLE = 4
 """A particle of spray is drawn as so many drops of its volume together."""
 SCATTER = 2.0
-"""How far from the particle its drops may lie along each axis, in its radii."""
+"""Largest distance of drops from their particle along each axis, in its radii."""
 BUBBLE = 0.11
 """Radius of a bubble of foam in spacings."""
 MOST_BALLS = 60_000
@@ -54,7 +54,7 @@ class Drawn(NamedTuple):
 
 
 class LiquidLook(NamedTuple):
-    """How light fares in a liquid."""
+    """Passage of light through a liquid."""
 
     color: tuple[float, float, float]
     clear: bool

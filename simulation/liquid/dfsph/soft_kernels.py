@@ -92,7 +92,7 @@ def attach(
 
 @wp.func
 def sheets_of(pairs: Pairs, surfaces: Surfaces, i: wp.int32):
-    """How many pairs of a particle are with sheets that deform."""
+    """Number of a particle's pairs with sheets that deform."""
     found = wp.int32(0)
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
         if surfaces.kind[pairs.body[k]] == SHEET:

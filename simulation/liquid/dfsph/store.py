@@ -152,7 +152,7 @@ class Work:
 
 
 def packs(device: str, capacity: int) -> bool:
-    """Whether lists of so many particles are packed (`list_kernels.py`)."""
+    """True if lists of so many particles are packed (`list_kernels.py`)."""
     from .list_kernels import MOST_PACKED
 
     return device != "cpu" and capacity <= MOST_PACKED

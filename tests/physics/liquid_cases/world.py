@@ -63,7 +63,7 @@ class Figure:
 
     @property
     def passes(self) -> bool:
-        """Whether it lies within the bounds."""
+        """True if it lies within the bounds."""
         return bool(self.low <= self.measured <= self.high)
 
     @property
@@ -171,7 +171,7 @@ class Body:
 
     @property
     def free(self) -> bool:
-        """Whether it moves with what pushes it."""
+        """True if it moves with what pushes it."""
         return self.mass > 0.0 and not self.held
 
     def push(self, impulse: F64, dt: float) -> None:

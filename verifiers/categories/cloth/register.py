@@ -91,7 +91,7 @@ def _forced(candidate: Candidate, name: str) -> Iterator[dict[str, str]]:
 
 
 def _cut(candidate: Candidate, name: str) -> str:
-    """How much momentum was lost so, as recorded, in words."""
+    """Sentence about the momentum lost so, as recorded."""
     cache = candidate.cloth_caches.get(name)
     if cache is None:
         return "how much is known after a probe"
@@ -136,7 +136,7 @@ def _contacts(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
 
 
 def _grains(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
-    """How other matter meets it."""
+    """Lines about other matter that meets it."""
     plan = spec.simulation
     for other, instance in plan.solvers.items():
         if other in plan.rigid or other == name:

@@ -30,7 +30,7 @@ class Outside(NamedTuple):
 
     work: F64
     doubt: F64
-    """How much more it may be: of rigid bodies impulses over a frame are known, and velocities at its ends."""
+    """Uncertainty of it: of rigid bodies impulses over a frame are known, and velocities at its ends."""
 
 
 def soft_impulses(candidate: Candidate, cache: Cache) -> F64:

@@ -35,7 +35,7 @@ __all__ = ["field_impulses", "field_work", "fields"]
 
 
 def feels_fields(candidate: Candidate, cache: Cache) -> bool:
-    """Whether a field acts on an elastic member of the instance."""
+    """True if a field acts on an elastic member of the instance."""
     return any(fields_of(candidate.spec, n.split("/", 1)[0]) for n in cache.index.deformables)
 
 

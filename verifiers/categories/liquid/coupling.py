@@ -1,4 +1,4 @@
-"""Whether a liquid and bodies gave each other what each says it got (R66, R67, R102).
+"""Judges whether a liquid and bodies gave each other what each says it got (R66, R67, R102).
 
 - `exchange`: for every boundary and frame, what the liquid gave and what it lost itself add up to zero (`REACTION` of the scale).
 - `received`: what a two-way coupled rigid instance, or cloth, received is what the liquid gave.

@@ -1,4 +1,4 @@
-"""How densely particles lie, by the judge's own count, beside what the engine says of it (R57, R99).
+"""Density of particles by the judge's own count, beside what the engine says of it (R57, R99).
 
 - `density`: particles fill no more space than there is: mean compression by an own sum over neighbours, and the recorded one.
 - `recorded_density`: what is recorded per particle is what its neighbours give.

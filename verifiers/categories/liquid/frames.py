@@ -158,7 +158,7 @@ class Liquid:
         return physics
 
     def switches(self, index: int) -> bool:
-        """Whether a field begins, reaches its strength or ends within the interval that ends at a frame."""
+        """True if a field begins, reaches its strength or ends within the interval that ends at a frame."""
         last, now = (index - 1) * self.duration, index * self.duration
         times = [t for f in self.fields for d in f.drivers for t in (d.start, d.start + d.rise, d.end) if t is not None]
         return any(last + 1e-9 < t < now - 1e-9 for t in times)
@@ -189,7 +189,7 @@ class Liquid:
 
     @property
     def attracted(self) -> bool:
-        """Whether a field of the plan accelerates any of it."""
+        """True if a field of the plan accelerates any of it."""
         return any(d.field.kind == "attraction" for f in self.fields for d in f.drivers)
 
     @cached_property
@@ -315,7 +315,7 @@ class Liquid:
         return found
 
     def active(self, name: str, frame: int) -> bool:
-        """Whether an inflow may have let liquid in during the frame interval that ends at `frame`."""
+        """True if an inflow may have let liquid in during the frame interval that ends at `frame`."""
         driver, end = self.inflows[name], frame * self.duration
         return driver.start < end and (driver.end is None or driver.end > end - self.duration)
 

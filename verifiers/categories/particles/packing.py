@@ -1,4 +1,4 @@
-"""How densely grains lie, up to the walls and the surface of a bed (R65, R103).
+"""Density of grains, up to the walls and the surface of a bed (R65, R103).
 
 The space that counts is that of the tetrahedra between middles of neighbours (Delaunay's), and what fills it the part of every
 grain that lies in them: the sum of r^3 / 3 times the solid angles at their corners. So what a wall or the air takes of a ball about

@@ -87,7 +87,7 @@ def _materials(spec: WorldSpec, instance: RigidInstance) -> dict[str, Material]:
 
 
 def _bounces(spec: WorldSpec, instance: RigidInstance) -> bool:
-    """Whether any two members bounce off each other: with the smaller restitution, or with one of their own."""
+    """True if any two members bounce off each other: with the smaller restitution, or with one of their own."""
     lively = 0
     for member in instance.members:
         lively += any(n in spec.materials and spec.materials[n].restitution > 0 for n in _touching(spec, member))
@@ -96,7 +96,7 @@ def _bounces(spec: WorldSpec, instance: RigidInstance) -> bool:
 
 
 def _mixed(spec: WorldSpec, name: str, instance: RigidInstance, used: dict[str, Material]) -> list[dict[str, str]]:
-    """How contacts of different materials are combined, with the pair of materials that it changes most."""
+    """Line about the way contacts of different materials are combined, with the pair of materials that it changes most."""
     pairs = list(combinations(used, 2))
     if not pairs:
         return []

@@ -127,13 +127,13 @@ class Tip(NamedTuple):
     angle: F64
     """Turned through since the run began [rad]."""
     drop: F64
-    """How far the centre has come down from its highest place in the run [m]."""
+    """Height that the centre has come down from its highest place in the run [m]."""
     climbed: F64
-    """How far the centre went up before that [m]."""
+    """Height that the centre went up before that [m]."""
     freely: NDArray[np.bool_]
-    """Whether the energy that it lost since the highest place became motion."""
+    """True where the energy that it lost since the highest place became motion."""
     edge: NDArray[np.bool_]
-    """Whether the point of contact stayed on the body since the run began."""
+    """True where the point of contact stayed on the body since the run began."""
 
 
 def tips_of(course: Course, other: str, span: slice) -> Tip:
@@ -162,7 +162,7 @@ def tips_of(course: Course, other: str, span: slice) -> Tip:
 
 
 def _stays(met: Meeting, run: NDArray[np.bool_], same: NDArray[np.bool_], angle: F64) -> NDArray[np.bool_]:
-    """Whether the point of contact stays on the body over the last radian of its turning, or since the interval in which that began.
+    """True where the point of contact stays on the body over the last radian of its turning, or since the interval in which that began.
 
     In that first interval it goes from the middle of a face to an edge of it.
     """

@@ -90,7 +90,7 @@ def pins_of(entity: Entity) -> dict[str, ClothPin]:
 
 
 def tears(spec: WorldSpec, name: str) -> bool:
-    """Whether an entity is cloth that can tear."""
+    """True if an entity is cloth that can tear."""
     entity = spec.entities.get(name)
     return entity is not None and entity.physics.category == "cloth" and entity.physics.tear is not None
 

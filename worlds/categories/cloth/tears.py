@@ -21,7 +21,7 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Seams:
-    """How the corners of a whole sheet hang together."""
+    """Joins of the corners of a whole sheet."""
 
     kin: I32
     """Vertex of the whole sheet at each corner, shape (3 t,)."""
@@ -40,7 +40,7 @@ def following(corner: I32) -> I32:
 
 
 def seams_of(corners: F64) -> Seams:
-    """How corners (3 t, 3) [m] hang together at rest: those at the same place are one.
+    """Joins of corners (3 t, 3) [m] at rest: those at the same place are one.
 
     Raises:
         InputError: a side meets more than one other side, triangles face different ways, or meet in a point alone.

@@ -1,4 +1,4 @@
-"""Grains: steps of Hertz-Mindlin contacts with histories, on a CPU or a GPU. README.md has scheme, limits and sources."""
+"""Grains: steps of Hertz-Mindlin contacts with histories, on a CPU or a GPU. method.md has scheme and sources."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""The contact law of two spheres as Warp functions: Hertz, Mindlin with history, rolling springs, adhesion. README.md has sources."""
+"""The contact law of two spheres as Warp functions: Hertz, Mindlin with history, rolling springs, adhesion. method.md has sources."""
 
 import warp as wp
 

@@ -1,4 +1,4 @@
-"""Rigid bodies, joints and ropes on MuJoCo (R61). See README.md for scheme, limits and sources."""
+"""Rigid bodies, joints and ropes on MuJoCo (R61). See README.md for limits, method.md for the scheme."""
 
 from __future__ import annotations
 

@@ -15,13 +15,8 @@ from worldagent.worlds.predicates.models import Atom, Combinator
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 NUMBERS = [f"R{i}" for i in range(1, 159)] + [f"S{i}" for i in range(1, 20)]
-FOLDERS = (
-    "bench", "construction", "construction/terrain", "docs", "examples", "execution", "geometry", "rendering", "server", "simulation",
-    "simulation/cloth", "simulation/elastic", "simulation/fracture", "simulation/liquid", "simulation/liquid/flip",
-    "simulation/particles", "simulation/rigid", "server/page", "packaging", "physics", "skills", "tests", "tools", "verifiers",
-    "verifiers/contact", "verifiers/diagnosis", "verifiers/land", "verifiers/routes", "verifiers/rows", "verifiers/scene", "verifiers/support",
-    "worlds",
-)  # fmt: skip
+FOLDERS = ("docs", "skills", "tests")
+"""Folders beside the packages, whose READMEs `tests/packaging/test_readmes.py` reads."""
 README_LINES = 40
 LINK = re.compile(r"\]\((?!\w+:)([^)#]+)")
 """A link of a page to a file, from the page's folder."""

@@ -46,11 +46,11 @@ class CoupledSolver(ABC):
     """
 
     KIND = ""
-    """Of the instance, for messages."""
+    """Kind of the instance, for messages."""
     REMEDY = ""
-    """What to do where its state is no longer finite."""
+    """Advice where its state is no longer finite."""
     PASSES = False
-    """Whether an intervention may let it through solids."""
+    """True if an intervention may let it through solids."""
 
     @staticmethod
     def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
@@ -176,7 +176,7 @@ class CoupledSolver(ABC):
         return resting(self.surround)
 
     def held(self, time: float) -> bool:
-        """Whether an intervention keeps it where it is at `time` [s]."""
+        """True if an intervention keeps it where it is at `time` [s]."""
         return bool(self._done.held & set(self.members)) and time >= self._done.since - SHORTEST
 
     def begin_frame(self, frame: int) -> None:

@@ -64,7 +64,7 @@ class _Once:
 
     @property
     def done(self) -> bool:
-        """Whether it was asked and gave something."""
+        """True if it was asked and gave something."""
         return isinstance(self._found, dict)
 
 
@@ -129,7 +129,7 @@ def first_frame(candidate: Candidate, start: int) -> int:
 
 
 def _concerned(spec: WorldSpec, name: str, done: Intervention) -> bool:
-    """Whether an intervention touches an instance."""
+    """True if an intervention touches an instance."""
     plan = spec.simulation
     members = set(plan.solvers[name].members)
     drivers = [plan.drivers[d] for d in done.without if d in plan.drivers]

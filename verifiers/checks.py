@@ -59,7 +59,7 @@ class CheckBinding:
     reruns: Callable[[WorldSpec], frozenset[str]] | None = None
     """Ids of its rows, where the check simulates the world again: such a one judges at the probe, and in acceptance."""
     plates: bool = False
-    """Whether it reads plates: such a one judges where some were made, and in acceptance."""
+    """True if it reads plates: such a one judges where some were made, and in acceptance."""
 
 
 CHECKS: tuple[CheckBinding, ...] = (

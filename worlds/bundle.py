@@ -103,7 +103,7 @@ def write_bundle(path: Path, head: Mapping[str, Any], members: Mapping[str, byte
 
 
 def _allowed(name: str) -> bool:
-    """Whether a name is one of the format's; no name of it can lead out of a folder."""
+    """True if a name is one of the format's; no name of it can lead out of a folder."""
     return name in RECORDS or (bool(_WORLD.fullmatch(name)) and not {".", ".."} & set(name.split("/")))
 
 

@@ -110,7 +110,7 @@ def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -
 
 
 def _acts_on(spec: WorldSpec, driver: str, names: tuple[str, ...]) -> bool:
-    """Whether a driver may act on a member of some instances."""
+    """True if a driver may act on a member of some instances."""
     if driver not in spec.simulation.drivers:
         return False
     try:

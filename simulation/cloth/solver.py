@@ -88,7 +88,7 @@ class SolverCloth(CoupledSolver):
     # ------------------------------------------------------------------ stepping
 
     def held(self, time: float) -> bool:
-        """Whether a release driver or an intervention keeps this cloth where it is at `time` [s]."""
+        """True if a release driver or an intervention keeps this cloth where it is at `time` [s]."""
         return super().held(time) or time < self._let_go - SHORTEST
 
     def step(self, limit: float, bodies: BodyState, time: float) -> ClothReport:
@@ -179,7 +179,7 @@ class SolverCloth(CoupledSolver):
     # ------------------------------------------------------------------ output
 
     def coordinates(self) -> tuple[F64, F64]:
-        """Of the vertices."""
+        """Positions [m] and velocities [m/s] of the vertices, shape (n, 3) each."""
         return self.engine.vertices()
 
     def measured(self) -> dict[str, Any]:

@@ -156,7 +156,7 @@ class SolverLiquid(CoupledSolver):
     # ------------------------------------------------------------------ output
 
     def coordinates(self) -> tuple[F64, F64]:
-        """Of the particles."""
+        """Positions [m] and velocities [m/s] of the particles, shape (n, 3) each."""
         p = self.engine.particles()
         return p.position, p.velocity
 

@@ -150,7 +150,7 @@ class SolverRigid(Stepper):
         self.time = end
 
     def end_attempt(self) -> bool:
-        """Whether the frame may end like this; else it is to be attempted again with half the step."""
+        """True if the frame may end like this; else it is to be attempted again with half the step."""
         self._joint_error = self.ledger.joint_error(self.data)
         last = self.refined == self.settings.refine or not np.isfinite(self.data.qpos).all()
         slow = self.flexes is None or self.flexes.slow_enough

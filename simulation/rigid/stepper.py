@@ -58,7 +58,7 @@ class Stepper:
         self.members = tuple(dict.fromkeys(instance.members))
         self.settings: RigidSettings = instance.settings
         self._work = 0.0
-        """Of drivers, since the start of the frame [J]."""
+        """Work of drivers since the start of the frame [J]."""
         self.relaxation = 0.0
         """Largest displacement of a body when the skins were opened [m]."""
         self.settled: bytes | None = None

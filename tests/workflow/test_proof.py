@@ -1,4 +1,4 @@
-"""What a job leaves for others to read: whole at every moment, and about what was judged."""
+"""Files that a job leaves for others to read: whole at every moment, and about what was judged."""
 
 from __future__ import annotations
 

@@ -144,7 +144,7 @@ def _rank(row: Row, cause: Cause | None, group: str) -> tuple[int, str]:
 
 
 def _of_nature(correction: Correction) -> bool:
-    """Whether its patch changes a quantity of nature, which what the story names may bind."""
+    """True if its patch changes a quantity of nature, which what the story names may bind."""
     fields = (field_of(str(operation["path"])) for operation in correction.patch)
     return any(field is not None and field.physical for field in fields)
 
@@ -162,7 +162,7 @@ def _value(row: Row, key: str) -> Any:
 
 
 def _holds(row: Row, condition: Condition) -> bool | None:
-    """Whether a condition holds; None where the row does not tell."""
+    """True if a condition holds; None where the row does not tell."""
     value = _value(row, condition.key)
     if condition.compare in ("present", "absent"):
         return (value is not None) == (condition.compare == "present")
@@ -223,7 +223,7 @@ def _joined(
 
 
 def _settable(cause: Cause, names: Mapping[str, Any], spec: WorldSpec | None) -> bool:
-    """Whether the instances of this world have any of the settings that a cause speaks of; true of causes that speak of none."""
+    """True if the instances of this world have any of the settings that a cause speaks of; true of causes that speak of none."""
     return not cause.pointers or any(_has_setting(_filled(p, names), spec) for p in cause.pointers)
 
 
@@ -368,7 +368,7 @@ def _attempt_text(attempt: Attempt) -> str:
 
 
 def _concerns(row: Row, attempt: Attempt) -> bool:
-    """Whether an edit was about this row: it changed something of its entities, something of all, or what it measures."""
+    """True if an edit was about this row: it changed something of its entities, something of all, or what it measures."""
     before, after = attempt.before, attempt.after
     if before is not None and after is not None and before != after:
         return True
@@ -380,7 +380,7 @@ def _concerns(row: Row, attempt: Attempt) -> bool:
 
 
 def _touches(correction: Correction, attempt: Attempt) -> bool:
-    """Whether an edit changed what a correction points at; one that names no place speaks for its whole group."""
+    """True if an edit changed what a correction points at; one that names no place speaks for its whole group."""
     places = [p for p in correction.pointers if "<" not in p]
     changed = [p for p, _, _ in attempt.changes]
     if not places or not changed:

@@ -59,7 +59,7 @@ def happens(
     conditions: Sequence[Condition],
     detail: Callable[[int], Mapping[str, Any]] = lambda i: {},
 ) -> Outcome:
-    """Whether all conditions hold together at some frame of the interval.
+    """Judge whether all conditions hold together at some frame of the interval.
 
     Where they do, the first one's value stands there, at the frame at which it is largest; else that of the first one that is missed,
     at the frame at which most hold.

@@ -63,7 +63,7 @@ def way_finding(candidate: Candidate, name: str, relation: Connects) -> Finding:
 
 
 def _later(surfaces: Surfaces, relation: Connects) -> bool:
-    """Whether a bake judges it: a probe does not reach its first frame, and nothing fails before it."""
+    """True if a bake judges it: a probe does not reach its first frame, and nothing fails before it."""
     candidate, begins = surfaces.candidate, (relation.frames or (0, 0))[0]
     wrong = _no_walker(relation) or bool(surfaces.missing)
     return candidate.stage != "full" and begins > candidate.last_frame and not wrong

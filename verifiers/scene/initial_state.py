@@ -73,14 +73,14 @@ class Opened(NamedTuple):
 
 
 def held_at_start(candidate: Candidate, entity: str) -> bool:
-    """Whether an entity keeps its place during the preroll: held by a release, or because it starts with a velocity."""
+    """True if an entity keeps its place during the preroll: held by a release, or because it starts with a velocity."""
     plan, physics = candidate.spec.simulation, candidate.spec.entities[entity].physics
     fast = any((*getattr(physics, "linear_velocity", ()), *getattr(physics, "angular_velocity", ())))
     return fast or any(isinstance(d, ReleaseDriver) and d.entity == entity for d in plan.drivers.values())
 
 
 def _rests(candidate: Candidate, entity: str) -> bool:
-    """Whether something solid is declared to carry it at frame 0."""
+    """True if something solid is declared to carry it at frame 0."""
     spec = candidate.spec
     return any(
         isinstance(r, Supports) and r.b == entity and (r.frames is None or r.frames[0] == 0)

@@ -203,7 +203,7 @@ def separating_move(
 
 
 def _apart(surfaces: Surfaces, rows: Sequence[int], other: str, frame: int, offset: F64) -> bool:
-    """Whether parts, displaced by `offset` [m], clear `other` by `MARGIN`."""
+    """True if parts, displaced by `offset` [m], clear `other` by `MARGIN`."""
     for i in rows:
         one = surfaces.parts[i]
         pose = surfaces.track(one.entity, one.body).at(frame)
@@ -243,7 +243,7 @@ def _up(surfaces: Surfaces) -> F64:
 
 
 def _fixed(surfaces: Surfaces, entity: str) -> bool:
-    """Whether an entity stays where it is placed: it is static, or pins hold it."""
+    """True if an entity stays where it is placed: it is static, or pins hold it."""
     return surfaces.is_static(entity) or bool(getattr(surfaces.candidate.spec.entities[entity].physics, "pins", None))
 
 

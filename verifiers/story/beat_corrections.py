@@ -32,7 +32,7 @@ LASTING = frozenset({"flutters"})
 def corrections_of(
     candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
 ) -> list[Correction]:
-    """Ranked hints from what was measured.
+    """Ranked corrections from what was measured.
 
     Args:
         candidate: what was judged.
@@ -150,7 +150,7 @@ def _moved(frames: tuple[int, int], at: int) -> tuple[int, int]:
 
 
 def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> bool:
-    """Whether an event came nearest where the run ends."""
+    """True if an event came nearest where the run ends."""
     nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
     if not isinstance(nearest, int) or outcome.comparison == "" or getattr(predicate, "when", "") == "end":
         return False

@@ -46,7 +46,7 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 def _judge(edge: Edge) -> Finding:
-    """Whether the cause came first and a chain leads from it to the effect.
+    """Judge whether the cause came first and a chain leads from it to the effect.
 
     Raises:
         EvidenceError: one of the beats cannot be judged, or a log is missing.
@@ -122,7 +122,7 @@ def _sources(edge: Edge, start: Onset) -> tuple[str, ...]:
 
 
 def _linked(edge: Edge, start: Onset, last: int, reach: Reach) -> Finding:
-    """Whether the cause's chain brings the effect about."""
+    """Judge whether the cause's chain brings the effect about."""
     subject = edge.subject
     if subject in _sources(edge, start):
         return _same_subject(edge, start, last, reach)

@@ -85,15 +85,15 @@ class Phases:
     early_settling: int | None
     last_frame: int
     notes: dict[str, str] = field(default_factory=dict)
-    """How each was found, or why not."""
+    """Sentence on each phase: how it was found, or why not."""
     entities: dict[str, str] = field(default_factory=dict)
     """Who marks each phase."""
     start_speed: float = 0.0
     """[m/s] above which a body counts as active."""
     touchless: bool = False
-    """Whether first contact does not apply: nothing new touches, and nothing in the specification asks for it."""
+    """True if first contact does not apply: nothing new touches, and nothing in the specification asks for it."""
     course: Course | None = None
-    """How the response ends; None where the run does not show it."""
+    """Motion at the end of the response; None where the run does not show it."""
 
     def applicable(self) -> tuple[str, ...]:
         """Phases that such a run has, in order."""
@@ -209,13 +209,13 @@ def _preroll(
 
 
 def _sent(candidate: Candidate, name: str) -> bool:
-    """Whether the specification gives the entity a velocity at frame 0 or a driver."""
+    """True if the specification gives the entity a velocity at frame 0 or a driver."""
     entity = candidate.spec.entities[name]
     return _thrown(entity) or any(name in acts_from(candidate.spec, d)[1] for d in candidate.spec.simulation.drivers)
 
 
 def _thrown(entity: Entity) -> bool:
-    """Whether the specification gives it a velocity at frame 0."""
+    """True if the specification gives it a velocity at frame 0."""
     speeds = [getattr(entity.physics, n, ()) for n in ("linear_velocity", "angular_velocity")]
     return any(any(v) for v in speeds) or bool(getattr(entity.physics, "currents", None))
 
@@ -337,7 +337,7 @@ def _finding(candidate: Candidate, phases: Phases) -> Finding:
 
 
 def _meant_to_rest(candidate: Candidate) -> bool:
-    """Whether the specification sets nothing in motion and asks for nothing but lasting states."""
+    """True if the specification sets nothing in motion and asks for nothing but lasting states."""
     spec = candidate.spec
     thrown = any(_thrown(e) for e in spec.entities.values())
     return not thrown and not spec.simulation.drivers and all(is_invariant(b.predicate) for b in spec.story.beats.values())

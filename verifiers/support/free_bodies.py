@@ -47,7 +47,7 @@ def placement(surfaces: Surfaces, entity: str, offset: F64 | None, cause: str) -
 
 
 def derived(graph: SupportGraph, entity: str) -> Finding:
-    """Whether something holds a free body at frame 0: the question that no edit of the scene graph removes (R154)."""
+    """Judge whether something holds a free body at frame 0: the question that no edit of the scene graph removes (R154)."""
     surfaces = graph.surfaces
     surfaces.require(entity)
     reason, evidence = _excuse(graph, entity)
@@ -192,7 +192,7 @@ def _no_excuse(surfaces: Surfaces, entity: str) -> str:
 
 
 def _slips_through(graph: SupportGraph, entity: str) -> bool:
-    """Whether a body that only friction from its sides could hold falls at once: rest was possible, but it is not pressed."""
+    """True if a body that only friction from its sides could hold falls at once: rest was possible, but it is not pressed."""
     surfaces = graph.surfaces
     if not graph.gripped(entity)[0] or entity in surfaces.broken:
         return False

@@ -144,7 +144,7 @@ class Held:
         return tuple(sorted(piece))
 
     def is_ground(self, entity: str) -> bool:
-        """Whether every part of the entity is ground or stands on a landscape by itself."""
+        """True if every part of the entity is ground or stands on a landscape by itself."""
         return set(self.surfaces.parts_of[entity]) <= self.foundation
 
     def chain(self, entity: str) -> list[str]:

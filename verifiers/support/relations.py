@@ -29,7 +29,7 @@ __all__ = ["carries"]
 
 
 def carries(graph: SupportGraph, relation: Supports, frames: tuple[int, int]) -> Finding:
-    """Whether a solid carries another over an interval: contact, no overlap, beneath it, no creep, and a chain to something static."""
+    """Judge whether a solid carries another over an interval: contact, no overlap, beneath it, no creep, and a chain to something static."""
     surfaces = graph.surfaces
     a, b = relation.a, relation.b
     surfaces.require(a, b)

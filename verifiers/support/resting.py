@@ -1,4 +1,4 @@
-"""Whether a body that is to stay where it is at frame 0 can: it does not tip, and friction suffices."""
+"""Judges whether a body that is to stay where it is at frame 0 can: it does not tip, and friction suffices."""
 
 from __future__ import annotations
 

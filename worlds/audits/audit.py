@@ -60,7 +60,7 @@ class AuditReport:
 
     @property
     def passed(self) -> bool:
-        """Whether every mandatory row passes."""
+        """True if every mandatory row passes."""
         return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
 
     @property

@@ -167,7 +167,7 @@ def test_a_process_that_dies_is_an_engine_error(tmp_path: Path, monkeypatch: pyt
 
 
 def test_the_fresh_process_passes_its_progress_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What an engine prints between is no record; the last line is."""
+    """Lines that an engine prints between are no records; the last line is."""
     lines = ['{"progress": [0.1, 1.0, "checking causal", 0.4]}', "engine 1.0", '{"progress": "none"}', '{"verdict": "accepted"}']
     script = tmp_path / "python"
     script.write_text("#!/bin/sh\n" + "".join(f"echo '{line}'\n" for line in lines))

@@ -179,7 +179,7 @@ class Surroundings:
 
 
 def _highest(flat: F64, height: F64, rows: NDArray[np.intp], width: float) -> NDArray[np.intp]:
-    """Of some particles, those that are the highest of their columns."""
+    """Rows of those particles that are the highest of their columns."""
     if not len(rows):
         return rows
     column = np.floor(flat[rows] / width).astype(np.int64)

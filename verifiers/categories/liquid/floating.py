@@ -58,7 +58,7 @@ class _Carried:
             raise EvidenceError(f"no cache tells what acts on {entity!r}; make it dynamic and a member of a solver")
         self.up = {origin: one.impulse @ liquid.up for origin, one in given.items()}
         self.height = float(np.ptp(candidate.vertices(entity, 0) @ liquid.up))
-        """Of its box along up at frame 0 [m]."""
+        """Height of its box along up at frame 0 [m]."""
         self.place = centers(candidate, entity) @ liquid.up
         self._entity = entity
 

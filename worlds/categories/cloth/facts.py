@@ -52,7 +52,7 @@ class ClothEstimate(NamedTuple):
 
     vertices: float
     steps: float
-    """Of the whole run, preroll included."""
+    """Steps of the whole run, preroll included."""
     written: float
     """Vertices of its frames: those of sheets that can tear are corners of triangles."""
 
@@ -91,7 +91,7 @@ def pins_of(entity: Entity) -> dict[str, ClothPin]:
 
 
 def tears(spec: WorldSpec, name: str) -> bool:
-    """Whether an entity is cloth that can tear."""
+    """True if an entity is cloth that can tear."""
     entity = spec.entities.get(name)
     return entity is not None and entity.physics.category == "cloth" and entity.physics.tear is not None
 

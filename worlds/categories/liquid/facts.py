@@ -55,7 +55,7 @@ def spacing_of(spec: WorldSpec, name: str) -> float:
 
 
 def declares_heat(spec: WorldSpec, name: str) -> bool:
-    """Whether a member of an instance says anything about its temperature."""
+    """True if a member of an instance says anything about its temperature."""
     physics = [spec.entities[m].physics for m in spec.simulation.liquid[name].members if m in spec.entities]
     return any(
         p.category == "liquid" and (p.conductivity > 0 or p.activation > 0 or p.temperature != USUAL_TEMPERATURE) for p in physics

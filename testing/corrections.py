@@ -72,12 +72,12 @@ class Tried:
 
     @property
     def recording(self) -> bool:
-        """Whether it shows that the recording was wrong, and not the specification."""
+        """True if it shows that the recording was wrong, and not the specification."""
         return self.outcome == "needless" or (self.outcome == "helps" and self.why == ANEW)
 
     @property
     def useless(self) -> bool:
-        """Whether it carries an edit that does not help."""
+        """True if it carries an edit that does not help."""
         return self.outcome not in ("helps", "words") and not self.recording
 
 

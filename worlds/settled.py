@@ -124,7 +124,7 @@ class SettledFrames(Derived):
         return self.files.folder / "state.bin"
 
     def there(self) -> bool:
-        """Whether the instance has settled, and all of its last frames are there."""
+        """True if the instance has settled, and all of its last frames are there."""
         try:
             return len(self.files.digests()) >= self.files.index.frames > 0
         except EvidenceError:

@@ -77,14 +77,14 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
 
 
 def _collide(row: Row, spec: WorldSpec) -> bool:
-    """Whether the engine keeps the parts apart that a row names: none of them is one that does not collide."""
+    """True if the engine keeps the parts apart that a row names: none of them is one that does not collide."""
     named = {row.evidence.get("part_a"), row.evidence.get("part_b")}
     parts = (p for n in row.entities[:2] if n in spec.entities for k, p in spec.entities[n].parts.items() if k in named)
     return all(p.collides for p in parts)
 
 
 def _under_way(row: Row) -> bool:
-    """Whether what fails was nearest at the end of what was judged: more frames may bring it, and bring nothing to what failed before."""
+    """True if what fails was nearest at the end of what was judged: more frames may bring it, and bring nothing to what failed before."""
     last = row.frames[1] if row.frames else row.first_failing_frame
     nearest = row.evidence.get("largest_frame", row.evidence.get("frame", row.first_failing_frame))
     return last is not None and isinstance(nearest, int) and nearest >= last - NEAR_END
@@ -104,7 +104,7 @@ def _bearing(spec: WorldSpec, entity: str) -> dict[str, Any]:
 
 
 def _slides(row: Row, spec: WorldSpec, entity: str, beat: str | None) -> bool:
-    """Whether friction may have a part in what a body is to do: it is not to break, and does not float."""
+    """True if friction may have a part in what a body is to do: it is not to break, and does not float."""
     kinds = {getattr(a, "kind", "") for a in atoms_of(spec.story.beats[beat].predicate)} if beat in spec.story.beats else set()
     if kinds & BREAKS or row.evidence.get("asks") in BREAKS:
         return False

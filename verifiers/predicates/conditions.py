@@ -105,7 +105,7 @@ def lasts(
     begin: int,
     detail: Callable[[int], Mapping[str, Any]] = lambda i: {},
 ) -> Outcome:
-    """Whether all conditions hold at every frame of the interval from one of its frames on.
+    """True if all conditions hold at every frame of the interval from one of its frames on.
 
     Where they do, the first one's value stands there, at the frame at which it is nearest to its bound; else that of the first one that
     is missed, at the first frame at which one is.

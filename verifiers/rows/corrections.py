@@ -152,7 +152,7 @@ def without_again(candidate: Candidate, row: Row) -> Row:
 
 
 def _as_recorded(candidate: Candidate, frame: int) -> bool:
-    """Whether a frame and those beside it hold what their run wrote."""
+    """True if a frame and those beside it hold what their run wrote."""
     try:
         if not candidate.caches or candidate.digest != cache_digest(candidate.caches):
             return False

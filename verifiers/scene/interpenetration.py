@@ -230,7 +230,7 @@ def _movers(surfaces: Surfaces, mover: str, other: str) -> tuple[int, ...]:
 
 
 def _stands_elsewhere(surfaces: Surfaces, mover: str, other: str) -> bool:
-    """Whether something else is said to carry an entity, which a lift would take it off."""
+    """True if something else is said to carry an entity, which a lift would take it off."""
     relations = surfaces.candidate.spec.graph.relations.values()
     return any(r.kind == "supports" and r.b == mover and r.a != other for r in relations)
 

@@ -1,4 +1,4 @@
-"""Whether there is room where a correction would put something, and which parts may move without the rest of their entity."""
+"""Room where a correction would put something, and parts that may move without the rest of their entity."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def in_the_way(surfaces: Surfaces, rows: Sequence[int], offset: F64, but: Sequen
 
 
 def moves_alone(surfaces: Surfaces, row: int) -> bool:
-    """Whether a part is no whole entity and touches no other part of its own: it may be moved without them."""
+    """True if a part is no whole entity and touches no other part of its own: it may be moved without them."""
     part = surfaces.parts[row]
     siblings = [j for j in surfaces.parts_of[part.entity] if j != row]
     if not siblings or part.part not in surfaces.candidate.spec.entities[part.entity].parts:

@@ -161,7 +161,7 @@ def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> 
 
 
 def still_moves(candidate: Candidate, names: Iterable[str]) -> bool:
-    """Whether any of these bodies still comes on at the end; what is no body may."""
+    """True if any of these bodies still comes on at the end; what is no body may."""
     spec, last = candidate.spec, candidate.last_frame
     bodies = [n for n in names if n in spec.entities and spec.entities[n].physics.shape == "solid"]
     first, drift = max(0, last - SETTLING_FRAMES), spec.simulation.limits.support_drift

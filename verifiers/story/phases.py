@@ -351,7 +351,7 @@ def _more_frames(candidate: Candidate, phases: Phases) -> int:
 
 
 def _goes_on(candidate: Candidate) -> bool:
-    """Whether anything still moves at the end, or a driver or beat is yet to come; waiting brings nothing else."""
+    """True if anything still moves at the end, or a driver or beat is yet to come; waiting brings nothing else."""
     spec, last = candidate.spec, candidate.last_frame
     bodies = [n for n, e in spec.entities.items() if e.motion != "static"]
     due = any(b.frames[1] > last for b in spec.story.beats.values())

@@ -37,11 +37,11 @@ class Settled:
     """The end of the settle run of a group."""
 
     states: Mapping[str, bytes] = field(default_factory=dict)
-    """Of the engine of each instance; empty where none of the group settles."""
+    """State of the engine of each instance; empty where none of the group settles."""
     recipe: str = ""
     """Hash of everything that decides it."""
     digests: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Of the last frames, by instance."""
+    """Digests of the last frames, by instance."""
 
 
 class _End(NamedTuple):

@@ -68,7 +68,7 @@ class Tried:
     action: str
     outcome: Outcome
     why: str = ""
-    """What refused it, what fails newly, or the row's measured value before and after."""
+    """The audit that refused it, rows that fail newly, or the row's measured value before and after."""
 
     @property
     def recording(self) -> bool:

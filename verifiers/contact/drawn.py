@@ -82,7 +82,7 @@ def _gaps(paths: Paths, a: str, b: str, rows: NDArray[np.intp], bound: float) ->
 
 
 def _lowest(paths: Paths, a: str, b: str, rows: NDArray[np.intp], bound: float, *, settled: bool) -> Iterator[tuple[Lowest, F64]]:
-    """Of every two parts their lowest clearance in each interval, and how far contacts may have bent their paths [m].
+    """Lowest clearance of every two parts in each interval, and how far contacts may have bent their paths [m].
 
     Args:
         paths: of all bodies.

@@ -48,7 +48,7 @@ class _Came(NamedTuple):
     moved: float
     """From where it was declared to frame 0 [m]."""
     aside: float
-    """Of that, across gravity [m]."""
+    """Part of that across gravity [m]."""
     size: float
     """Diagonal of it as declared [m]."""
     rest: float
@@ -199,7 +199,7 @@ class _Points(NamedTuple):
     place: F64
     """World [m], shape (n, 3)."""
     names: Any
-    """Of particles; None where all are there at every frame."""
+    """Ids of particles; None where all are there at every frame."""
 
 
 def _points(candidate: Candidate, solver: str, data: Mapping[str, Any], entity: str) -> _Points:

@@ -86,7 +86,7 @@ class _Cast(NamedTuple):
 
 
 BEHIND = 1e-3
-"""What lies farther behind an entity than this share of its depth hides none of it, however depths are rounded."""
+"""Share of an entity's depth: a surface farther behind it than this hides none of it, however depths are rounded."""
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 """Pose of loose matter, whose meshes are in the world."""
 HELD_SHAPES = 16

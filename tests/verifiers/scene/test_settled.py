@@ -48,17 +48,27 @@ def test_what_came_to_rest_passes_and_the_register_says_how_far_it_moved(tmp_pat
 
 
 def test_what_was_stopped_before_it_rests_fails_by_name_with_more_time_as_its_correction(tmp_path: Path) -> None:
-    spec = tilted(slope=0.6, max_time=0.5)  # 34 degrees, of wood whose friction holds it up to 27
+    spec = tilted(max_time=0.5)
     (row,) = settled_rows(simulate(tmp_path, spec))
     assert row.status == "fail"
     assert row.first_failing_entity in ("low", "high")
     assert "m/s" in row.evidence["explanation"]
-    first = row.corrections[0]
-    assert first.group in ("interval", "placement")
-    if first.patch:
-        longer = apply_patch(spec, first.patch).simulation.settle
-        assert longer is not None
-        assert longer.max_time == 1.0
+    assert row.corrections[0].group == "interval"
+    longer = apply_patch(spec, row.corrections[0].patch)
+    assert longer.simulation.settle == Settle(max_time=1.0)
+    (mended,) = settled_rows(simulate(tmp_path / "longer", apply_patch(longer, _longer(2.0))))
+    assert mended.status == "pass", mended.evidence
+
+
+def _longer(seconds: float) -> list[dict[str, Any]]:
+    return [{"op": "add", "path": "/simulation/settle/max_time", "value": seconds}]
+
+
+def test_what_slides_down_a_steep_slope_is_told_to_lie_elsewhere(tmp_path: Path) -> None:
+    """34 degrees, of wood whose friction holds it up to 27: no time would bring it to rest there."""
+    (row,) = settled_rows(simulate(tmp_path, tilted(slope=0.6, max_time=1.5)))
+    assert row.status == "fail"
+    assert row.corrections[0].group == "placement"
 
 
 def test_what_slid_away_while_it_settled_fails(tmp_path: Path) -> None:

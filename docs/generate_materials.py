@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,7 +15,7 @@ PAGE = SKILLS / "world-building" / "reference" / "materials.md"
 LIQUIDS = SKILLS / "liquids" / "liquids.json"
 RUBS = SKILLS / "rigid-bodies" / "SKILL.md"
 SUBSTANCES = SKILLS / "world-building" / "reference" / "specification.md"
-MARK = re.compile(r"(<!-- materials -->\n).*?(<!-- end -->)", re.DOTALL)
+BEGIN, END = "<!-- materials -->\n", "<!-- end -->"
 HEAD = """\
 # Materials
 
@@ -101,8 +100,13 @@ def substances() -> str:
 def files() -> dict[Path, str]:
     """Every generated file with the text that it should hold."""
     marked = {RUBS: pairs(), SUBSTANCES: substances()}
-    found = {path: MARK.sub(lambda m, t=text: f"{m[1]}{t}{m[2]}", path.read_text()) for path, text in marked.items()}
-    return {PAGE: page(), LIQUIDS: liquids(), **found}
+    return {PAGE: page(), LIQUIDS: liquids(), **{path: _marked(path.read_text(), text) for path, text in marked.items()}}
+
+
+def _marked(page: str, text: str) -> str:
+    """A page with a text between its marks."""
+    head, rest = page.split(BEGIN, 1)
+    return f"{head}{BEGIN}{text}{END}{rest.split(END, 1)[1]}"
 
 
 if __name__ == "__main__":

@@ -262,7 +262,7 @@ def _written(folder: Path) -> int:
 
 
 def _same_layout(there: CacheIndex, here: CacheIndex) -> bool:
-    """Whether rows stand for the same; those of a rigid instance's drivers can be laid out anew."""
+    """True if rows stand for the same; those of a rigid instance's drivers can be laid out anew."""
     free: dict[str, Any] = {"frames": 0, "settings": ""}
     if here.engine == "mujoco":
         free["drivers"] = ()

@@ -30,6 +30,7 @@ from .probe import positions_of
 from .protocol import Intervention, Solver
 from .recipes import coupled_recipe, recipe_of
 from .runs import Run, make_run, reads
+from .settling import settle
 
 __all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant", "simulated"]
 
@@ -63,7 +64,7 @@ class _Once:
 
     @property
     def done(self) -> bool:
-        """Whether it was asked and gave something."""
+        """True if it was asked and gave something."""
         return isinstance(self._found, dict)
 
 
@@ -128,7 +129,7 @@ def first_frame(candidate: Candidate, start: int) -> int:
 
 
 def _concerned(spec: WorldSpec, name: str, done: Intervention) -> bool:
-    """Whether an intervention touches an instance."""
+    """True if an intervention touches an instance."""
     plan = spec.simulation
     members = set(plan.solvers[name].members)
     drivers = [plan.drivers[d] for d in done.without if d in plan.drivers]
@@ -286,7 +287,8 @@ def _from_start(
     """All frames of one group."""
     frames: _Own = {n: {} for n in names}
     try:
-        run = make_run(spec, built, names, caches=caches)
+        settled = settle(spec, built, names, read={n: caches[n] for n in reads(spec, names[0])})
+        run = make_run(spec, built, names, caches=caches, settled=settled.states)
         run.prepare()
         for frame in range(end + 1):
             if frame:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from functools import partial
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from ..verifiers.categories.cloth.frames import cloth_run
-from ..verifiers.categories.liquid.frames import liquid_of
-from ..verifiers.categories.particles.frames import swarm_of
+from ..verifiers.categories.loose import Loose, Sample
+from ..verifiers.categories.registry import judged
 from ..verifiers.predicates.kinematic import points_in_region
 from ..worlds.arrays import F64
 from ..worlds.cache import Cache
 from ..worlds.candidate import Candidate
+from ..worlds.channels import CHANNELS
+from ..worlds.writers import writers_of
 
-__all__ = ["Forces", "Loose", "Stretch", "forces_on", "loose_told", "reader_of_loose", "reader_of_stretch", "rounded"]
+__all__ = ["Forces", "forces_on", "loose_told", "reader_of_loose", "rounded", "stretch_told"]
 
 REGIONS = 8
 """Own choice: regions of the scene graph that a reply counts in."""
@@ -23,6 +25,7 @@ LEAST_WAY = 1e-3
 """[m] Own choice: matter whose centre has moved less than this has no front."""
 LEAST_FORCE = 1e-6
 """[N] Own choice: less is no contact."""
+GIVEN = "exchange/impulse"
 Forces: TypeAlias = dict[str, F64]
 """Mean force over the frame by who gives it [N], shape (3,) each."""
 
@@ -35,132 +38,65 @@ def rounded(values: Any, digits: int = 5) -> list[float]:
 # ---------------------------------------------------------------- loose matter
 
 
-class Loose(NamedTuple):
-    """The particles of one entity at a frame."""
-
-    position: F64
-    """World [m], shape (n, 3)."""
-    speed: F64
-    """[m/s]"""
-    mass: F64
-    """[kg]"""
-
-    @property
-    def centre(self) -> F64:
-        """Of mass [m], shape (3,); there must be particles."""
-        return np.asarray(self.mass @ self.position / self.mass.sum())
-
-
-def reader_of_loose(candidate: Candidate, name: str) -> Callable[[int], Loose] | None:
-    """Reads the particles of a liquid or of grains by frame; None of what is neither, or has not moved yet."""
-    plan = candidate.spec.simulation
-    solver = next((s for s, p in plan.particles.items() if name in p.members and s in candidate.caches), None)
-    if solver is not None:
-        swarm = swarm_of(candidate, solver)
-        member = swarm.members.index(name)
-
-        def grains(frame: int) -> Loose:
-            found = swarm.read(frame)
-            rows = found.member == member
-            return Loose(found.position[rows], np.linalg.norm(found.velocity[rows], axis=1), found.mass[rows])
-
-        return grains
-    solver = next((s for s, p in plan.liquid.items() if name in p.members and s in candidate.caches), None)
-    if solver is None:
+def reader_of_loose(candidate: Candidate, name: str) -> Callable[[int], Sample] | None:
+    """Reads the particles of a liquid or of grains, or the cells of a gas, by frame; None of what is none of these, or has not moved yet."""
+    judge = judged(candidate.spec).get(name)
+    if not isinstance(judge, Loose) or not any(name in cache.index.bodies for cache in judge.caches(candidate).values()):
         return None
-    liquid = liquid_of(candidate, solver)
-    fluid = liquid.members.index(name)
-
-    def drops(frame: int) -> Loose:
-        found = liquid.read(frame)
-        rows = found.fluid == fluid
-        return Loose(found.position[rows], found.speed[rows], found.mass[rows])
-
-    return drops
+    solver, _, row = judge.held(candidate, name)
+    return partial(judge.sample, candidate, solver, row)
 
 
-def loose_told(candidate: Candidate, name: str, read: Callable[[int], Loose], frame: int) -> dict[str, Any]:
+def loose_told(candidate: Candidate, name: str, read: Callable[[int], Sample], frame: int) -> dict[str, Any]:
     """Count, mass, mean and largest speed, centre, box and front of particles at a frame, and what of them lies in each region.
 
     The front is the particle that is farthest the way the centre has gone since they were first there.
     """
-    now = read(frame)
-    told: dict[str, Any] = {"count": len(now.mass)}
-    if not len(now.mass):
+    position, velocity, mass = read(frame)
+    told: dict[str, Any] = {"count": len(mass)}
+    if not len(mass):
         return told
+    speed, centre = np.linalg.norm(velocity, axis=1), _centre(position, mass)
     told |= {
-        "mass": float(f"{now.mass.sum():.5g}"),
-        "mean_speed": round(float(now.speed.mean()), 4),
-        "max_speed": round(float(now.speed.max()), 4),
-        "centre": rounded(now.centre, 4),
-        "box_min": rounded(now.position.min(0), 4),
-        "box_max": rounded(now.position.max(0), 4),
+        "mass": float(f"{mass.sum():.5g}"),
+        "mean_speed": round(float(speed.mean()), 4),
+        "max_speed": round(float(speed.max()), 4),
+        "centre": rounded(centre, 4),
+        "box_min": rounded(position.min(0), 4),
+        "box_max": rounded(position.max(0), 4),
     }
-    way = now.centre - candidate.memo(("first centre", name), lambda: _first_centre(read, frame))
+    way = centre - candidate.memo(("first centre", name), lambda: _first_centre(read, frame))
     if np.linalg.norm(way) >= LEAST_WAY:
-        told["front"] = rounded(now.position[int((now.position @ way).argmax())], 4)
+        told["front"] = rounded(position[int((position @ way).argmax())], 4)
     regions = {}
     for region in list(candidate.spec.graph.regions)[:REGIONS]:
-        rows = points_in_region(candidate, region, now.position, frame)
-        speed = round(float(now.speed[rows].mean()), 4) if rows.any() else 0.0
-        regions[region] = {"count": int(rows.sum()), "mass": float(f"{now.mass[rows].sum():.5g}"), "mean_speed": speed}
+        rows = points_in_region(candidate, region, position, frame)
+        mean = round(float(speed[rows].mean()), 4) if rows.any() else 0.0
+        regions[region] = {"count": int(rows.sum()), "mass": float(f"{mass[rows].sum():.5g}"), "mean_speed": mean}
     return told | ({"regions": regions} if regions else {})
 
 
-def _first_centre(read: Callable[[int], Loose], frame: int) -> F64:
+def _centre(position: F64, mass: F64) -> F64:
+    return np.asarray(mass @ position / mass.sum())
+
+
+def _first_centre(read: Callable[[int], Sample], frame: int) -> F64:
     """Centre at the first frame that has particles; one of them has, at the latest the given one."""
-    return next(found.centre for found in map(read, range(frame + 1)) if len(found.mass))
+    return next(_centre(found.position, found.mass) for found in map(read, range(frame + 1)) if len(found.mass))
 
 
-# ---------------------------------------------------------------- cloth
-
-
-class Stretch(NamedTuple):
-    """Extension of the edges of a sheet at a frame, over their length at rest."""
-
-    largest: float
-    place_at_rest: F64
-    """Middle of that edge, in the entity's frame [m]."""
-    point: F64
-    """Its middle in the world [m]."""
-    axes: str
-    """The two longest of the sheet at rest, e.g. `xy`."""
-    ninths: list[list[float | None]]
-    """Largest in each of 3 x 3 parts along those axes: rows along the second; None where there is no edge."""
-
-    def told(self) -> dict[str, Any]:
-        """For a reply."""
-        return {
-            "largest": round(self.largest, 5),
-            "place_at_rest": rounded(self.place_at_rest, 4),
-            "point": rounded(self.point, 4),
-            f"thirds_of_{self.axes}": [[None if v is None else round(v, 5) for v in row] for row in self.ninths],
-        }
-
-
-def reader_of_stretch(candidate: Candidate, name: str) -> Callable[[int], Stretch] | None:
-    """Reads the stretch of a cloth entity by frame; None of what is no cloth, or has not moved yet."""
-    solver = next((s for s in candidate.cloth_caches if name in candidate.spec.simulation.solvers[s].members), None)
-    if solver is None:
-        return None
-    run = cloth_run(candidate, solver)
-    own = [p for p in run.pieces if p.entity == name]
-    edges, length = np.concatenate([p.edges for p in own]), np.concatenate([p.length for p in own])
-    rest = np.concatenate([p.vertices[p.edges - p.rows.start].mean(axis=1) for p in own])
-    low, size = rest.min(axis=0), np.ptp(rest, axis=0)
-    axes = sorted(np.argsort(size)[-2:].tolist())
-    cell = np.clip((3.0 * (rest - low) / np.maximum(size, 1e-12)).astype(int), 0, 2)[:, axes]
-
-    def stretch(frame: int) -> Stretch:
-        x, _ = run.frame(frame)
-        ends = x[edges]
-        ratio = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / length - 1.0
-        worst = int(ratio.argmax())
-        parts = [[ratio[(cell == (i, j)).all(axis=1)] for i in range(3)] for j in range(3)]
-        ninths = [[float(p.max()) if len(p) else None for p in row] for row in parts]
-        return Stretch(float(ratio[worst]), rest[worst], ends[worst].mean(axis=0), "".join("xyz"[a] for a in axes), ninths)
-
-    return stretch
+def stretch_told(candidate: Candidate, name: str, frame: int) -> dict[str, Any]:
+    """Largest stretch of a sheet at a frame, where that is, and by thirds of the sheet; nothing of what is no sheet or has not moved yet."""
+    judge = judged(candidate.spec).get(name)
+    found = judge.stretch(candidate, name, frame) if judge is not None and name in candidate.deforming else None
+    if found is None:
+        return {}
+    return {
+        "largest": round(found.largest, 5),
+        "place_at_rest": rounded(found.place_at_rest, 4),
+        "point": rounded(found.point, 4),
+        f"thirds_of_{found.axes}": [[None if v is None else round(v, 5) for v in row] for row in found.thirds],
+    }
 
 
 # ---------------------------------------------------------------- forces
@@ -177,7 +113,8 @@ def forces_on(candidate: Candidate, name: str, frame: int) -> Forces:
         if solver in candidate.rigid_caches:
             pushes = _contacts(cache, name, frame)
         else:
-            pushes = {} if solver in candidate.gas_caches else _given(candidate, solver, name, frame)
+            gives = writers_of(candidate.spec, solver) & set(CHANNELS[GIVEN].of)
+            pushes = _given(candidate, solver, name, frame) if gives else {}
         for other, push in pushes.items():
             found[other] = found.get(other, np.zeros(3)) + push * candidate.spec.simulation.fps
     return {other: f for other, f in found.items() if np.linalg.norm(f) >= LEAST_FORCE}
@@ -203,7 +140,7 @@ def _given(candidate: Candidate, solver: str, name: str, frame: int) -> Forces:
     if name not in bodies and list(members) != [name]:
         return {}  # what several sheets or liquids of one instance were given cannot be told apart
     given, found = (
-        np.asarray(cache.read(frame, ("exchange/impulse",))["exchange/impulse"], dtype=np.float64)[:, :3],
+        np.asarray(cache.read(frame, (GIVEN,))[GIVEN], dtype=np.float64)[:, :3],
         dict[str, F64](),
     )
     for body, push in zip(bodies, given, strict=True):

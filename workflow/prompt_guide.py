@@ -207,7 +207,7 @@ def _materials(prompt: str, words: list[str]) -> dict[str, dict[str, Any]]:
 def _example(words: list[str], called: list[str]) -> dict[str, Any]:
     """The recorded world that most words of the prompt call for, or else the first of the first skill, as much of it as there is room for."""
     known = [(name, file, len(_among(e, words))) for name in called for file, e in _guides()[name].examples.items()]
-    asked = [one for one in known if one[2] or one[0] == called[0]]
+    asked = [one for one in known if one[2] or (one[0] == called[0] and one[0] not in BASE)]
     name, file, _ = max(asked, key=lambda one: one[2], default=(*_DEFAULT, 0))
     world = _world((SKILLS / name / file).read_text("utf-8"))
     told: dict[str, Any] = {"file": f"{name}/{file}", "prompt": world["prompt"]}
@@ -221,22 +221,34 @@ def _example(words: list[str], called: list[str]) -> dict[str, Any]:
 
 
 def _world(text: str) -> dict[str, Any]:
-    """A whole specification; of an example that is a list of calls, that of its first."""
+    """A whole specification; of an example that is a list of calls, that of its first with what later ones add, and the calls."""
     data: dict[str, Any] = json.loads(text)
     if "calls" not in data:
         return data
     first = data["calls"][0]["arguments"]
-    return {"prompt": first["prompt"], **first["spec"]}
+    world = {"entities": {}, "story": {"beats": {}}, "prompt": first["prompt"], **first["spec"]}
+    for operation in (o for c in data["calls"][1:] for o in c["arguments"].get("patch", ())):
+        *path, last = operation["path"].split("/")[1:]
+        if last != "-" and len(path) < 3:
+            holder = world
+            for token in path:
+                holder = holder.setdefault(token, {})
+            holder[last] = operation.get("value")
+    return world | {"calls": [f"{c['tool']}({', '.join(c['arguments'])}): {c['why']}" for c in data["calls"]]}
 
 
 def _parts(world: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Pointers of a world and what stands there, what is hardest to guess first."""
+    if "calls" in world:
+        yield "calls", world["calls"]
     yield from ((f"/terrains/{n}", t) for n, t in world.get("terrains", {}).items())
     yield "/simulation", world["simulation"]
     entities = sorted(world["entities"].items(), key=lambda item: -size_of(item[1].get("physics", {})))
     yield from ((f"/entities/{n}", e) for n, e in entities[:1])
     yield from ((f"/story/beats/{n}", b) for n, b in world["story"]["beats"].items())
-    yield from ((f"/entities/{n}", e) for n, e in entities[1:])
-    yield from ((f"/materials/{n}", m) for n, m in world["materials"].items())
+    alone = {e["role"]: n for n, e in reversed(entities)}.values()  # of those with one role the first
+    yield from ((f"/entities/{n}", e) for n, e in entities[1:] if n in alone)
+    yield from ((f"/materials/{n}", m) for n, m in world.get("materials", {}).items())
     yield "/graph", world.get("graph", {})
     yield "/shots", world.get("shots", {})
+    yield from ((f"/entities/{n}", e) for n, e in entities[1:] if n not in alone)

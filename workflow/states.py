@@ -11,7 +11,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.hints import did_you_mean
 from .answers import paged
-from .matter_states import forces_on, loose_told, reader_of_loose, reader_of_stretch, rounded
+from .matter_states import forces_on, loose_told, reader_of_loose, rounded, stretch_told
 
 __all__ = ["MAX_SAMPLES", "motion_over", "state_at"]
 
@@ -76,8 +76,8 @@ def state_at(
             found["spin"] = rounded(place[0].series("angular_velocity")[frame, place[1]])
             found |= {"asleep": True} if place[0].series("asleep")[frame, place[1]] else {}
         forces = {other: rounded(force, 3) for other, force in forces_on(candidate, asked, frame).items()}
-        stretch = reader_of_stretch(candidate, asked)
-        return found | ({"forces": forces} if forces else {}) | ({} if stretch is None else {"stretch": stretch(frame).told()})
+        stretch = stretch_told(candidate, asked, frame)
+        return found | ({"forces": forces} if forces else {}) | ({"stretch": stretch} if stretch else {})
 
     page, place = paged([(n, told(n)) for n in names[: offset + limit]], offset, limit)
     return {"frame": frame, "entities": dict(page)}, _of(place, len(names), offset + len(page))
@@ -135,13 +135,12 @@ def _forces(candidate: Candidate, name: str, chosen: list[int]) -> dict[str, Any
 
 
 def _stretched(candidate: Candidate, name: str, chosen: list[int]) -> dict[str, Any]:
-    """Largest stretch of a cloth at the chosen frames, and where it is when it is largest."""
-    read = reader_of_stretch(candidate, name)
-    if read is None:
+    """Largest stretch of a sheet at the chosen frames, and where it is when it is largest."""
+    found = {k: stretch_told(candidate, name, k) for k in chosen}
+    if not all(found.values()):
         return {}
-    found = {k: read(k) for k in chosen}
-    worst = max(found, key=lambda k: found[k].largest)
-    return {"stretch": [round(s.largest, 5) for s in found.values()], "most_stretched": {"frame": worst, **found[worst].told()}}
+    worst = max(found, key=lambda k: float(found[k]["largest"]))
+    return {"stretch": [s["largest"] for s in found.values()], "most_stretched": {"frame": worst, **found[worst]}}
 
 
 def _of(place: dict[str, Any], total: int, end: int) -> dict[str, Any]:

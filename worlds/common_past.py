@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from .bake_plan import groups_of
 from .drivers import acts_from
 from .errors import EvidenceError
+from .settled import settling_terms
 from .slices import motion_slice
 from .spec import Fastened
 
@@ -81,7 +82,7 @@ def settings_until(spec: WorldSpec, seconds: float, without: frozenset[str] = fr
         unread = driver.absent if key in without else frozenset()
         drivers[key] = driver.model_dump(mode="json", exclude=set(later | unread))
     plan = {k: v for k, v in whole["plan"].items() if k not in ("frames", "drivers")}
-    return {**whole, "plan": {**plan, "drivers": drivers}, "fastened": _fastened(spec)}
+    return {**whole, "plan": {**plan, "drivers": drivers}, "fastened": _fastened(spec), "settling": settling_terms(spec)}
 
 
 def _fastened(spec: WorldSpec) -> list[list[str]]:
@@ -104,11 +105,12 @@ def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -
         "contents": {n: settings.contents.get(n) for n in met},
         "materials": {k: m for k, m in whole["materials"].items() if k in used},
         "fastened": _fastened(spec),
+        "settling": settling_terms(spec),
     }
 
 
 def _acts_on(spec: WorldSpec, driver: str, names: tuple[str, ...]) -> bool:
-    """Whether a driver may act on a member of some instances."""
+    """True if a driver may act on a member of some instances."""
     if driver not in spec.simulation.drivers:
         return False
     try:

@@ -69,7 +69,12 @@ def declared_by_name(spec: WorldSpec) -> WorldSpec:
     rows = {name: row for name in sorted(wanted) if (row := row_named(name)) is not None}
     if not rows:
         return spec
-    more = {name: Material.model_validate(_values(*row)) for name, row in rows.items()}
+    more = {}
+    for name, row in rows.items():
+        values, users = _values(*row), [e for e in spec.entities.values() if e.material == name]
+        if "grain_density" in row[1].figures and users and all(e.physics.shape == "loose" for e in users):
+            values["density"] = row[1].figures["grain_density"].range[1]  # of a grain, not of the heap
+        more[name] = Material.model_validate(values)
     return spec.model_copy(update={"materials": {**spec.materials, **more}})
 
 
@@ -79,5 +84,6 @@ def departures(material: Material) -> Iterator[Departure]:
     figures: Mapping[str, Figure] = {} if row is None else row.figures
     for field in HELD:
         value = getattr(material, field)
-        if field in figures and not figures[field].holds(value):
+        grain = figures.get("grain_density") if field == "density" else None
+        if field in figures and not figures[field].holds(value) and (grain is None or not grain.holds(value)):
             yield Departure(field, value, figures[field])

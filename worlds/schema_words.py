@@ -39,6 +39,8 @@ LONGEST = 7900
 SHORT_DEFAULT = 40
 LEAST_STEM = 4
 """Letters of a word from which on parts are looked for by the beginning and end of their name."""
+SLIP, LIKE = 0.75, 0.5
+"""Likenesses to a name of what is a slip of the pen, and of what may be meant where nothing else fits."""
 NAMED = 4
 """Parts that are offered for a word."""
 UNSAID = 1e9
@@ -146,14 +148,31 @@ def _meant(word: str) -> tuple[str, list[str]]:
 
 
 def _hint(name: str) -> str:
-    """Parts that a word may mean, each with where it stands: by name, kind, beginning or end of their name, else by likeness."""
-    near = _near(name)
-    if near:
-        told = [f"{k} ({_home(k)})" for k in near]
-    else:
-        folded = {k.lower(): k for k in known_parts()}
-        told = [folded[c] for c in difflib.get_close_matches(name.lower(), folded, n=3, cutoff=0.5)]
+    """Parts that a word may mean, each with where it stands: by name, kind, beginning or end of their name; slips; by their fields; by what they
+    are about; else by likeness."""
+    told = [f"{k} ({_home(k)})" for k in _near(name)] or _alike(name, SLIP) or _speaking_of(name) or _alike(name, LIKE)
     return f"; did you mean {' or '.join(told)}?" if told else ""
+
+
+def _alike(name: str, cutoff: float) -> list[str]:
+    folded = {k.lower(): k for k in known_parts()}
+    return [folded[c] for c in difflib.get_close_matches(name.lower(), folded, n=3, cutoff=cutoff)]
+
+
+def _speaking_of(name: str) -> list[str]:
+    """Parts with a field of that name, or of one that begins with it, and parts whose description has the word."""
+    stem = name.lower().removesuffix("s")
+    parts = {k: node for k, node in _schema()["$defs"].items() if k in known_parts()}
+    fields = [
+        f"{field} of {k} ({_home(k)})"
+        for k, node in parts.items()
+        for field in node.get("properties", {})
+        if field.removesuffix("s") == stem or field.startswith(f"{stem}_")
+    ]
+    word = re.compile(rf"\b{re.escape(stem)}s?\b", re.IGNORECASE)
+    about = [f"{k} ({_home(k)})" for k, node in parts.items() if word.search(node.get("description", ""))]
+    about = sorted(about, key=lambda told: "Predicate" in told)[: NAMED // 2]
+    return [*fields[: NAMED - len(about)], *about]
 
 
 def _near(name: str) -> list[str]:

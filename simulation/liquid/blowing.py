@@ -25,7 +25,7 @@ class Blown(NamedTuple):
     """Effect of fields in a step."""
 
     change: F64
-    """Of velocities [m/s], shape (n, 3)."""
+    """Change of the velocities [m/s], shape (n, 3)."""
     given: F64
     """Momentum [N s] and energy [J], shape (4,)."""
 
@@ -47,7 +47,7 @@ class Blowing:
                 self._points.append((row, surface_points(boundary.mesh, setup.spacing, *box)))
 
     def acts(self, time: float, dt: float) -> bool:
-        """Whether any field acts within a step of the engine."""
+        """True if any field acts within a step of the engine."""
         since = time - self.setup.preroll
         # A clock that adds up steps may end a rounding after a field begins.
         return any(f.acts(since + SHORTEST, since + dt - SHORTEST) for f in self.setup.fields)

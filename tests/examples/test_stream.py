@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,9 @@ from scipy import ndimage
 from worldagent.construction.build import build_entity
 from worldagent.construction.terrain.grid import Grid
 from worldagent.construction.terrain.store import build_terrain_file, cut_patch
+from worldagent.examples import stream
 from worldagent.examples.stream import BEAM, BEAM_DENSITY, BEAMS, CLAIMS, LOG, PROMPT, Course, land_spec, options_of, run
+from worldagent.server.skill_files import SKILLS
 from worldagent.simulation.boundaries import Boundary
 from worldagent.simulation.liquid.flip.engine import Flip
 from worldagent.simulation.liquid.scene import build_scene
@@ -26,6 +29,8 @@ from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.prompts.marks import parse_marks
 
 SPACING = 0.8
+RECORDED = json.loads((SKILLS / "coupled-systems" / "stream.json").read_text())
+"""What the example sends, as the skill shows it."""
 SIZE = (230.0, 52.0)
 
 
@@ -71,7 +76,7 @@ def test_the_long_reach_agrees_with_the_mask_of_hydrology_within_one_cell(tmp_pa
 
 
 def test_the_shown_reach_is_forty_metres_long_and_runs_eight_seconds(tmp_path: Path) -> None:
-    """What the command line shows by default: the cut ground's stream, and frames for 8 s and as long a story."""
+    """The command line shows by default the stream of the cut ground, with frames for 8 s and as long a story."""
     options = options_of([])
     assert options.seconds >= 8.0
     assert options.told == options.seconds
@@ -156,7 +161,27 @@ def test_the_marks_of_the_prompt_name_all_beams() -> None:
     assert next(m.targets for m in told if m.quote == "beams") == tuple(f"beam_{n}" for n in range(len(BEAMS)))
 
 
+def test_the_skill_shows_the_land_of_the_example_and_cuts_it_so() -> None:
+    options = options_of([])
+    land, cut, things = (c["arguments"] for c in RECORDED["calls"])
+    assert land["prompt"] == PROMPT
+    assert land["spec"] == json.loads(json.dumps(land_spec(options.seconds, options.fps)))
+    assert (tuple(cut["size"]), tuple(cut["center"]), cut["spacing"]) == (options.size, options.center, options.spacing)
+    assert things["claims"] == CLAIMS.format(" ".join(f"beam_{n}" for n in range(options.beams)))
+
+
 @pytest.mark.slow
-def test_the_stream_is_accepted(tmp_path: Path) -> None:
+def test_the_stream_is_accepted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its water is five spacings deep, as what floats in it asks; half an hour on two cores, so longer than a slice should be."""
+    sent = []
+    call = stream.Ranger.call
+
+    async def kept(self: Any, name: str, **arguments: Any) -> Any:
+        if name in ("edit_spec", "build_terrain"):
+            sent.append((name, {k: v for k, v in arguments.items() if k != "wait_s"}))
+        return await call(self, name, **arguments)
+
+    monkeypatch.setattr(stream.Ranger, "call", kept)
     assert run(options_of(["--out", str(tmp_path), "--no-render"]))["accepted"]
+    recorded = [(c["tool"], {k: v for k, v in c["arguments"].items() if k != "world"}) for c in RECORDED["calls"]]
+    assert json.loads(json.dumps(sent)) == json.loads(json.dumps(recorded)), "what the skill shows is what was accepted"

@@ -55,7 +55,7 @@ UNREFINED: dict[Run, str] = {
     )},
     ("kleefsman", "flip", 1): LONG,
 }  # fmt: skip
-"""What no test runs, and why."""
+"""Runs that no test makes, and why."""
 KEPT = "height after three periods / at first"
 REST, CALMER = "kinetic / potential energy at the end", "kinetic energy, end / start"
 WALL = "height at the wall, mean error / height at first"
@@ -70,7 +70,7 @@ DISORDER = (
     "the lowest layers read 2 % off once their lattice is gone (hydrostatics, on it: 4e-5), at smooth sides only: boxes 0.3 %"
 )
 COARSE_DAM = "11 cells of depth; no finer level was run"
-ROUGH_WALL = "FLIP is slow beside rough walls, 10 % at 4 cells and APIC 5 % (simulation/liquid/flip/README.md)"
+ROUGH_WALL = "FLIP is slow beside rough walls, 10 % at 4 cells and APIC 5 % (simulation/liquid/flip/method.md)"
 UNEVEN = "not the correction (1.2e-3 with all of it in a step) nor the solve (1.4e-3 at pressure_error 1e-4): how markers lie, not shown"
 TRANSFER = "transfer between markers and grid at a free surface: APIC 0.7e-2, and without the correction of places 1.5e-2"
 SMOOTH_FLOOR = "within the gate at 8 cells; with a smooth floor 7 % at 8, 12 and 16: it does not converge to the experiment"
@@ -108,7 +108,7 @@ MISSES: dict[tuple[Run, str], tuple[str, str]] = {
     (("ledgers", "flip", 1), "momentum, change / sum of |m v|"): ("1.9e-2", TRANSFER),
     (("ledgers", "flip", 1), "angular momentum, change / sum of |m v| x 1 m"): ("2.1e-2", TRANSFER),
 }
-"""What was measured where the gate is not kept, and the cause as far as it is known."""
+"""Figures measured where the gate is not kept, and the cause as far as it is known."""
 
 
 def marked(run: Run) -> tuple[pytest.MarkDecorator, ...]:

@@ -15,13 +15,8 @@ from worldagent.worlds.predicates.models import Atom, Combinator
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 NUMBERS = [f"R{i}" for i in range(1, 159)] + [f"S{i}" for i in range(1, 20)]
-FOLDERS = (
-    "bench", "construction", "construction/terrain", "docs", "examples", "execution", "geometry", "rendering", "server", "simulation",
-    "simulation/cloth", "simulation/elastic", "simulation/fracture", "simulation/liquid", "simulation/liquid/flip",
-    "simulation/particles", "simulation/rigid", "server/page", "packaging", "physics", "skills", "tests", "tools", "verifiers",
-    "verifiers/contact", "verifiers/diagnosis", "verifiers/land", "verifiers/routes", "verifiers/rows", "verifiers/scene", "verifiers/support",
-    "worlds",
-)  # fmt: skip
+FOLDERS = ("docs", "skills", "tests")
+"""Folders beside the packages, whose READMEs `tests/packaging/test_readmes.py` reads."""
 README_LINES = 40
 LINK = re.compile(r"\]\((?!\w+:)([^)#]+)")
 """A link of a page to a file, from the page's folder."""
@@ -82,7 +77,7 @@ def test_every_silent_point_has_a_choice() -> None:
 
 
 def _absent(page: Path) -> list[str]:
-    """What a page cites and what is not there: files, folders, links, and functions or classes after `::`.
+    """Files, folders, links, and functions or classes after `::` that a page cites and that are not there.
 
     Paths count from the root, from the page's folder or from one above it; a bare name may lie anywhere below that folder. Names
     without an ending are no paths of ours (`tools/list` is a method of the protocol), nor are files of worlds (`world.json`).

@@ -1,6 +1,7 @@
 """The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, planks splinter, a flag flutters, a jelly wobbles, sand
 topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out, a
-banner beside a campfire catches fire, a boulder that rolls off a ledge raises dust."""
+banner beside a campfire catches fire, a boulder that rolls off a ledge raises dust, a block comes to rest on a laid table, a crate floats beside
+a wall, a boulder rolls onto a scree."""
 
 from __future__ import annotations
 
@@ -19,6 +20,8 @@ GAS = tuple(
 )
 JUDGED: dict[str, tuple[str, ...]] = {
     "cloth/flag": CLOTH,
+    "cloth/laid": ("causal:slows:stops", "contact:block:cloth", "contact:cloth:table", *(r for r in CLOTH if ":pins:" not in r)),
+    "coupled-systems/crate": ("causal:drops:floats", "category:liquid:exchange:water", "requirement:beside"),
     "elastic-bodies/jelly": (
         *(f"category:elastic:{n}:jelly" for n in ("shape", "strain", "self", "volume", "step", "flight")),
         *(f"category:elastic:{n}:rigid" for n in ("energy", "solve", "records", "mass")),
@@ -58,6 +61,7 @@ JUDGED: dict[str, tuple[str, ...]] = {
     "particles/rain": ("causal:falls:lands",),
     "particles/ash": ("causal:falls:settles", "causal:drifts:settles"),
     "particles/dust": ("causal:puffs:settles",),
+    "rigid-bodies/scree": ("causal:rolls:hits", "causal:hits:pushes", "requirement:holds"),
 }
 """Rows that must be there and pass in the probe."""
 

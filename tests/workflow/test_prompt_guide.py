@@ -22,7 +22,11 @@ GUIDES = sorted(SKILLS.glob("*/guide.json"))
     [
         ("A kettle steams on a stove under a lamp.", {"gas"}, {"rises"}, "gas/kettle.json"),
         ("A clay pot falls onto the tiles and shatters.", {"fracture"}, {"falls"}, "fracture/pot.json"),
-        ("A log drifts down a river and jams at a footbridge.", {"coupled-systems", "liquids"}, {"drifts", "jams"}, "outdoor-terrain/example.json"),
+        ("A log drifts down a river and jams at a footbridge.", {"coupled-systems", "liquids"}, {"drifts", "jams"}, "coupled-systems/stream.json"),
+        ("A brass bowl slides on a tablecloth that lies on a table.", {"cloth"}, {"slides"}, "cloth/laid.json"),
+        ("A duck floats beside the wall of a pool.", {"coupled-systems", "liquids"}, {"floats"}, "coupled-systems/crate.json"),
+        ("A boulder rolls into a scree below a cliff.", {"particles", "rigid-bodies"}, {"rolls"}, "rigid-bodies/scree.json"),
+        ("A brook runs through a valley into a lake.", {"outdoor-terrain"}, set(), "outdoor-terrain/example.json"),
         ("A red flag flutters in the wind.", {"cloth"}, {"flutters"}, "cloth/flag.json"),
         ("Sand runs out when the gate opens, and the heap topples a tile.", {"particles"}, {"opens", "topples"}, "particles/collapse.json"),
         ("Rauch zieht aus dem Schornstein.", {"gas"}, set(), "gas/chimney.json"),
@@ -55,7 +59,9 @@ def test_any_prompt_is_answered_within_its_characters_and_what_is_left_out_has_i
 def test_the_skill_that_most_words_call_for_has_most_room_and_no_strange_example_is_shown() -> None:
     told = prompt_guide("A beach ball floats across a pool, and the wind blows it against a wooden raft.")
     assert next(iter(told["sections"])) == "coupled-systems/SKILL.md#Floating"
-    assert told["example"]["file"] == "world-building/examples/two_blocks.json"
+    assert told["example"]["file"] == "coupled-systems/crate.json"
+    assert prompt_guide("Honey drips from a spoon.")["example"]["file"] == "world-building/examples/two_blocks.json"
+    assert "/entities/footbridge" in prompt_guide("A log drifts down a stream to a bridge.")["example"]
 
 
 def test_the_marked_text_is_the_prompt() -> None:

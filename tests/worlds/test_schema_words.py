@@ -84,6 +84,11 @@ def test_what_is_no_part_is_refused_with_what_there_is(part: str) -> None:
         ("Solver", ["SolverInstance (in SimulationPlan)"]),
         ("Spheres", ["did you mean Sphere (one of Shape)"]),
         ("Boxx", ["did you mean Box"]),
+        ("Simulation", ["did you mean SimulationPlan (in World)"]),
+        ("Gravity", ["gravity of SimulationPlan"]),
+        ("Friction", ["friction of ContactPair", "Material (in World)"]),
+        ("Sun", ["sun_azimuth_deg of Look"]),
+        ("Grains", ["(one of SolverInstance)"]),
     ],
 )
 def test_a_word_that_is_no_part_leads_to_the_parts_it_means(word: str, told: list[str]) -> None:

@@ -72,9 +72,13 @@ class Loose(Judge):
     still: ClassVar[float]
     """[m/s] Root mean square speed up to which it counts as still."""
 
+    def sample(self, candidate: Candidate, solver: str, row: int, frame: int) -> Sample:
+        """Particles of one member of an instance at a frame."""
+        raise NotImplementedError
+
     def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
         """Particles of one member of an instance at every frame."""
-        raise NotImplementedError
+        return (self.sample(candidate, solver, row, frame) for frame in range(candidate.frame_count))
 
     def held(self, candidate: Candidate, entity: str) -> tuple[str, Cache, int]:
         """Instance and cache that hold an entity, and its row among the members.
@@ -88,7 +92,7 @@ class Loose(Judge):
         raise EvidenceError(f"no cache holds {entity!r} ({self.name}); list it as a member of an instance that moves it and bake")
 
     def moments(self, candidate: Candidate, entity: str) -> Moments:
-        """How the entity moves as a whole, worked out once per candidate.
+        """Motion of the entity as a whole, worked out once per candidate.
 
         Raises:
             EvidenceError: no cache holds it.
@@ -138,7 +142,7 @@ class Loose(Judge):
         return None
 
     def moving(self, candidate: Candidate, entity: str) -> Flags:
-        """Whether it is not still, shape (frames,)."""
+        """True where it is not still, shape (frames,)."""
         return np.asarray(~(self.moments(candidate, entity).speed <= self.still))
 
     def domain(self, instance: SolverInstance) -> tuple[F64, F64] | None:

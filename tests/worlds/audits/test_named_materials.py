@@ -7,12 +7,14 @@ from typing import Any
 
 import pytest
 from worldagent.testing.worlds import small_worlds as sw
+from worldagent.testing.worlds.small_grains import SAND_PROMPT, sand_spec
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.verifiers.register.scene import _materials
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.canonical import spec_digest
 from worldagent.worlds.errors import SpecError
 from worldagent.worlds.materials import material_table
+from worldagent.worlds.named_materials import departures
 from worldagent.worlds.patch import apply_patch, parse_edit, parse_spec
 from worldagent.worlds.slices import motion_slice
 from worldagent.worlds.spec import Material, WorldSpec
@@ -44,6 +46,17 @@ def test_a_name_alone_takes_density_friction_substance_and_look_into_the_specifi
 def test_what_a_material_says_itself_stays_and_the_row_gives_the_rest() -> None:
     plank = _edited(plank={"of": "oak", "friction": 0.4, "appearance": {"color": [0.8, 0.1, 0.1]}}).materials["plank"]
     assert (plank.friction, plank.density, plank.appearance.color) == (0.4, OAK.figures["density"].range[1], (0.8, 0.1, 0.1))
+
+
+def test_grains_weigh_as_grains_and_what_stands_for_a_heap_as_the_heap() -> None:
+    spec = sand_spec()
+    spec["entities"]["sand"]["material"] = spec["entities"]["tray"]["material"] = "gravel"
+    both = parse_edit({**spec, "prompt": SAND_PROMPT})
+    assert both.materials["gravel"].density == material_table().materials["gravel"].figures["density"].range[1]
+    spec["entities"]["tray"]["material"] = "oak"
+    grains = parse_edit({**spec, "prompt": SAND_PROMPT})
+    assert grains.materials["gravel"].density == material_table().materials["gravel"].figures["grain_density"].range[1]
+    assert list(departures(grains.materials["gravel"])) == []
 
 
 def test_another_name_of_a_row_is_written_as_the_row() -> None:

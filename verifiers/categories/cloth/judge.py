@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
+from ....worlds.errors import EvidenceError
 from ...ledgers.exchanged import CHANNEL, partners
 from ...ledgers.origins import Origin
 from ..judge import Judge, Push, Rupture, Touch
@@ -17,12 +18,14 @@ from .diagnosis import wind_names
 from .frames import cloth_run
 from .links import shares, sheet_impulse
 from .register import cloth_lines
+from .shape import stretch_of
 from .tears import tearing_pieces
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Row
     from ....worlds.spec import WorldSpec
+    from ..stretch import Stretch
 
 __all__ = ["ClothJudge"]
 
@@ -73,6 +76,14 @@ class ClothJudge(Judge):
     def pressed(self, candidate: Candidate, entity: str, other: str) -> F64:
         """Size of the impulse between a sheet and a solid over each frame [N s], shape (frames,)."""
         return sheet_impulse(candidate, entity, other)
+
+    def stretch(self, candidate: Candidate, entity: str, frame: int) -> Stretch:
+        """Where it is stretched how much at a frame."""
+        for solver in self.caches(candidate):
+            run = cloth_run(candidate, solver)
+            if any(piece.entity == entity for piece in run.pieces):
+                return stretch_of(run, entity, frame)
+        raise EvidenceError(f"no cache holds {entity!r}; list it as a member of an instance that moves it and bake")
 
     def ruptures(self, candidate: Candidate) -> Iterator[Rupture]:
         """Sheets that tore, with what pulled at most of the tears."""

@@ -8,13 +8,14 @@ import numpy as np
 
 from ...rows.corrections import bake_again, correction, halve_step, set_value
 from ...rows.findings import Finding
+from ..stretch import Stretch
 from .bounds import LEAST_AREA, SLIP
 
 if TYPE_CHECKING:
     from ....worlds.requirements import Status
     from .frames import ClothRun
 
-__all__ = ["pinned", "shaped", "stretched"]
+__all__ = ["pinned", "shaped", "stretch_of", "stretched"]
 
 
 def stretched(run: ClothRun) -> Finding:
@@ -47,6 +48,23 @@ def stretched(run: ClothRun) -> Finding:
     return Finding("fail", text, value, bound, "1", entity=entity, frame=frame, hints=hints)
 
 
+def stretch_of(run: ClothRun, entity: str, frame: int) -> Stretch:
+    """Extension of the edges of an entity at a frame, by place at rest."""
+    own = [p for p in run.pieces if p.entity == entity]
+    edges, length = np.concatenate([p.edges for p in own]), np.concatenate([p.length for p in own])
+    rest = np.concatenate([p.vertices[p.edges - p.rows.start].mean(axis=1) for p in own])
+    size = np.ptp(rest, axis=0)
+    axes = sorted(np.argsort(size)[-2:].tolist())
+    third = np.clip((3.0 * (rest - rest.min(axis=0)) / np.maximum(size, 1e-12)).astype(int), 0, 2)[:, axes]
+    x, _ = run.frame(frame)
+    ends = x[edges]
+    ratio = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / length - 1.0
+    worst = int(ratio.argmax())
+    parts = [[ratio[(third == (i, j)).all(axis=1)] for i in range(3)] for j in range(3)]
+    thirds = [[float(part.max()) if len(part) else None for part in row] for row in parts]
+    return Stretch(float(ratio[worst]), rest[worst], ends[worst].mean(axis=0), "".join("xyz"[a] for a in axes), thirds)
+
+
 def shaped(run: ClothRun) -> Finding:
     """Area of every triangle over its area at rest."""
     least, entity, frame = np.inf, None, 0
@@ -64,7 +82,7 @@ def shaped(run: ClothRun) -> Finding:
 
 
 def pinned(run: ClothRun) -> Finding:
-    """How far held vertices are from where they ought to be."""
+    """Distance of held vertices from where they ought to be."""
     if not run.held:
         return Finding("not_applicable", "nothing holds the cloth")
     worst, name, entity, frame, open_pins = 0.0, "", None, 0, set()

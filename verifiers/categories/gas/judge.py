@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["GasJudge"]
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=np.int64)
-"""Of the side of a cell along its third axis, counter-clockwise seen from beyond it."""
+"""Corners of a cell's side along its third axis, counter-clockwise seen from beyond it."""
 THIN = 0.02
 """Own choice: of the most soot in a column; the rest of the column is as good as clear."""
 
@@ -72,16 +72,15 @@ class GasJudge(Loose):
         drivers = spec.simulation.drivers.values()
         return {(d.entity, body) for d in drivers if d.kind == "dust" for body in d.bodies}
 
-    def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
-        """Cells with the soot that they hold at every frame; of clear gas, with the air that it displaces."""
+    def sample(self, candidate: Candidate, solver: str, row: int, frame: int) -> Sample:
+        """Cells with the soot that they hold at a frame; of clear gas, with the air that it displaces."""
         box = box_of(candidate, solver)
+        now = box.read(frame)
         clear = box.dark(box.members[row]) <= 0.0
-        for index in range(box.frames):
-            frame = box.read(index)
-            amount = box.air * np.abs(box.lightness(frame)) if clear else frame.soot.astype(np.float64)
-            held = (amount > 0.0) & frame.open
-            mass = box.volume * (amount * frame.room)[held]
-            yield Sample(frame.centers[held], frame.velocity[held].astype(np.float64), mass)
+        amount = box.air * np.abs(box.lightness(now)) if clear else now.soot.astype(np.float64)
+        held = (amount > 0.0) & now.open
+        mass = box.volume * (amount * now.room)[held]
+        return Sample(now.centers[held], now.velocity[held].astype(np.float64), mass)
 
     def centers(self, candidate: Candidate, entity: str) -> F64:
         """Middle of the soot [m], shape (frames, 3); of its source before any came."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -52,17 +51,14 @@ class LiquidJudge(Loose):
         """Rows of one instance."""
         return numerical_rows(candidate, solver)
 
-    def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
-        """Particles of one member at every frame."""
+    def sample(self, candidate: Candidate, solver: str, row: int, frame: int) -> Sample:
+        """Particles of one member at a frame."""
         cache = candidate.caches[solver]
         density = candidate.spec.materials[candidate.spec.entities[cache.index.bodies[row]].material].density
-        for frame in range(candidate.frame_count):
-            held = cache.read(frame, CHANNELS)
-            own = held["particle/fluid"] == row
-            position, velocity, volume = (
-                held[f"particle/{n}"][own].astype(np.float64) for n in ("position", "velocity", "volume")
-            )
-            yield Sample(position + held["origin"], velocity, density * volume)
+        held = cache.read(frame, CHANNELS)
+        own = held["particle/fluid"] == row
+        position, velocity, volume = (held[f"particle/{n}"][own].astype(np.float64) for n in ("position", "velocity", "volume"))
+        return Sample(position + held["origin"], velocity, density * volume)
 
     def pushes(self, candidate: Candidate) -> list[list[Push]]:
         """Pushes on its boundaries; liquids that share an instance share them by their particles beside each."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -57,13 +57,11 @@ class ParticleJudge(Loose):
         """Rows of one instance."""
         return numerical_rows(candidate, solver)
 
-    def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
-        """Particles of one member at every frame."""
-        swarm = swarm_of(candidate, solver)
-        for index in range(swarm.frames):
-            frame = swarm.read(index)
-            own = frame.member == row
-            yield Sample(frame.position[own], frame.velocity[own], frame.mass[own])
+    def sample(self, candidate: Candidate, solver: str, row: int, frame: int) -> Sample:
+        """Particles of one member at a frame."""
+        found = swarm_of(candidate, solver).read(frame)
+        own = found.member == row
+        return Sample(found.position[own], found.velocity[own], found.mass[own])
 
     def _granular(self, candidate: Candidate) -> dict[str, Cache]:
         """Caches of instances whose particles touch."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -98,13 +97,12 @@ class BalloonJudge(Loose):
         """Rows of the cache of one instance."""
         return rows_about(candidate, solver, {})
 
-    def samples(self, candidate: Candidate, solver: str, row: int) -> Iterable[Sample]:
-        """Balloons of one member at every frame."""
-        flight = _Flight(candidate, solver, self.caches(candidate)[solver])
+    def sample(self, candidate: Candidate, solver: str, row: int, frame: int) -> Sample:
+        """Balloons of one member at a frame."""
+        flight = candidate.memo(("flight", solver), lambda: _Flight(candidate, solver, self.caches(candidate)[solver]))
+        position, velocity = flight.at(frame)
         own = flight.member == row
-        for frame in range(flight.frames):
-            position, velocity = flight.at(frame)
-            yield Sample(position[own], velocity[own], flight.mass[own])
+        return Sample(position[own], velocity[own], flight.mass[own])
 
     def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
         """Spheres of the balloons; before any simulation, at their declared places."""

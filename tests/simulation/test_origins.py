@@ -314,7 +314,13 @@ def _copied(folder: WorldFolder, to: Path) -> WorldFolder:
     return WorldFolder(to)
 
 
-@pytest.mark.parametrize("name", [*CASES, *REFUSED])
+QUICK = ("bodies", "sparks")
+"""Worlds that are simulated in a second; the others take several."""
+
+
+@pytest.mark.parametrize(
+    "name", [n if c.world in QUICK else pytest.param(n, marks=pytest.mark.slow) for n, c in {**CASES, **REFUSED}.items()]
+)
 def test_a_run_that_takes_frames_over_equals_one_from_the_start(
     name: str, first: Callable[[str], WorldFolder], tmp_path: Path
 ) -> None:
@@ -363,7 +369,7 @@ def _of_another_place(candidate: Path) -> None:
     path.write_text(json.dumps(told))
 
 
-DAMAGE: dict[str, tuple[Callable[[Path], None], dict[str, int]]] = {
+DAMAGE: dict[str, tuple[Callable[[Path], object], dict[str, int]]] = {
     "a frame": (lambda c: _altered(c / "probe/flight/frame_000002.npz"), {"bodies": FRAMES, "flight": 1}),
     "a checkpoint": (lambda c: _altered(c / "probe/flight/checkpoints/000002.bin"), {"bodies": FRAMES, "flight": 1}),
     "no checkpoint": (lambda c: (c / "probe/flight/checkpoints/000002.bin").unlink(), {"bodies": FRAMES, "flight": 1}),

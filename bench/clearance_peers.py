@@ -157,7 +157,7 @@ PEERS: dict[str, tuple[str, Peer]] = {"fcl": ("fcl", _fcl), "coal": ("coal", _co
 
 
 def _verdict(found: F64, truth: F64, size: float) -> dict[str, Any]:
-    """How the answers compare with the truth."""
+    """Comparison of the answers with the truth."""
     overlap = truth < 0.0
     wrong = np.abs(found - truth) > np.where(overlap, 0.01 * np.abs(truth), SAME * size)
     classes = {

@@ -28,7 +28,7 @@ SIDE, FRAME, ALLOWED = 100, 1.0 / 24, 0.05
 EDGE = 1.0 / (SIDE - 1)
 ROUNDS = 3
 STEP = 1.0 / 120
-"""Of ours [s]: MuJoCo's cheapest; where it errs too much, the default 1 / 240 counts."""
+"""Step of this engine [s]: MuJoCo's cheapest; where it errs too much, the default 1 / 240 counts."""
 NEWTON = ((5, 5), (10, 10), (10, 40))
 """Sub-steps and iterations, from cheap to dear."""
 MUJOCO = (1.0 / 120, 1.0 / 240, 1.0 / 480)

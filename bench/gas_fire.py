@@ -23,9 +23,9 @@ __all__ = ["burner", "run"]
 
 SIDES: tuple[Side, ...] = ("open", "open", "open", "open", "closed", "open")
 POWER = 5.0e4
-"""Of the fuel [W]."""
+"""Power of the fuel [W]."""
 WIDE = 1.0
-"""Of the box [m]."""
+"""Width of the box [m]."""
 SECONDS = 0.5
 FPS = 24
 CELLS, GPU_CELLS = (32, 64), (128, 256)

@@ -18,7 +18,7 @@ from ..worlds.arrays import F64
 __all__ = ["Plume", "plume"]
 
 LIGHTNESS = 0.02
-"""Of the source: small, so that Boussinesq's approximation holds."""
+"""Lightness of the source: small, so that Boussinesq's approximation holds."""
 FLICKER = 0.05
 """Seconds for which each cell of the source keeps its share of the heat, between none and twice the mean: without it the plume stays laminar."""
 SPAN = (0.3, 0.75)

@@ -41,9 +41,9 @@ GLASS_SIDES = 0.3
 SETTLES = 1.07
 """A column is filled higher by as much: it settles under its weight."""
 COVERED = 0.5
-"""Of the ground by grains seen from above: where it is less, the deposit has ended and single grains lie about."""
+"""Share of the ground that grains cover, seen from above: where it is less, the deposit has ended and single grains lie about."""
 CALM = 5e-3
-"""Of the run-out: a front that moved less during half of sqrt(H / g) has stopped."""
+"""Share of the run-out: a front that moved less during half of sqrt(H / g) has stopped."""
 LONGEST = 12.0
 """[sqrt(H / g)] After which it is looked at anyway."""
 
@@ -84,7 +84,7 @@ class Column(NamedTuple):
     across: float
     """Radius or length of the column [m]."""
     width: float
-    """Of the channel [m]; 0 for a round column."""
+    """Width of the channel [m]; 0 for a round column."""
     diameter: float
 
 
@@ -221,7 +221,7 @@ def exponents(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _height(column: Column, c: dict[str, Any]) -> float:
-    """Of the deposit's middle (three diameters about it), or at the back wall [m]."""
+    """Height of the deposit's middle (three diameters about it), or at the back wall [m]."""
     way = np.hypot(c["position"][:, 0], c["position"][:, 1]) if column.width == 0 else c["position"][:, 0]
     near = way < 3.0 * column.diameter
     return float((c["position"][near, 2] + c["radius"][near]).max(initial=0.0))

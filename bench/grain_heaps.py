@@ -125,7 +125,7 @@ def drain(case: Heap) -> dict[str, Any]:
 
 
 def _slope(case: Heap, c: dict[str, Any], side: int) -> float:
-    """Of the surface [degrees] of one side: a line through the highest beads of strips two diameters wide."""
+    """Slope [degrees] of one side's surface: a line through the highest beads of strips two diameters wide."""
     d = case.diameter
     x, top = side * c["position"][:, 0], c["position"][:, 2] + c["radius"]
     edges = d * np.arange(2.0, PLATE - 1.0, 2.0)

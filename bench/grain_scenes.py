@@ -18,7 +18,7 @@ __all__ = ["EXCHANGE", "SAND", "SPREAD", "G", "pipe", "rest", "rough_ground", "s
 
 G = 9.81
 SAND = Kind("sand", 2600.0, 1e7, 0.25, 0.3, 0.5, 0.1, 0.0)
-"""What `skill://particles` names for sand: friction 0.5, rolling resistance 0.1."""
+"""Contact settings that `skill://particles` names for sand: friction 0.5, rolling resistance 0.1."""
 SPREAD = 0.15
 EXCHANGE = 1e-2
 """[s] Between looks of the host at the walls, which stand still."""

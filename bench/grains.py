@@ -25,7 +25,7 @@ ASKED = {"cpu": 0.4e6, "cuda": 100e6}
 RADIUS, SPREAD = 5e-3, 0.15
 YOUNG, DENSITY = 1e7, 2500.0
 SHARE = 0.58
-"""Of the room that the grains fill at first, without overlap: a bed with five contacts a grain is there after some hundred steps."""
+"""Share of the room that the grains fill at first, without overlap: a bed with five contacts a grain is there after some hundred steps."""
 SETTLE, STEPS = 1500, 400
 """Steps before the measurement, and of it."""
 

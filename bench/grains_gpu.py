@@ -25,7 +25,7 @@ FALL = 1200, 2e-5
 
 
 def same_twice(grains: int, device: str, steps: int = 200) -> bool:
-    """Whether two runs from the same start, the second over a checkpoint in its middle, give the same bytes."""
+    """True if two runs from the same start, the second over a checkpoint in its middle, give the same bytes."""
     digests = []
     for middle in (False, True):
         setup, still = box_of_grains(grains, chosen_device(device))

@@ -32,7 +32,7 @@ def by_skill(length: float, height: float, density: float) -> float:
 
 
 def breaks(length: float, height: float, density: float, tension: float) -> bool:
-    """Whether a beam that is bonded to the world at one end breaks by its own weight."""
+    """True if a beam that is bonded to the world at one end breaks by its own weight."""
     pattern = {"kind": "bricks", "size": (length / PIECES, height, height), "joint": 0.0}
     breakable = {"pattern": pattern, "bond": {"tension": tension, "shear": 1e9}, "fixed": ["x-"]}
     beam = box(length, height, height, motion="dynamic", at=(0, 0, 3), breakable=breakable)

@@ -34,7 +34,7 @@ FPS = 24
 
 
 class Source(NamedTuple):
-    """What lets the gas out, a ball at the origin."""
+    """Ball at the origin that lets the gas out."""
 
     substance: str
     radius: float
@@ -50,7 +50,7 @@ class Source(NamedTuple):
 
     @property
     def rate(self) -> float:
-        """Of gas at its temperature [m^3/s]."""
+        """Volume of gas let out per second, at its temperature [m^3/s]."""
         return self.speed * math.pi * self.radius**2
 
 

@@ -25,7 +25,7 @@ from ..worlds.requirements import Row, fail_closed
 __all__ = ["Advice", "Judged", "Trial"]
 
 Advice = Literal["table", "checks", "none"]
-"""What a solver gets beside verdicts and measurements: the skills' tables and the history; what checks suggest by themselves; nothing."""
+"""Help that a solver gets beside verdicts and measurements: the skills' tables and the history; suggestions of the checks; none."""
 OPEN = ("fail", "unverified")
 LEFT_OPEN = "the failing row asks for this quantity, and the prompt leaves it open"
 """Reason that the script gives for edits of quantities of nature, and of nothing else."""

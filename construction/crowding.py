@@ -1,4 +1,4 @@
-"""How many bodies stand in each other, estimated before every pair of them is measured exactly."""
+"""Estimate of how many bodies stand in each other, before every pair of them is measured exactly."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def _crosses(p: Point, q: Point, a: Point, b: Point) -> bool:
 
 
 def _touches(p: Point, a: Point, b: Point) -> bool:
-    """Whether p lies on the segment from a to b, to a billionth of its length."""
+    """True if p lies on the segment from a to b, to a billionth of its length."""
     x, y = b[0] - a[0], b[1] - a[1]
     square = x * x + y * y
     along = (p[0] - a[0]) * x + (p[1] - a[1]) * y

@@ -23,7 +23,7 @@ from .imports import load_table
 __all__ = ["StemCut", "cut_stems", "load_stems"]
 
 SIDES = 32
-"""Of the prisms that are seen in place of trunks, 0.48 % of the radius within the circle."""
+"""Sides of the prisms that are seen in place of trunks, 0.48 % of the radius within the circle."""
 
 
 class StemCut(NamedTuple):

@@ -2,6 +2,7 @@
 
 python docs/generate_accuracy.py FIGURES.json [LATER.json ...]   # these runs alone
 python docs/generate_accuracy.py --add LATER.json [...]          # later runs of some checks replace what there is of them
+python docs/generate_accuracy.py --corrections NOW.json [BEFORE.json]   # runs of `worldagent bench corrections`: keep BEFORE beside NOW
 python docs/generate_accuracy.py --refresh                       # only tell anew which tables are stale
 """
 
@@ -33,6 +34,13 @@ DATA = Path(__file__).with_name("accuracy.json")
 PAGE = Path(__file__).with_name("accuracy.md")
 KEPT = ("broken", "detected", "clean", "false_alarms", "median_ms", "mechanisms", "missed", "smallest_detected", "suite")
 """Figures of each check that the data keep."""
+CORRECTIONS = """## Corrections that help
+
+Each correction of a failing row is applied to the world it is made for (`worldagent bench corrections`): it helps where the audit takes the
+edit, the row then passes or comes a tenth nearer to its bound, and nothing else fails newly; motion is simulated again. An edit that asks
+for less is counted apart (eased), and so is what is said in words alone. Rows whose recording was wrong, and not the specification,
+are counted apart as well: there only another run helps.
+"""
 
 
 def joined(runs: list[dict[str, Any]], earlier: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -42,6 +50,7 @@ def joined(runs: list[dict[str, Any]], earlier: dict[str, Any] | None = None) ->
         fresh = {n: {**{k: f[k] for k in KEPT}, "verifiers": run["verifiers"]} for n, f in run["checks"].items()}
         only = None if len(runs) == 1 and earlier is None else run["checks"]
         found = {
+            **found,
             "runs": [*found["runs"], _run(run, only)],
             "accepted": run.get("accepted") or found["accepted"],
             "checks": {**found["checks"], **fresh},
@@ -120,7 +129,34 @@ def page(figures: dict[str, Any]) -> str:
         for mechanism, least in f["smallest_detected"].items():
             value = "not found" if least["magnitude"] is None else f"{least['magnitude']:.4g}"
             lines.append(f"| {name} | {mechanism} | {value} | {least['bound']:.4g} | {least['unit']} |")
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_correction_lines(figures.get("corrections"))]) + "\n"
+
+
+def _correction_lines(kept: dict[str, Any] | None) -> list[str]:
+    """The section about corrections; nothing where none were measured."""
+    if not kept:
+        return []
+    now, before = kept["now"], kept.get("before") or {"checks": {}}
+    lines = [
+        "",
+        CORRECTIONS,
+        _run(now, None),
+        "",
+        "| check | failing rows | share that helps | before | eased | in words alone | edits tried | that help | recordings | told so |",
+    ]
+    lines.append("|---|---|---|---|---|---|---|---|---|---|")
+    for name, f in [*now["checks"].items(), ("all", now)]:
+        was = before if name == "all" else before["checks"].get(name, {})
+        lines.append(
+            f"| {name} | {f['rows']} | {_percent(f)} | {_percent(was)} | {f['eased']} | {f['words']} | {f['patches']} | {f['helping']} "
+            f"| {f['recordings']} | {f['recordings_helped']} |"
+        )
+    return lines
+
+
+def _percent(figures: dict[str, Any]) -> str:
+    rows = figures.get("rows", 0)
+    return f"{figures['helped']} of {rows}, {100 * figures['helped'] / rows:.0f} %" if rows else "-"
 
 
 def _intervals(figures: dict[str, Any]) -> tuple[str, str]:
@@ -130,9 +166,18 @@ def _intervals(figures: dict[str, Any]) -> tuple[str, str]:
     return f"{100 * found[0]:.2f} to {100 * found[1]:.2f} %", f"{100 * alarm[0]:.2f} to {100 * alarm[1]:.2f} %"
 
 
+def with_corrections(data: dict[str, Any], now: dict[str, Any], before: dict[str, Any] | None) -> dict[str, Any]:
+    """The data with a run of `worldagent bench corrections`, without its list of useless ones, and an earlier one beside it."""
+    kept = {"now": now, "before": before or data.get("corrections", {}).get("before")}
+    return {**data, "corrections": {k: v and {n: f for n, f in v.items() if n != "useless"} for k, v in kept.items()}}
+
+
 if __name__ == "__main__":
-    option = sys.argv[1] if sys.argv[1:2] in (["--add"], ["--refresh"]) else None
+    option = sys.argv[1] if sys.argv[1:2] in (["--add"], ["--refresh"], ["--corrections"]) else None
     runs = [json.loads(Path(name).read_text().strip().splitlines()[-1]) for name in sys.argv[1 + (option is not None) :]]
-    data = joined(runs, json.loads(DATA.read_text()) if option else None)
+    if option == "--corrections":
+        data = with_corrections(json.loads(DATA.read_text()), runs[0], runs[1] if runs[1:] else None)
+    else:
+        data = joined(runs, json.loads(DATA.read_text()) if option else None)
     DATA.write_text(json.dumps(data, indent=1) + "\n")
     PAGE.write_text(page(data))

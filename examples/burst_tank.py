@@ -26,11 +26,11 @@ STREET = (2.4, 1.0)
 TANK = 0.7
 """Inner length of the tank [m]."""
 HIGH = 0.75
-"""Of the tank's walls [m]."""
+"""Height of the tank's walls [m]."""
 WALL = 0.1
 KERB = 0.25
 DEPTH = 0.5
-"""Of the water in the tank [m]."""
+"""Depth of the water in the tank [m]."""
 GATE = 0.08
 LIFTED = 1e-3
 """Between what stands and the floor at frame 0: two skins [m]."""
@@ -38,10 +38,10 @@ GAP = 0.002
 """Play of the gate between the walls [m]: far less than the water resolves."""
 CRATE = (0.2, 0.2, 0.12)
 CRATE_DENSITY = 1200.0
-"""Of a crate packed with bricks [kg/m^3], 5.8 kg each. Heavier than water, for they stand flat on the floor, where particles do not get
+"""Density of a crate packed with bricks [kg/m^3], 5.8 kg each. Heavier than water, for they stand flat on the floor, where particles do not get
 under them: the flood pushes them, and nothing has to lift them."""
 SWEPT = 0.4
-"""How far the flood sweeps each crate along the street [m], at least; a crate is 0.2 m long."""
+"""Least way that the flood sweeps each crate along the street [m]; a crate is 0.2 m long."""
 CRATES = {"crate_a": (0.7, 0.2), "crate_b": (0.95, -0.22), "crate_c": (1.25, 0.05)}
 LIFT = (0.25, 1.0)
 """The gate rises between these times [s]."""

@@ -24,7 +24,7 @@ from .real_clients import ClaudeClient, CodexClient, SdkClient, ToolClient
 __all__ = ["first_world", "main", "two_blocks"]
 
 WAIT_SECONDS = 25.0
-"""How long a call waits for its job; the shortest limit of a client is 60 s [s]."""
+"""Time that a call waits for its job; the shortest limit of a client is 60 s [s]."""
 PROGRAMS: dict[str, Callable[[str], ToolClient]] = {"codex": CodexClient, "claude": ClaudeClient}
 """Clients that are programs of their own."""
 

@@ -22,7 +22,7 @@ __all__ = ["ClaudeClient", "CodexClient", "Reply", "SdkClient", "ToolClient"]
 
 SERVER = "worldagent"
 PATIENCE_S = 300.0
-"""How long a client may take to bring the result of one call [s]."""
+"""Time that a client may take to bring the result of one call [s]."""
 Reply = tuple[dict[str, Any], int]
 """Data of a tool's reply and how many pictures came along."""
 

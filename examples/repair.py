@@ -1,4 +1,4 @@
-"""How the scripted agent repairs a world: from the rows that the server returns, and from nothing else.
+"""Repairs of the scripted agent: from the rows that the server returns, and from nothing else.
 
 The policy is generic. It goes through the open rows in the order of the loop (what is wrong upstream first), takes
 the server's own suggested edit where there is one, and otherwise a rule for the kind of row, with the row's numbers.

@@ -51,11 +51,11 @@ GUST, RISE = 0.9, 0.3
 SWUNG = 0.6
 """So long after it began the hanging flag has swung out [s]: what it does from then on is its whipping."""
 WIND = (8.0, -1.5, 0.0)
-"""Of the gust, mean [m/s]."""
+"""Mean wind of the gust [m/s]."""
 RISEN = 0.1
-"""How far the gust lifts the middle of the flag [m]: against its weight, so nothing else here does."""
+"""Rise of the flag's middle in the gust [m]: against its weight, so nothing else here does it."""
 WHIP = {"min_amplitude": 0.05, "min_cycles": 3, "min_frequency": 1.5}
-"""What a flag does at least that whips. In a wind U a flag of length L waves at 0.2 to 0.4 U / L, 1.7 to 3.4 Hz here; one that hangs in
+"""Least motion of a flag that whips. In a wind U a flag of length L waves at 0.2 to 0.4 U / L, 1.7 to 3.4 Hz here; one that hangs in
 still air sways as a pendulum of its height does, at sqrt(g / h) / 2 pi = 0.6 Hz, by some centimetres."""
 LIFT = 1e-3
 

@@ -32,13 +32,13 @@ CLAIMS = (
 """The prompt, marked; `{}` stands for the ids of the beams."""
 WAIT_SECONDS = 25.0
 EXTENT = (320.0, 128.0)
-"""Of the landscape x, y [m]."""
+"""Extent of the landscape x, y [m]."""
 DISCHARGE = 5.5
-"""Of the stream where it comes in, mean over the year [m^3/s]; it runs bankfull, at five times that."""
+"""Discharge of the stream where it comes in, mean over the year [m^3/s]; it runs bankfull, at five times that."""
 BRIDGE_AT = 26.0
 """Where the bridge stands along x [m]: the stream runs straight there."""
 CLEARANCE = 2.1
-"""Of the bridge over the water [m]; over the banks at its feet three cells are left for water to pass."""
+"""Height of the bridge over the water [m]; over the banks at its feet three cells are left for water to pass."""
 DECK = (2.2, 0.35)
 """Width and thickness of the bridge's deck [m]."""
 WALL = 0.3
@@ -46,11 +46,11 @@ WALL = 0.3
 PARAPET = 1.0
 """Their height [m]: they are its girders. The air of the water's domain goes on over them."""
 GROUND_CELL = 0.55
-"""Of the ground [m]: finer than the bed, and few enough corners of the water for the specification."""
+"""Cell of the ground [m]: finer than the bed, and few enough corners of the water for the specification."""
 LOG = (0.3, 3.2)
 """Radius and length [m]."""
 LOG_DENSITY, BEAM_DENSITY = 600.0, 550.0
-"""Of air-dry beech and pine [kg/m^3]."""
+"""Densities of air-dry beech and pine [kg/m^3]."""
 BEAM = (2.4, 0.3, 0.3)
 """Length, width, thickness [m]: squared timber of 119 kg. It is as thick as the water's cells, which then bear it at its true draft (within
 a millimetre in still water); a board of 0.12 m sinks 4 cm too deep in them, and a real leaf is far thinner than both."""
@@ -62,7 +62,7 @@ SPACING = 0.3
 """Cell of the liquid [m]: the deepest water is five cells across, as buoyancy asks."""
 SECONDS = 8.0
 REACH = (44.0, 30.0)
-"""Of the ground with its stream x, y [m]."""
+"""Size of the ground with its stream x, y [m]."""
 CENTER = (24.0, 4.0)
 
 
@@ -152,7 +152,7 @@ def _turned(along: np.ndarray, extra: float = 0.0) -> list[float]:
 
 
 def _floating_height(radius: float, ratio: float) -> float:
-    """Of a lying cylinder's axis over the water at rest [m]; `ratio` of its section is under it."""
+    """Height of a lying cylinder's axis over the water at rest [m]; `ratio` of its section is under it."""
     low, high = -radius, radius
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -185,7 +185,7 @@ class Ranger(Agent):
 
     course: Course
     rate: float
-    """Of what comes in [m^3/s]."""
+    """Discharge that comes in [m^3/s]."""
 
     async def settle(self, options: argparse.Namespace) -> bool:
         """Declare the land, build it with its stream as a liquid, and put the things there."""
@@ -213,7 +213,7 @@ class Ranger(Agent):
         return True
 
     async def heights(self, points: list[list[float]]) -> list[float]:
-        """Of the ground [m]."""
+        """Heights of the ground at points x, y [m]."""
         told, refused = await self.call("inspect_world", part="terrain", points=points)
         if refused:
             raise RuntimeError(told["refused"])

@@ -30,9 +30,9 @@ CRATER = (-250.0, -200.0)
 WIND_DEG = 50.0
 """Where the wind comes from, from east towards north."""
 WIDTH = 9.0
-"""What is called a river here is at least so wide where it is widest [m]: it can be seen from the air."""
+"""Least width of a river where it is widest [m]: it can be seen from the air."""
 MARGIN = 1.2
-"""What the river gets over what it lacks."""
+"""Factor on the width to which a river is widened that is too narrow."""
 GROUND, GROUND_AT = 640.0, (850.0, 1650.0)
 """Side and middle of the ground that is cut out, where the valley meets the sea [m]."""
 EYE = 12.0

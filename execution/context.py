@@ -33,7 +33,7 @@ class JobContext:
         self._report(Progress(self._done, float(total) if known and total is not None else None, message, ends))
 
     def cancelled(self) -> bool:
-        """Whether the caller wants the work to stop."""
+        """True if the caller wants the work to stop."""
         return self._cancel_asked()
 
     def check(self) -> None:
@@ -71,7 +71,7 @@ class Board:
         self._memory[self._CANCEL] = 1
 
     def cancel_asked(self) -> bool:
-        """Whether the flag is up."""
+        """True if the flag is up."""
         return self._memory[self._CANCEL] == 1
 
     def write(self, progress: Progress) -> None:

@@ -21,7 +21,7 @@ _PATIENCE_S = 20.0
 
 
 def is_damage(error: sqlite3.Error) -> bool:
-    """Whether the content of the file is at fault, not the disk or another process."""
+    """True if the content of the file is at fault, not the disk or another process."""
     code = getattr(error, "sqlite_errorcode", None)
     return (code is not None and code & 0xFF in _DAMAGED) or "no such table" in str(error)
 
@@ -45,7 +45,7 @@ def set_aside(path: Path, error: sqlite3.Error) -> EngineError:
 
 
 def _damaged(path: Path) -> bool:
-    """Whether the file cannot be read as a whole: another process may have replaced it meanwhile."""
+    """True if the file cannot be read as a whole: another process may have replaced it meanwhile."""
     try:
         with contextlib.closing(sqlite3.connect(f"{path.as_uri()}?mode=rw", uri=True, timeout=3.0)) as connection:
             if path.stat().st_size and not connection.execute("SELECT 1 FROM sqlite_master WHERE name='jobs'").fetchone():

@@ -1,4 +1,4 @@
-"""How long a job will still take: from the progress measured so far, and from the pace of an earlier run like it."""
+"""Estimate of the time that a job will still take: from the progress measured so far, and from the pace of an earlier run like it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a process that loaded its libraries earlier is as good as one that is started now.
+"""Fingerprints that tell whether a process that loaded its libraries earlier is as good as one that is started now.
 
 Two parts. The surroundings of a process that libraries read while they load or that the kernel hands on: they must be
 equal in the process that asks for a job and in the one that would do it. And the source on disk: it must be what was

@@ -37,13 +37,13 @@ class Cancelled(WorldAgentError):  # noqa: N818 - the outcome was asked for; it 
 
 
 class Progress(NamedTuple):
-    """How far the work is: `done` of `total` in the entry's own unit; total is None where nobody knows."""
+    """Progress of the work: `done` of `total` in the entry's own unit; total is None where nobody knows."""
 
     done: float
     total: float | None
     message: str
     ends: float | None = None
-    """How far it is when what goes on at one pace ends, in the same unit: what comes then goes on at another."""
+    """Progress at which the present pace ends, in the same unit: what comes then goes on at another."""
 
 
 class Usage(NamedTuple):
@@ -70,7 +70,7 @@ class Job:
     payload: dict[str, Any]
     state: JobState
     exclusive: bool
-    """Whether it writes its world: of these, one per world runs at a time."""
+    """True if it writes its world: of these, one per world runs at a time."""
     priority: int
     """Higher starts first; see `BULK`, `NORMAL`, `INTERACTIVE`."""
     progress_done: float
@@ -104,7 +104,7 @@ class Job:
     log: str
     """Output and traces of the task, path relative to the workspace."""
     warm: bool = False
-    """Whether it may start in a process that has the engines of its entry's module loaded."""
+    """True if it may start in a process that has the engines of its entry's module loaded."""
     left_s: float | None = None
     """Time until its end, estimated at `heartbeat` from the measured rate of progress [s]; None where nobody knows."""
     peak_bytes: int | None = None
@@ -114,7 +114,7 @@ class Job:
 
     @property
     def ended(self) -> bool:
-        """Whether the state is final."""
+        """True if the state is final."""
         return self.state in ENDED_STATES
 
 

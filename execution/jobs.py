@@ -108,11 +108,11 @@ class JobStore:
         return None if job is None else self._settled(job)
 
     def count(self, world: str | None = None, state: JobState | Sequence[JobState] | None = None) -> int:
-        """How many jobs `list` has to give in all."""
+        """Number of jobs that `list` has to give in all."""
         return self._table.count(world=world, state=state)
 
     def standing(self, job: Job) -> Standing | None:
-        """How many jobs are ahead of a queued one and what it waits for; None if it is not queued any more."""
+        """Number of jobs ahead of a queued one and what it waits for; None if it is not queued any more."""
         return standing(self._table, job)
 
     def warm_up(self, module: str) -> bool:

@@ -39,7 +39,7 @@ __all__ = ["main"]
 IDLE_S = 300.0
 """It ends when nobody asked for so long [s]: it holds some 250 MB."""
 LOOK_S = 10.0
-"""How often it looks whether it should end [s]."""
+"""Time between two looks whether it should end [s]."""
 READ_S = 1.0
 LOCK_TRIES = 5
 REQUEST_BYTES_MAX = 1 << 20

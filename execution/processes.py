@@ -67,7 +67,7 @@ def start_time(pid: int) -> str | None:
 
 
 def is_alive(pid: int, started: str | None) -> bool:
-    """Whether the very process that had this pid and start time still runs."""
+    """True if the very process that had this pid and start time still runs."""
     now = start_time(pid)
     return now is not None and now == started
 

@@ -131,7 +131,7 @@ def claim(file: JobFile, slots: int) -> tuple[str, ...]:
 
 
 def standing(file: JobFile, job: Job) -> Standing | None:
-    """How many jobs are ahead of a queued one and what it waits for; None if it is not queued."""
+    """Number of jobs ahead of a queued one and what it waits for; None if it is not queued."""
     with file.open() as connection:
         connection.execute("BEGIN")  # a job that starts between the two looks would wait for itself
         order = [row["id"] for row in connection.execute(_QUEUED, {"now": time.time(), "age_s": AGE_S})]

@@ -148,7 +148,7 @@ class JobFile:
                 raise
 
     def change(self, statement: str, values: dict[str, Any]) -> bool:
-        """Whether an UPDATE met its row."""
+        """True if an UPDATE met its row."""
         with self.open() as connection:
             return connection.execute(statement, values).rowcount == 1
 

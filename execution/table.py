@@ -100,7 +100,7 @@ class JobTable(JobFile):
         return None if row is None else job_of(row)
 
     def count(self, *, world: str | None = None, state: JobState | Sequence[JobState] | None = None) -> int:
-        """How many rows `read_all` has to give."""
+        """Number of rows that `read_all` has to give."""
         with self.open() as connection:
             statement = f"SELECT COUNT(*) FROM jobs WHERE {_CHOSEN}"  # noqa: S608
             (number,) = connection.execute(statement, {"world": world, "states": _states(state)}).fetchone()
@@ -182,7 +182,7 @@ class JobTable(JobFile):
         return self.change(statement, values | (usage or Usage(None, None))._asdict())
 
     def latest_pace(self, job: Job) -> list[float] | None:
-        """How the last done job of this kind, world and extent went on in time; see `Estimate`. Another world's tells nothing."""
+        """Pace in time of the last done job of this kind, world and extent; see `Estimate`. Another world's tells nothing."""
         statement = """
             SELECT pace, payload FROM jobs WHERE kind = :kind AND world IS :world AND state = 'done' AND pace IS NOT NULL
             ORDER BY number DESC LIMIT :most"""
@@ -217,7 +217,7 @@ class JobTable(JobFile):
         return self.finish(job.id, job.pid, "lost", error=error)
 
     def _speaks(self, job: Job) -> bool:
-        """Whether the worker of a silent job says that it lives within ANSWER_S, or the job is not as it was read."""
+        """True if the worker of a silent job says that it lives within ANSWER_S, or the job is not as it was read."""
         deadline = time.monotonic() + ANSWER_S
         while job.pid is not None and (job.host != host_id() or is_alive(job.pid, job.pid_started)):
             with self.open() as connection:

@@ -34,7 +34,7 @@ class Terms:
     """Idempotency key. A job of the same kind, world, and key that is queued, running, or done is returned instead;
     one that failed, was cancelled, or got lost is run anew."""
     exclusive: bool = False
-    """Whether it writes its world: such jobs of one world run one after another."""
+    """True if it writes its world: such jobs of one world run one after another."""
     priority: int = 0
     """Higher starts first: `BULK`, `NORMAL` or `INTERACTIVE`. Of equal ones the worlds take turns."""
     wall_s: float | None = None
@@ -43,7 +43,7 @@ class Terms:
     """Cap of the resident memory of all its processes together [bytes], measured a few times a second; what GPUs hold
     does not count."""
     warm: bool = False
-    """Whether it may start in a process that has the engines of its entry's module loaded, where one waits (see
+    """True if it may start in a process that has the engines of its entry's module loaded, where one waits (see
     `JobStore.warm_up`). The module names them in its `WARM`."""
 
     def __post_init__(self) -> None:

@@ -30,7 +30,7 @@ ANSWER_S = 3.0
 
 
 def is_on() -> bool:
-    """Whether this system and user want warm workers. Linux: elsewhere libraries do not promise to survive a fork."""
+    """True if this system and user want warm workers. Linux: elsewhere libraries do not promise to survive a fork."""
     return sys.platform == "linux" and os.environ.get(ENV_WARM, "1") != "0"
 
 
@@ -84,7 +84,7 @@ def keep(workspace: Path, module: str) -> None:
 
 
 def is_there(workspace: Path) -> bool:
-    """Whether a nursery of the workspace waits or loads."""
+    """True if a nursery of the workspace waits or loads."""
     with contextlib.suppress(FileNotFoundError), (workspace / FOLDER / LOCK).open("rb") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)

@@ -25,7 +25,7 @@ from .usage import Meter
 __all__ = ["TICK_S", "UNREACHABLE_S", "Ending", "Watch", "failed"]
 
 TICK_S = 0.1
-"""How often the worker looks at the cancel flag [s]."""
+"""Time between two looks of the worker at the cancel flag [s]."""
 STOPPING_TICK_S = 0.02
 PROGRESS_S = 0.25
 """Least time between two writes of progress [s]."""
@@ -45,7 +45,7 @@ _T = TypeVar("_T")
 
 
 class Ending(NamedTuple):
-    """How a job ended."""
+    """End of a job: its state and why."""
 
     state: JobState
     result: dict[str, Any] | None = None

@@ -1,4 +1,4 @@
-"""Whether two surfaces are apart, without asking how deep they overlap where they are not: much cheaper than a clearance."""
+"""Test that two surfaces are apart, without asking how deep they overlap where they are not: much cheaper than a clearance."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["apart"]
 
 
 def apart(a: Solid, pose_a: RigidPose, b: Solid, pose_b: RigidPose, *, gap: float) -> bool:
-    """Whether the surfaces are at least `gap` [m], > 0, from each other and neither body holds a piece of the other.
+    """True if the surfaces are at least `gap` [m], > 0, from each other and neither body holds a piece of the other.
 
     Args:
         a: one surface, in its own frame.

@@ -67,7 +67,7 @@ class BatchClearance(NamedTuple):
     computed: int
     """Queries that were computed: those that do not repeat the relative pose before them."""
     exact: int
-    """Of these, how many were measured by `clearance`."""
+    """Number of these that `clearance` measured."""
 
 
 def clearance_batch(

@@ -85,7 +85,7 @@ class Camera:
         return pixels, depth
 
     def in_frame(self, points: F64) -> NDArray[np.bool_]:
-        """Whether world points, shape (n, 3), fall into the picture (not whether something hides them), shape (n,)."""
+        """True where world points, shape (n, 3), fall into the picture (not whether something hides them), shape (n,)."""
         pixels, depth = self.project(points)
         inside = (pixels >= 0.0) & (pixels <= (self.width, self.height))
         return np.asarray((depth > 0.0) & inside.all(axis=1))

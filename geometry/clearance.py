@@ -219,7 +219,7 @@ def _coincident(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> bool:
 
 
 def _is_copy(a: Solid, b: Solid, one: Relative, noise: float) -> bool:
-    """Whether a and b are the same closed mesh in the same place: all their triangles touch, so ask nothing else."""
+    """True if a and b are the same closed mesh in the same place: all their triangles touch, so ask nothing else."""
     if not (a.closed and b.closed) or a.vertices.shape != b.vertices.shape or a.faces.shape != b.faces.shape:
         return False
     return np.array_equal(a.faces, b.faces) and bool(np.abs(one.forward(a.vertices)[0] - b.vertices).max() <= noise)

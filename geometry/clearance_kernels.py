@@ -176,7 +176,7 @@ def nearest(
 
 @wp.func
 def under_ray(wood: Wood, node: wp.int32, point: wp.vec3d, slack: wp.float64) -> wp.bool:
-    """Whether the ray from `point` may meet the box of a node."""
+    """True if the ray from `point` may meet the box of a node."""
     low = wood.lower[node] - point
     high = wood.upper[node] - point
     if high[2] < wp.float64(0.0):
@@ -194,7 +194,7 @@ def under_ray(wood: Wood, node: wp.int32, point: wp.vec3d, slack: wp.float64) ->
 
 @wp.func
 def inside(wood: Wood, solid: wp.int32, point: wp.vec3d) -> wp.bool:
-    """Whether a point, away from the surface, lies inside a closed solid (in its frame)."""
+    """True if a point, away from the surface, lies inside a closed solid (in its frame)."""
     low = wood.lower[solid]
     high = wood.upper[solid]
     for k in range(3):

@@ -13,7 +13,7 @@ LARGEST = 1024
 
 
 def is_convex_union(solid: Solid) -> bool:
-    """Whether a closed surface consists of more than one connected piece, each of them convex and facing outwards.
+    """True if a closed surface consists of more than one connected piece, each of them convex and facing outwards.
 
     Of each piece no vertex stands above any of its face planes, so its winding number is 0 outside its hull and not negative
     inside; their sum is nowhere negative.

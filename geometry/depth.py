@@ -299,7 +299,7 @@ def _split(corners: _Samples, middle: _Samples) -> _Samples:
 
 
 def crossing_excursion(one: F64, two: F64, *, noise: float) -> float:
-    """How far triangles of two open sheets reach through each other [m]; 0 where they only touch.
+    """Greatest depth to which triangles of two open sheets reach through each other [m]; 0 where they only touch.
 
     For each crossing pair the corners of one rise on both sides of the plane of the other; the smaller rise, the
     smaller of the two ways, the largest over the pairs. Sheets cut into small triangles thus give less, never 0.

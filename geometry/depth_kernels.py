@@ -101,7 +101,7 @@ def foot(wood: Wood, solid: wp.int32, point: wp.vec3d, enough: wp.float64) -> Fo
 
 @wp.func
 def misses(wood: Wood, solid: wp.int32, t: wp.mat33d) -> wp.bool:
-    """Whether the box of a triangle misses that of a solid."""
+    """True if the box of a triangle misses that of a solid."""
     for k in range(3):
         if wp.min(wp.min(t[0, k], t[1, k]), t[2, k]) > wood.upper[solid][k]:
             return True

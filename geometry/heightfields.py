@@ -82,7 +82,7 @@ def _bottom(number: np.ndarray) -> np.ndarray:
 
 
 def is_height_field(solid: Solid) -> bool:
-    """Whether a closed surface is provably the ground under a function over a rectangle, so that it cannot cross itself.
+    """True if a closed surface is provably the ground under a function over a rectangle, so that it cannot cross itself.
 
     It is watertight; what faces up, projected along z, has its rim on the rim of its bounding rectangle and exactly that
     area, so it covers each place once; what faces down lies at one level below all of it with the same area; the rest
@@ -126,6 +126,6 @@ def _rim(faces: np.ndarray, count: int) -> np.ndarray:
 
 
 def _on_one_side(corners: F64, low: F64, high: F64) -> np.ndarray:
-    """Whether all corners of each, shape (n, k, 3), lie on one same side of a rectangle."""
+    """True where all corners of each, shape (n, k, 3), lie on one same side of a rectangle."""
     sides = [(corners[:, :, axis] == bound[axis]).all(axis=1) for axis in (0, 1) for bound in (low, high)]
     return np.asarray(np.any(sides, axis=0))

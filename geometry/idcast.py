@@ -32,6 +32,8 @@ CHUNK = 1_000_000
 """Triangle-pixel pairs drawn at once."""
 SEAM = 1e-12
 """Barycentric overlap of neighbouring triangles, so that no ray slips through their common edge."""
+ROUNDED = 1e-9
+"""Share of its terms by which an edge function may err, a million times what rounding does and a thousand times the seam."""
 NEAR = 1e-9
 """Least depth [m] of a hit."""
 
@@ -78,6 +80,7 @@ class IdCaster:
         *,
         only: Sequence[int] | None = None,
         window: tuple[int, int, int, int] | None = None,
+        until: float = np.inf,
     ) -> IdImage:
         """Look at the instances at `poses`.
 
@@ -86,6 +89,7 @@ class IdCaster:
             poses: pose of each instance.
             only: indices of the instances to look at, as if the others were not there; default all.
             window: first and last (exclusive) column, first and last row of the part of the picture to cast; default all.
+            until: triangles that lie whole beyond this depth [m] may be left out.
 
         Raises:
             InputError: the number of poses differs from the number of instances, or the window is empty or beyond the picture.
@@ -100,7 +104,11 @@ class IdCaster:
             chosen[:] = False
             chosen[list(only)] = True
         local = self._camera_vertices(camera, poses, chosen)
-        index, rectangle = _rectangles(camera, local, self._faces, np.flatnonzero(chosen[self._owner]), (x0, x1, y0, y1))
+        faces = np.flatnonzero(chosen[self._owner])
+        if np.isfinite(until):
+            near = local[:, 2] <= until
+            faces = faces[near[self._faces[faces]].any(axis=1)]
+        index, rectangle = _rectangles(camera, local, self._faces, faces, (x0, x1, y0, y1))
         buffer = _Buffer(camera, (x0, x1, y0, y1))
         buffer.draw(local[self._faces[index]], index, rectangle)
         return self._image(camera, local, buffer)
@@ -159,6 +167,19 @@ def _rectangles(
     return index[some], np.ascontiguousarray(bounds[:, some].T).astype(np.int32)
 
 
+def _reaching(edge: F64, rectangle: I32) -> NDArray[np.bool_]:
+    """Triangles that may cover a pixel of their rectangles, by edge functions that are largest at a corner of it.
+
+    Of a ground under the camera many triangles lead through the eye plane, and their rectangles are whole windows.
+    """
+    edge = np.concatenate([edge, edge.sum(axis=1, keepdims=True)], axis=1)
+    ends = rectangle[:, None, :].astype(np.float64)
+    column, row, rest = edge[..., :1], edge[..., 1:2], edge[..., 2]
+    most = (column * ends[..., :2]).max(axis=2) + (row * ends[..., 2:]).max(axis=2) + rest
+    size = (np.abs(column) * ends[..., :2]).max(axis=2) + (np.abs(row) * ends[..., 2:]).max(axis=2) + np.abs(rest)
+    return np.asarray((most >= -ROUNDED * size).all(axis=1))
+
+
 class _Buffer:
     """Depth buffer of triangles, flat over the pixels of a window."""
 
@@ -182,7 +203,8 @@ class _Buffer:
         edge[:, :, :2] /= camera.focal
         wide, high = rectangle[:, 1] - rectangle[:, 0], rectangle[:, 3] - rectangle[:, 2]
         area = wide.astype(np.int64) * high
-        for k in np.flatnonzero(area > LARGE):
+        large = np.flatnonzero(area > LARGE)
+        for k in large[_reaching(edge[large], rectangle[large])]:
             self._draw_large(edge[k], int(index[k]), rectangle[k])
         small = np.flatnonzero(area <= LARGE)
         total = np.cumsum(area[small])

@@ -56,7 +56,7 @@ def winding_number(triangles: F64, points: F64) -> F64:
 
 
 def contains(solid: Solid, points: F64) -> NDArray[np.bool_]:
-    """Whether points [m], shape (n, 3) in the solid's frame, lie inside; always False for open solids.
+    """True where points [m], shape (n, 3) in the solid's frame, lie inside; always False for open solids.
 
     Points closer to the surface than about 1e-14 of the size may fall on either side.
     """

@@ -29,7 +29,7 @@ class State(NamedTuple):
     quaternion: F64
     """Unit quaternions, shape (n, 4)."""
     velocity: F64 | None = None
-    """Of the centre [m/s], shape (n, 3); None where unknown."""
+    """Velocity of the centre [m/s], shape (n, 3); None where unknown."""
     spin: F64 | None = None
     """Angular velocity in world axes [rad/s], shape (n, 3); None where unknown."""
 
@@ -159,7 +159,7 @@ def _blossom(points: F64, times: Sequence[float | F64]) -> F64:
 
 
 def points_travel(a: Motion, radius_a: float, b: Motion, radius_b: float, s: F64, e: F64) -> F64:
-    """How far points of two bodies can move against each other from s to e [m], shape (n,); an upper bound.
+    """Upper bound of the way that points of two bodies can move against each other from s to e [m], shape (n,).
 
     The hodograph of the cubic lies in the hull of its Bezier points on [s, e]; a turn moves a point within `radius` of
     its centre by at most angle x radius.
@@ -176,7 +176,7 @@ def _rate(a: Motion, b: Motion, s: F64, e: F64) -> F64:
 
 
 def relative_travel(a: Motion, radius_a: float, b: Motion, radius_b: float, s: F64, e: F64) -> F64:
-    """How far the surfaces of two bodies can move against each other from s to e [m], shape (n,); an upper bound.
+    """Upper bound of the way that the surfaces of two bodies can move against each other from s to e [m], shape (n,).
 
     A clearance or depth between a point of one and a point of the other changes as fast as the one body moves past the
     other at either point, along the line through both. With centres c, turns w and u = c_b - c_a that speed is at most

@@ -135,7 +135,7 @@ class Solid:
 
     @cached_property
     def is_watertight(self) -> bool:
-        """Whether every directed edge is met by its opposite exactly as often (no rim, consistent winding)."""
+        """True if every directed edge is met by its opposite exactly as often (no rim, consistent winding)."""
         directed = self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
         n = len(self.vertices)
         forth = np.sort(directed[:, 0] * n + directed[:, 1])
@@ -144,7 +144,7 @@ class Solid:
 
     @cached_property
     def convex(self) -> bool:
-        """Whether it is closed, watertight and no vertex stands above any face plane (1e-9 of the size)."""
+        """True if it is closed, watertight and no vertex stands above any face plane (1e-9 of the size)."""
         if not (self.closed and self.is_watertight):
             return False
         offsets = np.einsum("ij,ij->i", self.face_normals, self.triangles[:, 0])

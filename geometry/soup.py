@@ -39,7 +39,7 @@ class Crossings(NamedTuple):
     pairs: I32
     """Indices, shape (k, 2); of one surface i < j."""
     reach: F64
-    """How far each pair reaches through each other [m], shape (k,): the smaller of the four rises over the other's plane;
+    """Depth to which each pair reaches through each other [m], shape (k,): the smaller of the four rises over the other's plane;
     for coplanar overlap the length of the overlap."""
 
 
@@ -201,7 +201,7 @@ def _stretch(t: F64, h: F64, along: F64) -> tuple[F64, F64]:
 
 
 def _properly(a: F64, b: F64, noise: float) -> F64:
-    """How far pairs reach through each other [m], shape (n,); 0 where they do not cross."""
+    """Depth to which pairs reach through each other [m], shape (n,); 0 where they do not cross."""
     normal_a, wide_a = _planes(a)
     normal_b, wide_b = _planes(b)
     h, g = _heights(a, b, normal_b, noise), _heights(b, a, normal_a, noise)

@@ -91,11 +91,11 @@ class Sweep(NamedTuple):
     precision: float = 0.0
     """The value is at most this much [m] above the true one where that is lower than `below`."""
     first_found: bool = False
-    """Whether any value lower than `below` ends the search of its motion."""
+    """True if any value lower than `below` ends the search of its motion."""
     ends_above: float = -np.inf
     """Motions with a lower clearance [m] at one of their ends are not searched."""
     names: str = "two surfaces"
-    """Of both, for messages."""
+    """Names of both surfaces, for messages."""
 
 
 class _Ask(NamedTuple):

@@ -46,7 +46,7 @@ def segment_places(p: wp.vec3d, u: wp.vec3d, q: wp.vec3d, v: wp.vec3d) -> wp.vec
 
 @wp.func
 def over(b: wp.mat33d, normal: wp.vec3d, point: wp.vec3d) -> wp.bool:
-    """Whether a point lies over triangle b along its normal."""
+    """True if a point lies over triangle b along its normal."""
     b0 = corner(b, 0)
     b1 = corner(b, 1)
     b2 = corner(b, 2)
@@ -90,7 +90,7 @@ def nearest_corner(h: wp.vec3d) -> wp.int32:
 
 @wp.func
 def pierces(a: wp.mat33d, h: wp.vec3d, b: wp.mat33d, normal: wp.vec3d) -> wp.bool:
-    """Whether an edge of a goes through b, given the heights of a over the plane of b."""
+    """True if an edge of a goes through b, given the heights of a over the plane of b."""
     for k in range(3):
         n = (k + 1) % 3
         if (h[k] <= ZERO) != (h[n] <= ZERO):

@@ -87,11 +87,11 @@ def triangle_pair(a: F64, b: F64) -> tuple[F64, F64]:
 
 
 def triangle_pair_segments(a: F64, b: F64) -> F64:
-    """Where the edges of triangles pierce their partners.
+    """Where the edges of triangles pierce the triangles paired with them.
 
     Args:
         a: corners, shape (n, 3, 3).
-        b: corners of the partner of each, shape (n, 3, 3).
+        b: corners of the triangle paired with each, shape (n, 3, 3).
 
     Returns:
         Piercing points, shape (n, 6, 3): edges of a through b, then edges of b through a; NaN where they miss.

@@ -1,4 +1,4 @@
-"""How thick a body is where it is thin: what a fast body must pass to come out on the other side."""
+"""Thickness of a body where it is thin: what a fast body must pass to come out on the other side."""
 
 from __future__ import annotations
 

@@ -23,15 +23,15 @@ DATA = Path(__file__).resolve().parent.parent / "worlds" / "prompts" / "data"
 SOURCES = "WordNet 3.0 (Debian wordnet-base 1:3.0-37, wordnet-sense-index 1:3.0-37)"
 INPUTS = ("adj.exc", "adv.exc", "data.verb", "index.sense", "noun.exc", "verb.exc")
 PARTS = {"1": "n", "2": "v", "3": "a", "4": "r", "5": "a"}
-"""Of speech, by the number in a sense key; 5 are satellites of adjectives."""
+"""Part of speech by the number in a sense key; 5 are satellites of adjectives."""
 SHARES = 15
 """Into how many shares the votes of a lemma are cut: a hexadecimal digit."""
 LEAST_VOTE = 0.25
-"""Of a sense that the tagged texts of WordNet never use, beside one for each use: own choice, so that an untagged lemma has votes too."""
+"""Vote of a sense that the tagged texts of WordNet never use, beside one for each use: own choice, so that an untagged lemma has votes too."""
 DEPTH = 2
 """Steps of hypernymy between a verb's sense and a seed. Own choice by measuring: `worldagent bench prompts` prints precision and recall."""
 LEAST_SHARE = 0.02
-"""Of a verb's votes, below which a sense that is no seed gives it no kind: "carry" is also said of a ball in a game. Own choice by the same measuring."""
+"""Share of a verb's votes below which a sense that is no seed gives it no kind: "carry" is also said of a ball in a game. Own choice by the same measuring."""
 PARTICLES = (
     *(
         "about",
@@ -77,7 +77,7 @@ class Sense(NamedTuple):
 
     lemma: str
     part: str
-    """Of speech."""
+    """Part of speech."""
     types: str
     vote: float
     key: str

@@ -22,7 +22,7 @@ from .combustion import STEFAN_BOLTZMANN
 __all__ = ["EMISSIVITY", "FIRST_LAYER", "LAYERS", "STEFAN_BOLTZMANN", "Slab", "Solid", "convection", "layers", "surface_rise"]
 
 EMISSIVITY = 0.9
-"""Of wood, paper, fabric and char (Holman, table A-10: 0.8 to 0.95)."""
+"""Emissivity of wood, paper, fabric and char (Holman, table A-10: 0.8 to 0.95)."""
 LEVEL, WALL = 1.52, 1.31
 """[W/(m^2 K^(4/3))] Natural convection above a plate and at a wall."""
 FIRST_LAYER = 5.0e-5
@@ -70,7 +70,7 @@ class Solid:
     """Material below each piece of surface, arrays of shape (n,)."""
 
     depth: F64
-    """Of the material [m]."""
+    """Depth of the material [m]."""
     density: F64
     """[kg/m^3]"""
     conductivity: F64

@@ -13,7 +13,7 @@ AIR_DENSITY = 1.204
 AIR_VISCOSITY = 1.81e-5
 """Dynamic [Pa s] at 20 degrees C."""
 AIR_HEAT_CAPACITY = 1005.0
-"""Of dry air at constant pressure [J/(kg K)]: 7/2 R / M of the standard's diatomic gas, rounded."""
+"""Specific heat of dry air at constant pressure [J/(kg K)]: 7/2 R / M of the standard's diatomic gas, rounded."""
 SEA_LEVEL = 101325.0
 """Pressure [Pa]."""
 GAS_CONSTANT = 8.31432

@@ -194,7 +194,7 @@ def frame_recipe(candidate: Candidate, frame: int, *, width: int, height: int, s
 
 
 def _done(path: Path, recipe: str) -> bool:
-    """Whether a finished frame with this recipe is there, undamaged."""
+    """True if a finished frame with this recipe is there, undamaged."""
     try:
         note = json.loads(path.with_suffix(".json").read_text())
         return bool(note["recipe"] == recipe and note["sha256"] == hashlib.sha256(path.read_bytes()).hexdigest())

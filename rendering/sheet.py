@@ -15,7 +15,7 @@ from .drawing import text, text_size
 __all__ = ["Encoded", "contact_sheet", "encode"]
 
 MAX_BYTES = 700_000
-"""What today's MCP clients take as one picture without trouble."""
+"""Size of a picture that today's MCP clients take without trouble [bytes]."""
 MAX_EDGE = 1568
 """Longest side of a picture for a model [pixels]: larger ones are shrunk by its client anyway."""
 GAP = 6

@@ -23,7 +23,7 @@ __all__ = ["Bounds", "active", "automatic_camera", "camera_for", "focus_bounds",
 BACKDROP_RATIO = 4.0
 """A static entity more than this many times larger than all the others together is a backdrop; own choice."""
 PATH_RATIO = 3.0
-"""How far paths may widen the view, in diagonals; own choice."""
+"""Most by which paths widen the view, in diagonals; own choice."""
 AUTOMATIC_FOV = 32.0
 """Vertical field of view of the automatic camera [deg]."""
 
@@ -51,7 +51,7 @@ class Bounds(NamedTuple):
 
 
 def active(candidate: Candidate, entity: str, frame: int) -> bool:
-    """Whether the entity exists at `frame`."""
+    """True if the entity exists at `frame`."""
     interval = candidate.spec.entities[entity].active
     return interval is None or interval[0] <= frame <= interval[1]
 

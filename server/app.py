@@ -71,7 +71,7 @@ Read first inspect_world(part='guide', prompt=...): what the skills say of your 
 part='guide', pointer=...: skill://world-building/SKILL.md, skill://outdoor-terrain/SKILL.md for land outdoors. \
 Then parts of the schema as you need them: inspect_world(part='schema', pointer='Shot'). worldagent://schema/world is all of it \
 (over 230 kB), worldagent://capabilities tells engines, species and caps."""
-"""What a client shows its model about this server; clients cut it at 2 KB."""
+"""Text about this server that a client shows its model; clients cut it at 2 KB."""
 
 TOOLS_AT_A_TIME = 16
 """Calls that answer at once; more of them queue."""
@@ -251,7 +251,7 @@ def create_server(
 
 
 def _waits(name: str, arguments: dict[str, Any]) -> bool:
-    """Whether a call may wait for a job: `job` only waits when it is told to, pictures only for the film."""
+    """True if a call may wait for a job: `job` only waits when it is told to, pictures only for the film."""
     if name == "job":
         return bool(arguments.get("action") == "wait")
     return not (name == "render_shot" and arguments.get("kind") != "final")

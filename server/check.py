@@ -19,9 +19,9 @@ class Check:
     ok: bool
     detail: str
     required: bool = True
-    """Whether the server does not work without it."""
+    """True if the server does not work without it."""
     cost: str = ""
-    """What the user has to do without, in plain words."""
+    """Loss for the user where it is missing, in plain words."""
     remedy: str = ""
     """The exact command, or what to change where."""
     mend: Callable[[], str] | None = None

@@ -29,6 +29,7 @@ BENCHMARKS: dict[str, str] = {
     "contact-scale": "worldagent.bench.contact_scale:run",
     "render": "worldagent.bench.render:run",
     "defects": "worldagent.testing.defects.suites:run",
+    "corrections": "worldagent.bench.corrections:run",
     "skills": "worldagent.bench.skills:run",
     "server-load": "worldagent.bench.server_load:run",
     "result-size": "worldagent.bench.result_size:run",
@@ -192,14 +193,13 @@ def _add_bench(add: _Add) -> None:
     bench = add("bench", _bench, "Run a benchmark: progress on stderr, one JSON object as the last line of stdout.")
     bench.add_argument(
         "--only",
+        "--check",
         metavar="CHECK",
         action="append",
-        help="defects: only this check, or `accepted` for the accepted worlds; skills: only this skill; prompts --dishonest: only this "
-        "mechanism (repeatable)",
+        help="defects: only this check, or `accepted` for the accepted worlds; corrections: only worlds of this suite, `flaws` or `edits`; "
+        "skills: only this skill; prompts --dishonest: only this mechanism (repeatable)",
     )
-    bench.add_argument(
-        "--dishonest", action="store_true", help="prompts: judge tricks on honest worlds instead; 1 where one gets through"
-    )
+    bench.add_argument("--dishonest", action="store_true", help="prompts: tricks on honest worlds; 1 where one gets through")
     bench.add_argument(
         "--jobs", type=int, metavar="N", choices=range(1, 65), help="prompts --dishonest: scenes at a time (default: 1)"
     )
@@ -391,9 +391,10 @@ def _bench(arguments: argparse.Namespace) -> int:
         options["accepted"] = "accepted" in arguments.only
         options["checks"] = tuple(c for c in arguments.only if c != "accepted")
     given = {k: v for k, v in options.items() if v is not None}
-    if given and arguments.name not in ("defects", "skills"):
+    allowed = {"defects": given.keys(), "skills": given.keys(), "corrections": {"checks"}}.get(arguments.name, set())
+    if given.keys() - allowed:
         raise InputError(
-            f"--only, --variants and --seed belong to the benchmarks 'defects' and 'skills', not to {arguments.name!r}"
+            f"--only, --variants and --seed belong to the benchmarks 'defects' and 'skills', --only to 'corrections', not to {arguments.name!r}"
         )
     print(json.dumps(run_benchmark(arguments.name, BENCHMARKS[arguments.name], **given)))
     return OK

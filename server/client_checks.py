@@ -1,4 +1,4 @@
-"""Whether clients can start this server: the executable, the time it takes, and what stands in the clients' lists."""
+"""Checks that clients can start this server: the executable, the time it takes, and what stands in the clients' lists."""
 
 from __future__ import annotations
 

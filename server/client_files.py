@@ -141,7 +141,7 @@ def _json(value: dict[str, Any], indent: int | str) -> str:
 
 
 def _indent(text: str) -> int | str:
-    """How the file is indented, 2 blanks where it does not show."""
+    """Blanks by which the file is indented, 2 where it does not show."""
     found = re.search(r"\n([ \t]+)\S", text)
     if found is None:
         return 2

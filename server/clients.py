@@ -19,9 +19,9 @@ __all__ = ["CLIENTS", "SERVER_NAME", "Client", "Command", "client"]
 SERVER_NAME = "worldagent"
 """The server's name in every list."""
 START_SECONDS = 30
-"""What a client should grant the server to start [s]; it needs 1-2 s."""
+"""Time that a client should grant the server to start [s]; it needs 1-2 s."""
 CALL_SECONDS = 300
-"""What a client should grant a call [s]; tools answer within `wait_s` (30 s) with a result or a job."""
+"""Time that a client should grant a call [s]; tools answer within `wait_s` (30 s) with a result or a job."""
 
 Format = Literal["json", "toml"]
 
@@ -50,7 +50,7 @@ class Client:
     entry: Callable[[Command], dict[str, Any]]
     """The server as this client writes it down."""
     after: str
-    """What the user does for the client to see a changed list."""
+    """Action of the user after which the client sees a changed list."""
     format: Format = "json"
 
     def file(self, project: Path | None) -> Path:

@@ -212,7 +212,7 @@ class Guard:
 
 
 def same_origin(origin: str, host: str) -> bool:
-    """Whether an Origin header names the server that a Host header names."""
+    """True if an Origin header names the server that a Host header names."""
     parts = _ORIGIN.fullmatch(origin)
     here, there = _authority([host]), _authority([parts["authority"]]) if parts else None
     if parts is None or here is None or there is None:

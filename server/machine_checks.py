@@ -189,7 +189,7 @@ def limits() -> list[Check]:
 
 
 def clock() -> list[Check]:
-    """Whether the clock lies before the installation of this very package."""
+    """Check whether the clock lies before the installation of this very package."""
     installed = Path(__file__).stat().st_mtime
     now = time.time()
     return [
@@ -233,7 +233,7 @@ def temporary_files() -> list[Check]:
 
 
 def caches() -> list[Check]:
-    """Whether compiled kernels and proofs can be kept; otherwise every process compiles them again."""
+    """Check whether compiled kernels and proofs can be kept; otherwise every process compiles them again."""
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     folder = base / "worldagent"
     try:

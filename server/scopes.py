@@ -26,7 +26,7 @@ WRITING_METHODS: Final = frozenset({"tasks/cancel", "tasks/update"})
 
 
 def reads_only(binding: ToolBinding, arguments: Mapping[str, Any]) -> bool:
-    """Whether a call changes nothing, so that a read token may make it."""
+    """True if a call changes nothing, so that a read token may make it."""
     return binding.read_only or arguments.get("action") in READING_ACTIONS.get(binding.name, ())
 
 

@@ -51,7 +51,7 @@ class Plan:
 
     @property
     def changed(self) -> bool:
-        """Whether the list does not say this already."""
+        """True if the list does not say this already."""
         return self.before != self.after
 
     def difference(self) -> str:
@@ -82,13 +82,13 @@ def executable() -> Path:
 
 
 def is_temporary(path: Path) -> bool:
-    """Whether an executable lies in the cache of `uvx` or `pipx run`."""
+    """True if an executable lies in the cache of `uvx` or `pipx run`."""
     parts = path.resolve().parts
     return any(part.startswith(_CACHES) for part in parts) or ("pipx" in parts and ".cache" in parts)
 
 
 def serve_command(workspace: Path, program: Path | None = None) -> Command:
-    """How a client starts this installation.
+    """Command with which a client starts this installation.
 
     Raises:
         InputError: It runs from a cache, so that its path will not last.
@@ -102,7 +102,7 @@ def serve_command(workspace: Path, program: Path | None = None) -> Command:
 
 
 def wsl_command(workspace: Path) -> Command:
-    """How a client on Windows starts this installation inside WSL.
+    """Command with which a client on Windows starts this installation inside WSL.
 
     Raises:
         InputError: This is no WSL.
@@ -115,7 +115,7 @@ def wsl_command(workspace: Path) -> Command:
 
 
 def container_command() -> Command:
-    """How a client starts a server inside the running container; bakes outlive the client there."""
+    """Command with which a client starts a server inside the running container; bakes outlive the client there."""
     program = shutil.which("docker") or "docker"
     return Command(program, ("exec", "--interactive", CONTAINER, "worldagent", "serve"))
 

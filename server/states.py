@@ -1,4 +1,4 @@
-"""How things stand with a resource, cheaply: a value that changes when what the resource says changes."""
+"""State of a resource, cheaply: a value that changes when what the resource says changes."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ __all__ = ["SCOPES", "Grant", "IssuedToken", "Scope", "TokenBook", "check_token_
 
 Scope = Literal["read", "write"]
 SCOPES: tuple[Scope, ...] = get_args(Scope)
-"""What a token allows; write includes read."""
+"""Scopes that a token allows; write includes read."""
 SHORTEST_TOKEN = 16
 PREFIX = "wa"
 MOST_TOKENS = 256
@@ -100,7 +100,7 @@ class TokenBook:
         return self._folder / "token_uses.json"
 
     def required(self) -> bool:
-        """Whether requests need a token: one was given, or the workspace ever issued one, even if all are revoked."""
+        """True if requests need a token: one was given, or the workspace ever issued one, even if all are revoked."""
         return self._given is not None or os.path.lexists(self.path)
 
     def check(self, token: str) -> Grant | None:

@@ -53,7 +53,7 @@ class ResourceWatch:
 
     @property
     def running(self) -> bool:
-        """Whether anything is watched now."""
+        """True if anything is watched now."""
         return self._task is not None and not self._task.done()
 
     async def __call__(self, ctx: ServerRequestContext[Any, Any], call_next: CallNext) -> HandlerResult:

@@ -33,7 +33,7 @@ _PRIVATE = ("tokens.json", "token_uses.json")
 
 
 def writable(workspace: Path) -> list[Check]:
-    """Whether the workspace can be written; it is not created by looking."""
+    """Check whether the workspace can be written; it is not created by looking."""
     there = _existing(workspace)
     problem = ""
     if not there.is_dir():
@@ -79,7 +79,7 @@ def disk(workspace: Path) -> list[Check]:
 
 
 def file_system(workspace: Path) -> list[Check]:
-    """Whether the workspace lies on a disk of this machine. Linux only: elsewhere nothing tells without asking other programs."""
+    """Check whether the workspace lies on a disk of this machine. Linux only: elsewhere nothing tells without asking other programs."""
     kind = _kind_of_mount(_existing(workspace).resolve())
     if kind is None:
         return []

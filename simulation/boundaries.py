@@ -34,7 +34,7 @@ class Boundary:
     closed: bool = True
     """False: a sheet, met from both sides."""
     friction: float = 0.0
-    """Of liquids: viscosity felt at the wall in units of the liquid's, 0 free slip, 1 no slip. Of cloth and grains: Coulomb coefficient."""
+    """Liquids: viscosity felt at the wall in units of the liquid's, 0 free slip, 1 no slip. Cloth and grains: Coulomb coefficient."""
     deforming: bool = False
     """Its vertices move by themselves (cloth, elastic bodies); rows of `BodyState.vertices` replace the mesh's."""
 
@@ -58,7 +58,7 @@ class MovingSurface(NamedTuple):
     speeds: F64
     """(v, 3) [m/s]"""
     lightness: F64
-    """What each alone is sped up by an impulse at it (v,) [1/kg]; 0 of what is held."""
+    """Speed that each vertex alone gains per impulse on it (v,) [1/kg]; 0 where it is held."""
     give: F64
     """The same where all get impulses at once: what they truly answer is never more (v,) [1/kg]."""
     pace: float = np.inf
@@ -76,7 +76,7 @@ class BodyState:
     center: F64
     """Centre of mass, world (b, 3): wrenches and velocities refer to it."""
     velocity: F64
-    """Of the centre of mass (b, 3) [m/s]."""
+    """Velocity of the centre of mass (b, 3) [m/s]."""
     angular_velocity: F64
     """World axes (b, 3) [rad/s]."""
     inverse_mass: F64
@@ -88,11 +88,11 @@ class BodyState:
     vertices: dict[int, tuple[F64, F64]] = field(default_factory=dict)
     """Deforming boundaries: row -> (vertices (v, 3), their velocities (v, 3)), world."""
     vertex_lightness: dict[int, F64] = field(default_factory=dict)
-    """Of those that react: row -> what each vertex alone is sped up by an impulse at it (v,) [1/kg]."""
+    """Deforming boundaries that react: row -> speed that each vertex alone gains per impulse on it (v,) [1/kg]."""
     vertex_give: dict[int, F64] = field(default_factory=dict)
-    """Of those whose vertices share what they carry: row -> a bound of the same where all get impulses at once (v,) [1/kg]."""
+    """Those whose vertices share what they carry: row -> a bound of the same where all get impulses at once (v,) [1/kg]."""
     vertex_pace: dict[int, float] = field(default_factory=dict)
-    """Of those that swing undamped: row -> longest step in which a solver may take their velocities for steady [s]."""
+    """Those that swing undamped: row -> longest step in which a solver may take their velocities for steady [s]."""
 
     ROWS: ClassVar[tuple[str, ...]] = (
         *("position", "rotation", "center", "velocity", "angular_velocity"),
@@ -122,11 +122,11 @@ class Surround:
     parts: tuple[tuple[int, TriangleMesh], ...] = ()
     """Single surfaces that the rigid boundaries are made of: (row, mesh in the frame of the boundary's)."""
     soft: Mapping[int, SoftBoundary] = field(default_factory=dict)
-    """Of deforming boundaries, by row."""
+    """Deforming boundaries by row."""
 
 
 def meets_domain(entity: Entity, built: BuiltEntity, box: tuple[F64, F64], margin: float) -> bool:
-    """Whether a solid at its place at frame 0 reaches into a domain; what moves may always come there."""
+    """True if a solid at its place at frame 0 reaches into a domain; what moves may always come there."""
     if entity.motion != "static":
         return True
     base = pose_of(entity.pose)

@@ -46,11 +46,11 @@ class CoupledSolver(ABC):
     """
 
     KIND = ""
-    """Of the instance, for messages."""
+    """Kind of the instance, for messages."""
     REMEDY = ""
-    """What to do where its state is no longer finite."""
+    """Advice where its state is no longer finite."""
     PASSES = False
-    """Whether an intervention may let it through solids."""
+    """True if an intervention may let it through solids."""
 
     @staticmethod
     def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
@@ -71,6 +71,8 @@ class CoupledSolver(ABC):
         self.instance: Any = spec.simulation.solvers[name]
         self.members: tuple[str, ...] = tuple(self.instance.members)
         self._caches = caches
+        self.settled: bytes | None = None
+        """State at rest from which it starts; None: from what is declared."""
         self.motion: CacheMotion | None = None
         self.frame = 0
         self._done = intervention or Intervention()
@@ -121,6 +123,22 @@ class CoupledSolver(ABC):
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""
 
+    def rested(self, state: bytes) -> bytes:
+        """A state of the engine without speeds, and with this one's clock and drivers."""
+        raise InputError(f"{self.KIND} cannot settle in this build; leave {sorted(self.members)} out of simulation.settle")
+
+    def stop(self) -> None:
+        """Take all speeds away."""
+        self.unpack(self.rested(self.pack()))
+
+    def end_of_settling(self) -> bytes:
+        """The present state, for a solver of the same members.
+
+        Raises:
+            EngineError: a member tore.
+        """
+        return self.pack()
+
     # ------------------------------------------------------------------ runs
 
     def prepare(self, *, resumed: bool = False) -> None:
@@ -141,6 +159,9 @@ class CoupledSolver(ABC):
         """Set the engine up, at the start of the preroll."""
         self.set_up()
         self.motion = CacheMotion(self.surround, self._caches, self.spec.simulation.fps) if self._caches else None
+        if self.settled is not None:
+            with self._stamp(0).fits():
+                self.unpack(self.rested(self.settled))
         self._ledger, self._tally = self.open_ledger(), self.open_tally()
 
     def start_frames(self) -> None:
@@ -155,7 +176,7 @@ class CoupledSolver(ABC):
         return resting(self.surround)
 
     def held(self, time: float) -> bool:
-        """Whether an intervention keeps it where it is at `time` [s]."""
+        """True if an intervention keeps it where it is at `time` [s]."""
         return bool(self._done.held & set(self.members)) and time >= self._done.since - SHORTEST
 
     def begin_frame(self, frame: int) -> None:

@@ -1,4 +1,4 @@
-"""Frames that a probe takes over from other runs of its world, where an edit acts later or not on an instance at all.
+"""Frames that a probe takes over from other probes of its world, where an edit acts later or not on an instance at all.
 
 A run goes on from the last checkpoint before the edit acts (`worlds/common_past.py`). Frames and checkpoints are taken as they are, by
 hard link or copy, after their digests were compared; `taken.json` beside the instances says how many and from where. One channel is
@@ -37,8 +37,8 @@ __all__ = ["Offer", "Origins", "Taken", "checkpoint_path", "taken_in", "trusted_
 
 RECORD = "taken.json"
 """File in the folder of a probe that says which frames it took over."""
-MOST_RECORDS = 24
-"""Candidates that are looked at, the newest first: reading one takes tens of milliseconds. Own choice."""
+MOST_RECORDS = 8
+"""Candidates that are looked at, the newest first: reading one of a thousand entities takes about a second. Own choice."""
 ACTIVE = "driver/active"
 
 
@@ -103,7 +103,7 @@ def taken_in(root: Path) -> dict[str, Taken]:
 
 
 class Origins:
-    """Other runs of a world, whose frames one of its runs may take.
+    """Other probes of a world, whose frames one of its probes may take. A bake is no origin: what acceptance may refute is not handed on.
 
     Args:
         root: folder of the run that takes, in the folder of its candidate.
@@ -119,26 +119,23 @@ class Origins:
 
     @cached_property
     def _known(self) -> list[Origin]:
-        """Runs by the present engines whose records are whole, the newest first."""
-        records = []
+        """Probes by the present engines whose records are whole, the newest first."""
+        stage, records = self._root.name, []
         for path in self._root.parent.parent.glob("*/candidate.json"):
             try:
-                records.append((path.stat().st_mtime_ns, path))
+                if path.parent != self._root.parent and (path.parent / stage).is_dir():
+                    records.append((path.stat().st_mtime_ns, path))
             except OSError:
                 continue
         found = []
         for _, path in sorted(records, reverse=True)[:MOST_RECORDS]:
-            settings = _recorded(path)
-            stages = () if settings is None else ("probe", "bake")
-            for stage in stages:
-                folder = path.parent / stage
-                if settings is None or folder == self._root or not folder.is_dir():
-                    continue
-                try:
-                    spec = coarsened(settings.spec, read_overrides(folder)) if stage == "probe" else settings.spec
-                except EvidenceError:
-                    continue
-                found.append(Origin(folder, f"{path.parent.name}/{stage}", settings._replace(spec=spec)))
+            settings, folder = _recorded(path), path.parent / stage
+            try:
+                if settings is not None:
+                    settings = dataclasses.replace(settings, spec=coarsened(settings.spec, read_overrides(folder)))
+                    found.append(Origin(folder, f"{path.parent.name}/{stage}", settings))
+            except EvidenceError:
+                continue
         return found
 
     def offers(self, names: tuple[str, ...], done: Mapping[str, Cache], frames: int, least: int) -> list[Offer]:
@@ -265,7 +262,7 @@ def _written(folder: Path) -> int:
 
 
 def _same_layout(there: CacheIndex, here: CacheIndex) -> bool:
-    """Whether rows stand for the same; those of a rigid instance's drivers can be laid out anew."""
+    """True if rows stand for the same; those of a rigid instance's drivers can be laid out anew."""
     free: dict[str, Any] = {"frames": 0, "settings": ""}
     if here.engine == "mujoco":
         free["drivers"] = ()

@@ -58,7 +58,7 @@ class Pass:
         self.kernel, self.device, self.smallest, self.slices = kernel, device, smallest, slices
         self.name = str(kernel.key)
         self.changes = 0
-        """How often its numbers have changed."""
+        """Number of times that its numbers have changed."""
         self._prepare(count, inputs)
 
     def _prepare(self, count: int, inputs: Sequence[Any]) -> None:
@@ -78,7 +78,7 @@ class Pass:
         return max(1, min(self.slices * cores(), count // self.smallest)) if shared else 1
 
     def takes(self, count: int, inputs: Sequence[Any]) -> bool:
-        """Whether all but its whole numbers are just these; it then takes those, and `count`, from now on."""
+        """True if all but its whole numbers are just these; it then takes those, and `count`, from now on."""
         if len(inputs) != len(self.inputs):
             return False
         pairs = list(zip(inputs, self.inputs, strict=True))
@@ -123,7 +123,7 @@ class Passes:
     def __init__(self, device: str) -> None:
         self.device = device
         self.graphs = device != "cpu"
-        """Whether chains run as graphs."""
+        """True if chains run as graphs."""
         self.span, self.width = (SMALLEST, 1) if device == "cpu" else (FOLDED, BLOCK)
         """Elements of a thread, and threads of a block, where a kernel folds many elements into few."""
         self._chains: dict[str, list[Chain]] = {}
@@ -212,7 +212,7 @@ class Chain:
         self._changes: list[int] = []
 
     def fits(self, passes: Sequence[Callable[[], None]], going: Any, *, graph: bool) -> bool:
-        """Whether it was made of just these."""
+        """True if it was made of just these."""
         same = len(self.passes) == len(passes) and all(map(is_, self.passes, passes))
         return same and going is self.going and graph == self.graph
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +18,13 @@ from ..worlds.candidate import Candidate, open_candidate, recorded_inputs
 from ..worlds.coarsening import coarsened, read_overrides, write_overrides
 from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import WorldFolder
+from ..worlds.settled import SettledFrames
 from ..worlds.spec import WorldSpec
 from .origins import Origins, checkpoint_path
 from .protocol import Solver
-from .runs import Run, make_run
+from .runs import Run, make_run, reads
 from .schedule import run_frames
+from .settling import Settled, settle
 
 __all__ = ["positions_of", "probe_frames", "replay", "run_probe"]
 
@@ -109,15 +111,29 @@ def replay(
         marks = checkpoint_frames(candidate.spec, count)
         drawn = rng.choice(marks, size=min(intervals, len(marks)), replace=False).tolist()
         chosen = sorted({*drawn, *(also & set(marks))})
-        run = make_run(candidate.spec, candidate.built, names, caches=candidate.caches)
+        settled = _settled_again(candidate, names, progress, gone / len(groups))
+        run = make_run(candidate.spec, candidate.built, names, caches=candidate.caches, settled=settled.states)
         run.prepare()
-        results += [_replay_start(run.solvers[n], c) for n, c in caches.items()]
+        results += [_replay_start(run.solvers[n], c, settled.digests.get(n, ())) for n, c in caches.items()]
         ends = dict(zip(marks, [*marks[1:], count - 1], strict=True))
         for rank, start in enumerate(chosen):
             share = 1.0 / len(chosen) / len(groups)
             tell = _teller(progress, names, (gone / len(groups) + rank * share, share), (start, ends[start]))
             results += _replay_interval(run, caches, start, ends[start], set(marks), tell)
     return results
+
+
+def _settled_again(
+    candidate: Candidate, names: tuple[str, ...], progress: Callable[[float, float, str], None] | None, before: float
+) -> Settled:
+    """The end of the settle run of a group, simulated anew; `before`: where its replay begins in the whole."""
+
+    def tell(share: float, doing: str) -> None:
+        if progress is not None:
+            progress(before, 1.0, f"replaying {' and '.join(names)}: {doing}")
+
+    read = {n: candidate.caches[n] for n in reads(candidate.spec, names[0])}
+    return settle(candidate.spec, candidate.built, names, read=read, tell=tell)
 
 
 def _teller(
@@ -144,10 +160,14 @@ def _checkpoint(cache: Cache, frame: int) -> bytes:
         raise EvidenceError(f"checkpoint of frame {frame} is missing from {cache.folder.name!r}; bake again") from error
 
 
-def _replay_start(solver: Solver, cache: Cache) -> dict[str, object]:
+def _replay_start(solver: Solver, cache: Cache, settled: Sequence[str]) -> dict[str, object]:
+    """Record of frame 0; `settled` are the digests of the last frames in which it came to rest, where it did."""
     index = dataclasses.replace(solver.index(), frames=cache.index.frames)
     data = dict(solver.frame_data())
+    kept = SettledFrames(cache)
+    rest = [kept.files.frame_digest(k) for k in range(kept.files.index.frames)] if kept.there() else []
     same = index == cache.index and digest_arrays(data) == cache.frame_digest(0) and solver.checkpoint() == _checkpoint(cache, 0)
+    same = same and rest == [*settled]
     # What the rows stand for is the same on every machine; only the versions beside it are not.
     alike = dataclasses.replace(index, versions=cache.index.versions) == cache.index
     return {

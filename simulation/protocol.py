@@ -54,6 +54,19 @@ def repeated(level: int, most: int, seconds: float) -> str:
 class Solver(Protocol):
     """One running engine. States are opaque bytes; equal bytes and settings continue equally."""
 
+    settled: bytes | None
+    """State at rest from which it starts, as `end_of_settling` of another one gave it; None: from what is declared."""
+
+    def stop(self) -> None:
+        """Take all speeds away."""
+
+    def end_of_settling(self) -> bytes:
+        """The present state as one at rest, for a solver of the same members, whatever drivers it has.
+
+        Raises:
+            EngineError: a member broke or tore.
+        """
+
     def prepare(self, *, resumed: bool = False) -> None:
         """Build the engine's model and the state at frame 0; `resumed` leaves out what a checkpoint restored next replaces."""
 

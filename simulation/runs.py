@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.instances import cloth_of, coupled_groups, membership_problems
+from ..worlds.shapes import Pose
 from .engines import solver_class
 from .protocol import Intervention, Solver, Within
 from .recipes import coupled_recipe
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
     from ..worlds.spec import WorldSpec
     from .coupling import CoupledRun
 
-__all__ = ["Run", "make_run", "reads"]
+__all__ = ["Run", "make_run", "reads", "standing"]
 
 
 def reads(spec: WorldSpec, name: str) -> tuple[str, ...]:
@@ -55,6 +58,20 @@ class Run:
             solver.restore(states[name], frame)
 
 
+def standing(spec: WorldSpec, caches: Mapping[str, Cache]) -> WorldSpec:
+    """The specification with single rigid bodies placed as they are at frame 0 of some caches, for what settles or flows around them."""
+    entities = dict(spec.entities)
+    for cache in caches.values():
+        if cache.index.bodies:
+            first = cache.read(0, ("position", "quaternion"))
+            owners = [n.split("/", 1) for n in cache.index.bodies]
+            for (entity, body), place, turn in zip(owners, first["position"], first["quaternion"], strict=True):
+                if body == "body" and entities[entity].physics.shape == "solid":
+                    pose = Pose(position=tuple(map(float, place)), quaternion=tuple(map(float, turn)))
+                    entities[entity] = entities[entity].model_copy(update={"pose": pose})
+    return spec.model_copy(update={"entities": entities})
+
+
 def make_run(
     spec: WorldSpec,
     built: Mapping[str, BuiltEntity],
@@ -62,6 +79,7 @@ def make_run(
     *,
     caches: Mapping[str, Cache] | None = None,
     intervention: Intervention | None = None,
+    settled: Mapping[str, bytes] | None = None,
 ) -> Run:
     """The run of one group of `groups_of`, not yet prepared; with an intervention, of the run in which it is made.
 
@@ -71,6 +89,7 @@ def make_run(
         names: the group.
         caches: of the instances that the group reads.
         intervention: what is done to it from outside.
+        settled: states from which it starts instead of the declared ones, by instance, as a settle run left them.
 
     Raises:
         InputError: a member has no engine in this build.
@@ -80,8 +99,14 @@ def make_run(
     if wrong:
         raise InputError(wrong[0].text)
 
+    given = settled or {}
+
     def solver(name: str, **more: Any) -> Any:
-        return solver_class(spec, name)(spec, built, name, intervention=intervention, **more)
+        if name in given and "recipe" in more:
+            more["recipe"] = digest_of(more["recipe"], hashlib.sha256(given[name]).hexdigest())
+        made = solver_class(spec, name)(spec, built, name, intervention=intervention, **more)
+        made.settled = given.get(name)
+        return made
 
     rigid = names[0] in spec.simulation.rigid
     if len(names) > 1 and rigid:
@@ -98,4 +123,7 @@ def make_run(
     if missing:
         raise EvidenceError(f"{name!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
     have = {n: c for n, c in read.items() if c is not None}
-    return Run({name: solver(name, caches=have, recipe=solver_class(spec, name).recipe_alone(spec, built, name, have))})
+    recipe = solver_class(spec, name).recipe_alone(spec, built, name, have)
+    if spec.simulation.settle is not None:
+        spec = standing(spec, have)
+    return Run({name: solver(name, caches=have, recipe=recipe)})

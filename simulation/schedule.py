@@ -19,6 +19,7 @@ from ..worlds.writers import writers_of
 from .origins import Offer, Origins, checkpoint_path, trusted_frames
 from .protocol import Within
 from .runs import Run, make_run, reads
+from .settling import settle
 
 __all__ = ["run_frames", "run_groups", "stretch_count"]
 
@@ -173,6 +174,11 @@ class _Frames:
         self._say(frame + 1, f"frame {frame + 1} of {self._count}")
         self._since = time.monotonic()
 
+    def before(self, share: float, doing: str) -> None:
+        """The settle run goes on, which comes before the frames."""
+        self._say(0.0, doing)
+        self._since = time.monotonic()
+
     def within(self, frame: int) -> Within:
         """A function that takes how far a frame is."""
 
@@ -204,7 +210,9 @@ def _run_group(
     names, origins = tuple(caches), reuse if isinstance(reuse, Origins) else None
     trusted = min(trusted_frames(c, frames) for c in caches.values())
     offers = [] if origins is None or trusted >= frames else origins.offers(names, done, frames, trusted)
-    run = make_run(spec, built, names, caches=done)
+    read = {n: done[n] for n in reads(spec, names[0])}
+    settled = settle(spec, built, names, read=read, into=caches, reuse=bool(reuse), tell=say.before)
+    run = make_run(spec, built, names, caches=done, settled=settled.states)
     # A checkpoint replaces the preroll.
     resumed = bool(trusted or offers)
     run.prepare(resumed=resumed)
@@ -221,7 +229,7 @@ def _run_group(
     if origins is not None:
         origins.keep_to(names, start + 1)
     if start < 0 and resumed:
-        run = make_run(spec, built, names, caches=done)
+        run = make_run(spec, built, names, caches=done, settled=settled.states)
         run.prepare()
     writers = {name: writers_of(spec, name) for name in names}
     for cache in caches.values():

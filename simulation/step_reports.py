@@ -31,9 +31,9 @@ class StepReport:
     reaction: F64 = field(default_factory=lambda: np.zeros((0, 6)))
     """Change of the matter's own momentum through each boundary, measured on the matter (b, 6)."""
     vertex_impulse: Mapping[int, F64] = field(default_factory=lambda: MappingProxyType({}))
-    """Of `impulse`, what each vertex of the deforming boundaries that react got: row -> (v, 3) [N s]."""
+    """Part of `impulse` on each vertex of the deforming boundaries that react: row -> (v, 3) [N s]."""
     steps: int = 1
-    """Of the engine."""
+    """Steps of the engine."""
     fastest: float = 0.0
     """Speed of the fastest particle or vertex [m/s]."""
 

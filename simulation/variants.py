@@ -30,6 +30,7 @@ from .probe import positions_of
 from .protocol import Intervention, Solver
 from .recipes import coupled_recipe, recipe_of
 from .runs import Run, make_run, reads
+from .settling import settle
 
 __all__ = ["CONTINUES", "first_frame", "run_altered", "run_variant", "simulated"]
 
@@ -63,7 +64,7 @@ class _Once:
 
     @property
     def done(self) -> bool:
-        """Whether it was asked and gave something."""
+        """True if it was asked and gave something."""
         return isinstance(self._found, dict)
 
 
@@ -128,7 +129,7 @@ def first_frame(candidate: Candidate, start: int) -> int:
 
 
 def _concerned(spec: WorldSpec, name: str, done: Intervention) -> bool:
-    """Whether an intervention touches an instance."""
+    """True if an intervention touches an instance."""
     plan = spec.simulation
     members = set(plan.solvers[name].members)
     drivers = [plan.drivers[d] for d in done.without if d in plan.drivers]
@@ -181,7 +182,7 @@ def _continued(
     try:
         states = {n: checkpoint_path(c.folder, mark).read_bytes() for n, c in own.items()}
         kept = KeptRuns(candidate.variants)
-        recipe = "" if candidate.variants is None else _recipe(candidate, own, states, done, span)
+        recipe = "" if candidate.variants is None else _recipe(candidate, own, read, states, done, span)
         found = kept.find(recipe)
         if found is not None and all(set(found.get(n, ())) == set(range(start + 1, end + 1)) for n in own):
             return found
@@ -211,18 +212,30 @@ def _tell(progress: Tell | None, names: tuple[str, ...], done: int, total: int) 
 
 
 def _recipe(
-    candidate: Candidate, own: Mapping[str, Cache], states: Mapping[str, bytes], done: Intervention, span: tuple[int, int]
+    candidate: Candidate,
+    own: Mapping[str, Cache],
+    read: Mapping[str, Cache],
+    states: Mapping[str, bytes],
+    done: Intervention,
+    span: tuple[int, int],
 ) -> str:
-    """Hash of all that the frames of a group follow from: settings up to its end, geometry, engines, the run that it continues, what is
-    prevented. A group that reads the frames of others follows from the whole candidate."""
+    """Hash of all that the frames of a group follow from: settings up to its end, geometry, engines, the run that it continues, the frames that
+    it reads, what is prevented."""
     spec = candidate.spec
     checkpoints = {n: hashlib.sha256(s).hexdigest() for n, s in states.items()}
     # As they are, not as they were recorded: a run is not continued from a frame that was altered.
     begins = {n: c.frame_digest(span[0]) for n, c in own.items()}
     prevented = {k: sorted(v) if isinstance(v, frozenset) else v for k, v in dataclasses.asdict(done).items()}
     settings = recipe_of(settings_until(spec, span[1] / spec.simulation.fps, done.without), candidate.built)
-    read = candidate.digest if any(reads(spec, n) for n in own) else ""
-    return digest_of("continued", settings, read, checkpoints, begins, prevented, span)
+    met = {r: _read_recipe(candidate, read[r], span[1]) for n in own for r in reads(spec, n) if r in read}
+    return digest_of("continued", settings, met, checkpoints, begins, prevented, span)
+
+
+def _read_recipe(candidate: Candidate, cache: Cache, end: int) -> Any:
+    """Digests of the frames of an instance that another one reads; where it is simulated anew too, all that the candidate is."""
+    if isinstance(cache, _VariantCache) and cache.frames is not None:
+        return candidate.digest
+    return [cache.frame_digest(k) for k in range(end + 1)]
 
 
 def _states_at(
@@ -274,7 +287,8 @@ def _from_start(
     """All frames of one group."""
     frames: _Own = {n: {} for n in names}
     try:
-        run = make_run(spec, built, names, caches=caches)
+        settled = settle(spec, built, names, read={n: caches[n] for n in reads(spec, names[0])})
+        run = make_run(spec, built, names, caches=caches, settled=settled.states)
         run.prepare()
         for frame in range(end + 1):
             if frame:

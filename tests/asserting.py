@@ -14,11 +14,11 @@ from pathlib import Path
 __all__ = ["Sources", "unsure_tests"]
 
 RAISING = frozenset({"raises", "warns", "deprecated_call"})
-"""Of pytest: what fails if its block does not do so."""
+"""Functions of pytest whose block fails if it does not raise or warn."""
 FAILING = frozenset({"fail", "AssertionError"})
-"""What an `if` ends in where it is an assertion in other words."""
+"""Calls at the end of an `if` that is an assertion in other words."""
 ENDING = frozenset({"fail", "skip", "xfail"})
-"""Of pytest: what ends a test that has not passed."""
+"""Functions of pytest that end a test which has not passed."""
 SAME_LENGTH = frozenset(
     {"enumerate", "sorted", "reversed", "list", "tuple", "set", "items", "keys", "values", "dict", "array", "asarray"}
 )
@@ -36,7 +36,7 @@ def _called(node: ast.expr) -> str:
 
 
 def _ends(statement: ast.stmt) -> bool | None:
-    """Whether a path that ends in a statement has failed or been skipped, for all to see; None if it does not end there."""
+    """True if a path that ends in a statement has failed or been skipped, for all to see; None if it does not end there."""
     if isinstance(statement, ast.Raise):
         return True
     if isinstance(statement, ast.Return | ast.Continue | ast.Break):
@@ -69,7 +69,7 @@ class Module:
             self.full |= {node.target.id} if isinstance(node.target, ast.Name) else set()
 
     def asserts(self, name: str) -> bool:
-        """Whether calling the function of this name asserts surely; a name that is no function of the tests does not."""
+        """True if calling the function of this name asserts surely; a name that is no function of the tests does not."""
         if name in self.verdicts:
             return self.verdicts[name]
         self.verdicts[name] = False  # of a function that calls itself
@@ -83,7 +83,7 @@ class Module:
         return self.verdicts[name]
 
     def is_full(self, name: str) -> bool:
-        """Whether a name that this module imports is a constant with elements."""
+        """True if a name that this module imports is a constant with elements."""
         module, original = self.imported.get(name, ("", ""))
         source = self.sources.module(module)
         return source is not None and (original in source.full or source.is_full(original))
@@ -104,7 +104,7 @@ class Module:
         return found
 
     def sure(self, body: list[ast.stmt], full: set[str], inner: Inner) -> bool:
-        """Whether a block asserts surely. `full`: names with elements; `inner`: functions defined around it, by name."""
+        """True if a block asserts surely. `full`: names with elements; `inner`: functions defined around it, by name."""
         full, inner = set(full), dict(inner)
         for index, statement in enumerate(body):
             if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef):
@@ -129,7 +129,7 @@ class Module:
         return False
 
     def _asserts(self, node: ast.stmt, full: set[str], inner: Inner) -> bool:
-        """Whether one statement asserts surely."""
+        """True if one statement asserts surely."""
         if isinstance(node, ast.Assert):
             return not self._holds_of_nothing(node.test, full) or self._calls(node.test, full, inner)
         if isinstance(node, ast.With | ast.AsyncWith):
@@ -152,7 +152,7 @@ class Module:
         return not isinstance(node, ast.Try) and self._calls(node, full, inner)
 
     def _calls(self, node: ast.AST, full: set[str], inner: Inner) -> bool:
-        """Whether an expression calls, or hands on, a function that asserts surely."""
+        """True if an expression calls, or hands on, a function that asserts surely."""
         for part in ast.walk(node):
             if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load):
                 if part.id in inner:
@@ -170,7 +170,7 @@ class Module:
         return False
 
     def has_elements(self, node: ast.expr, full: set[str]) -> bool:
-        """Whether a collection surely has elements, as its expression says."""
+        """True if a collection surely has elements, as its expression says."""
         if isinstance(node, ast.List | ast.Tuple | ast.Set):
             return any(not isinstance(e, ast.Starred) or self.has_elements(e.value, full) for e in node.elts)
         if isinstance(node, ast.Dict):
@@ -187,7 +187,7 @@ class Module:
         return isinstance(node, ast.Call) and self._yields(node, full)
 
     def _yields(self, node: ast.Call, full: set[str]) -> bool:
-        """Whether the result of a call surely has elements."""
+        """True if the result of a call surely has elements."""
         name = _called(node.func)
         if any(k.arg in ("size", "shape") and isinstance(k.value, ast.Constant | ast.Tuple) for k in node.keywords):
             return True
@@ -212,7 +212,7 @@ class Module:
         return False
 
     def _holds_of_nothing(self, test: ast.expr, full: set[str]) -> bool:
-        """Whether a claim holds whatever the data, or of a collection without elements."""
+        """True if a claim holds whatever the data, or of a collection without elements."""
         if isinstance(test, ast.Constant):
             return bool(test.value)
         if isinstance(test, ast.Tuple):

@@ -1,9 +1,10 @@
-"""Measures of the product's code that `test_habits.py` holds to ceilings."""
+"""Measures of the code that `test_habits.py` holds to ceilings."""
 
 from __future__ import annotations
 
 import ast
 import functools
+import itertools
 import subprocess
 from collections import defaultdict
 from collections.abc import Iterator
@@ -24,6 +25,10 @@ PRODUCT = (
     "server",
 )
 """Folders that the ceilings hold for; benchmarks, examples and test worlds are data more than code."""
+WRITTEN = (*PRODUCT, "testing", "bench", "examples", "packaging", "docs", "skills", "tests")
+"""Folders whose docstrings are measured."""
+RIDDLES = ("What ", "Whether ", "How ", "Of ")
+"""Beginnings of docstrings that name no thing."""
 MODULE, FUNCTION, PARAMETERS = 400, 60, 8
 """Lines of a module, lines of a function, parameters of a function."""
 
@@ -31,13 +36,13 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 @functools.cache
-def modules() -> dict[str, ast.Module]:
-    """Syntax tree by path of every tracked module of the product."""
+def modules(folders: tuple[str, ...] = PRODUCT) -> dict[str, ast.Module]:
+    """Syntax tree by path of every tracked module in some folders."""
     tracked = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", *(f"{p}/*.py" for p in PRODUCT)],
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", *(f"{p}/*.py" for p in folders)],
         cwd=ROOT, capture_output=True, text=True, check=False,
     ).stdout.split()  # fmt: skip
-    found = tracked or [p.relative_to(ROOT).as_posix() for name in PRODUCT for p in (ROOT / name).rglob("*.py")]
+    found = tracked or [p.relative_to(ROOT).as_posix() for name in folders for p in (ROOT / name).rglob("*.py")]
     return {p: ast.parse((ROOT / p).read_text()) for p in sorted(found) if (ROOT / p).exists()}
 
 
@@ -72,15 +77,30 @@ def over_ceiling() -> dict[str, list[str]]:
     return {kind: sorted(set(names)) for kind, names in found.items()}
 
 
+def docstrings(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """Name and docstring of a module (named ""), its classes and functions, and of all assignments that a string follows."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | Function) and (text := ast.get_docstring(node)):
+            yield getattr(node, "name", ""), text
+        body = getattr(node, "body", None)
+        for first, second in itertools.pairwise(body if isinstance(body, list) else ()):
+            if (
+                isinstance(first, ast.Assign | ast.AnnAssign)
+                and isinstance(second, ast.Expr)
+                and isinstance(second.value, ast.Constant)
+            ):
+                target = first.targets[0] if isinstance(first, ast.Assign) else first.target
+                yield ast.unparse(target), str(second.value.value).strip()
+
+
 def riddles() -> list[str]:
-    """`path::name` of every docstring that begins with "What" or "Of what": it names no thing."""
-    found = []
-    for path, tree in modules().items():
-        for node in ast.walk(tree):
-            text = ast.get_docstring(node) if isinstance(node, ast.Module | ast.ClassDef | Function) else None
-            if text and text.startswith(("What ", "Of what ")):
-                found.append(f"{path}::{getattr(node, 'name', '')}")
-    return sorted(found)
+    """`path::name` of every docstring with one of the beginnings `RIDDLES`, tests and attributes included."""
+    return sorted(
+        f"{path}::{name}"
+        for path, tree in modules(WRITTEN).items()
+        for name, text in docstrings(tree)
+        if text.startswith(RIDDLES)
+    )
 
 
 def imports(*, loaded: bool = False) -> dict[str, set[str]]:

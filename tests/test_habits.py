@@ -54,6 +54,15 @@ def test_the_measures_see_what_is_too_long() -> None:
         assert (made.end_lineno or 0) - made.lineno + 1 == (61 if count == 9 else 60)
 
 
+def test_the_measures_see_docstrings_of_modules_classes_functions_and_attributes() -> None:
+    tree = ast.parse(
+        '"""What a."""\nclass C:\n    """b"""\n    x: int\n    """Of c."""\n    def f(self):\n        """d"""\n        self.y = 1\n        """e"""\n'
+    )
+    assert sorted(habits.docstrings(tree)) == [("", "What a."), ("C", "b"), ("f", "d"), ("self.y", "e"), ("x", "Of c.")]
+    folders = {path.partition("/")[0] for path in habits.modules(habits.WRITTEN)}
+    assert folders == set(habits.WRITTEN)
+
+
 def test_the_test_modules_without_checked_arguments_are_real_and_get_fewer() -> None:
     mypy = tomllib.loads((habits.ROOT / "pyproject.toml").read_text())["tool"]["mypy"]
     (listed,) = [section["module"] for section in mypy["overrides"] if "arg-type" in section.get("disable_error_code", ())]

@@ -13,6 +13,9 @@ from ..worlds.errors import InputError
 
 __all__ = ["place_object"]
 
+RESTLESS = ("support:balance", "support:grip", "support:derived")
+"""Questions about bodies that a settle run answers."""
+
 
 def place_object(
     context: ToolContext,
@@ -110,6 +113,8 @@ def place_object(
     found = data["counts"]
     verdict = "the static checks pass" if passed else f"{found['fail']} static rows fail"
     then = call("probe_sim", world=world) if passed else "edit_spec or place_object: mend the first open row, one group at a time"
+    if not passed and any(r.status == "fail" and r.question in RESTLESS for r in rows) and session.spec.simulation.settle is None:
+        then += "; bodies that would first have to come to rest: add /simulation/settle {}, and they do before frame 0"
     links = ((f"{world} matrix", f"worldagent://worlds/{world}/matrix", "application/json"),)
     return ToolReply(rows_answer(world, data, detail, f"{moved}{len(fresh)} entities built anew; {verdict}", then), links=links)
 

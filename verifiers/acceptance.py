@@ -1,7 +1,8 @@
 """Acceptance (R117-R123): a fresh process reopens the exact candidate read-only and judges the whole sequence.
 
 `judge` reads and returns; it writes nothing. `python -m worldagent.verifiers.acceptance FOLDER` is that fresh
-process: it prints its progress line by line, then one JSON object. Its parent writes the ledger.
+process: it prints its progress line by line, then one JSON object. Its parent writes the ledger. With `--wait` in place
+of FOLDER it loads its modules and then reads its arguments, a JSON list, from a line of standard input.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ import subprocess
 import sys
 import tempfile
 import threading
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from ..execution import Part, Tell
 from ..worlds.audits.audit import audit
@@ -40,7 +42,7 @@ from .rows.corrections import correction
 from .rows.findings import Finding
 from .story.unasked import without_causes
 
-__all__ = ["NEEDED", "acceptance_subject", "find_candidate", "judge", "judge_fresh", "verdict_of"]
+__all__ = ["NEEDED", "WaitingJudge", "acceptance_subject", "find_candidate", "judge", "judge_fresh", "verdict_of"]
 
 REPLAY_INTERVALS = 3
 TIMEOUT_SECONDS = 3600
@@ -215,6 +217,51 @@ def _freeze_row(candidate: Candidate, recorded: str, present: str) -> Row:
     return row_of(candidate, FREEZE, (), found, artifact=f"candidates/{recorded[:16]}/candidate.json")
 
 
+class WaitingJudge:
+    """A fresh Python process that loads all that judging needs and waits to be told what to judge; killed where nobody tells it."""
+
+    def __init__(self) -> None:
+        command = [sys.executable, "-P", "-m", "worldagent.verifiers.acceptance", "--wait"]
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed as this is left
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self._errors}
+        self._process: subprocess.Popen[str] = subprocess.Popen(command, text=True, **pipes)  # type: ignore[call-overload]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._process.poll() is None:  # the caller was cancelled: nobody waits for the verdict
+            self._process.kill()
+        self._process.communicate()
+        self._errors.close()
+
+    def answer(self, arguments: list[str], progress: Tell) -> dict[str, Any]:
+        """The last JSON object that the process prints, given its arguments; what it tells before is passed on.
+
+        Raises:
+            EngineError: the process died, or took longer than TIMEOUT_SECONDS.
+        """
+        process, found = self._process, None
+        assert process.stdin is not None
+        assert process.stdout is not None
+        timer = threading.Timer(TIMEOUT_SECONDS, process.kill)
+        timer.start()
+        try:
+            with suppress(BrokenPipeError):  # it died, and what it said tells why
+                process.stdin.write(json.dumps(arguments) + "\n")
+                process.stdin.flush()
+            for line in process.stdout:
+                found = _heard(line, progress)
+            code = process.wait()
+        finally:
+            timer.cancel()
+        if found is None:
+            self._errors.seek(0)
+            said = self._errors.read().decode("utf-8", "replace")
+            raise EngineError(f"the acceptance process ended with code {code}: {said[-800:]}")
+        return found
+
+
 def judge_fresh(
     root: Path,
     *,
@@ -223,37 +270,21 @@ def judge_fresh(
     intervals: int = REPLAY_INTERVALS,
     recorded: str | None = None,
     progress: Tell | None = None,
+    waiting: WaitingJudge | None = None,
 ) -> dict[str, Any]:
     """Run `judge` in a fresh Python process, pass its progress on, and return its record.
+
+    Arguments are those of `judge`, and `waiting`, the process where it was started before; it judges once.
 
     Raises:
         RefusedError, EvidenceError: as `judge`.
         EngineError: the process died, or took longer than TIMEOUT_SECONDS.
     """
-    command = [sys.executable, "-P", "-m", "worldagent.verifiers.acceptance", str(root), "--seed", str(seed)]
-    command += ["--intervals", str(intervals)]
-    if not replay:
-        command.append("--no-replay")
-    if recorded is not None:
-        command += ["--recorded", recorded]
-    answer: dict[str, Any] | None = None
-    with tempfile.TemporaryFile() as errors:
-        pipes = {"stdout": subprocess.PIPE, "stderr": errors, "stdin": subprocess.DEVNULL}
-        with subprocess.Popen(command, text=True, **pipes) as process:  # type: ignore[call-overload]
-            timer = threading.Timer(TIMEOUT_SECONDS, process.kill)
-            timer.start()
-            try:
-                for line in process.stdout:
-                    answer = _heard(line, progress or silent)
-                code = process.wait()
-            finally:
-                timer.cancel()
-                if process.poll() is None:  # the caller was cancelled: nobody waits for the verdict
-                    process.kill()
-        errors.seek(0)
-        said = errors.read().decode("utf-8", "replace")
-    if answer is None:
-        raise EngineError(f"the acceptance process ended with code {code}: {said[-800:]}")
+    arguments = [str(root), "--seed", str(seed), "--intervals", str(intervals)]
+    arguments += [] if replay else ["--no-replay"]
+    arguments += [] if recorded is None else ["--recorded", recorded]
+    with waiting or WaitingJudge() as process:
+        answer = process.answer(arguments, progress or silent)
     if "error" in answer:
         kind = {"RefusedError": RefusedError, "EvidenceError": EvidenceError}.get(answer["error"]["type"], EngineError)
         raise kind(answer["error"]["message"])
@@ -285,12 +316,18 @@ def main() -> None:
     from ..worlds.errors import WorldAgentError
 
     parser = argparse.ArgumentParser()
-    parser.add_argument("folder", type=Path)
+    parser.add_argument("folder", type=Path, help="or --wait, for a line of arguments on standard input")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--intervals", type=int, default=REPLAY_INTERVALS)
     parser.add_argument("--no-replay", action="store_true")
     parser.add_argument("--recorded")
-    options = parser.parse_args()
+    arguments = sys.argv[1:]
+    if arguments == ["--wait"]:
+        line = sys.stdin.readline()
+        if not line:  # whoever started this ended
+            return
+        arguments = json.loads(line)
+    options = parser.parse_args(arguments)
     try:
         record = judge(
             options.folder,

@@ -19,6 +19,7 @@ from .delivery import check as delivery
 from .diagnosis.cite import diagnose
 from .land import terrain
 from .routes import navigability
+from .rows.corrections import without_again
 from .rows.seen import only_seen
 from .scene import interpenetration, relations, scale
 from .shots import check as shots
@@ -58,7 +59,7 @@ class CheckBinding:
     reruns: Callable[[WorldSpec], frozenset[str]] | None = None
     """Ids of its rows, where the check simulates the world again: such a one judges at the probe, and in acceptance."""
     plates: bool = False
-    """Whether it reads plates: such a one judges where some were made, and in acceptance."""
+    """True if it reads plates: such a one judges where some were made, and in acceptance."""
 
 
 CHECKS: tuple[CheckBinding, ...] = (
@@ -161,8 +162,8 @@ def run_checks(
 
 
 def diagnosed(candidate: Candidate, rows: Iterable[Row]) -> list[Row]:
-    """Rows of one check as the matrix has them: no pass over frames that are not there, and what past cases say of each."""
-    return [diagnose(only_seen(candidate, fail_closed(r)), candidate.spec) for r in rows]
+    """Rows of one check as the matrix has them: no pass over frames that are not there, and what past cases say of each that can help."""
+    return [without_again(candidate, diagnose(only_seen(candidate, fail_closed(r)), candidate.spec)) for r in rows]
 
 
 def _first_failure(rows: Iterable[Row]) -> str | None:

@@ -1,4 +1,4 @@
-"""How replies are said: a stable head (summary, warnings, next), pages, and a size that clients take whole."""
+"""Replies: a stable head (summary, warnings, next), pages, and a size that clients take whole."""
 
 from __future__ import annotations
 

@@ -209,7 +209,7 @@ def unjudged(ledger: Ledger, *, untested: bool = False) -> str:
 
 
 def is_static(ledger: Ledger, iteration: Mapping[str, Any]) -> bool:
-    """Whether an iteration answers rows that static checks judge."""
+    """True if an iteration answers rows that static checks judge."""
     stages = ledger.stages()
     return all(stages.get(r, "static") in ("static", "audit", "stale") for r in json.loads(str(iteration["failing_before"])))
 

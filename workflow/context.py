@@ -18,7 +18,7 @@ class Handover:
     """Where a tool leaves the job that it started, for a client that follows jobs by itself (MCP tasks)."""
 
     patience_s: float = 0.5
-    """How long the tool waits for the job's end [s], whatever its arguments say: a short job needs no following."""
+    """Time that the tool waits for the job's end [s], whatever its arguments say: a short job needs no following."""
     job_id: str | None = None
     """The job that runs on; None if the tool's reply is complete."""
 
@@ -33,7 +33,7 @@ class ToolContext:
     progress: Callable[[float, float | None, str], None]
     """Reports (done, total, message) to the client; safe from any thread; never raises."""
     cancelled: Callable[[], bool]
-    """Whether the client gave up on this call (a started job lives on)."""
+    """Function that is true once the client gave up on this call (a started job lives on)."""
     handover: Handover | None = None
     """Given when the client takes a running job instead of the reply."""
     replies: Mapping[str, Callable[[Job], ToolReply]] = field(default_factory=dict)
@@ -87,7 +87,7 @@ class ToolBinding:
     open_world: bool = False
     """True for a tool that may speak to a host which the server's owner named (a model that reads worlds)."""
     pictures: bool = False
-    """Whether replies can hold pictures: then the tool declares no output schema."""
+    """True if replies can hold pictures: then the tool declares no output schema."""
     jobs: Mapping[str, Callable[[Job], ToolReply]] = field(default_factory=dict)
     """By kind of the jobs that the tool starts: the reply that the tool gives when such a job has ended; raises its error."""
     meta: Mapping[str, Any] = field(default_factory=dict)

@@ -34,7 +34,7 @@ def latest_probe(world: OpenedWorld) -> Probe | None:
 
 
 def has_motion(world: OpenedWorld) -> bool:
-    """Whether a probe moved what the present specification says, told by the specifications alone: nothing is built."""
+    """True if a probe moved what the present specification says, told by the specifications alone: nothing is built."""
     wanted = digest_of(motion_slice(world.spec))
     for number in {p.revision for p in _probes(world)}:
         recorded = world.ledger.revision_spec(number)

@@ -1,4 +1,4 @@
-"""How long work will take: from rates measured before it, and from its own pace once it runs."""
+"""Estimate of the time that work will take: from rates measured before it, and from its own pace once it runs."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Pace:
         self._report = report
         self._first: tuple[float, float] | None = None
         self.reports = 0
-        """How many there were: fewer than steps where some were done before."""
+        """Number of reports: fewer than steps where some were done before."""
         self.seconds_per_step: float | None = None
         """Mean over the steps seen; None before the second report."""
 

@@ -30,7 +30,7 @@ class JobKind:
     fixed: dict[str, str] = field(default_factory=dict)
     """Arguments of that tool which are the same for all jobs of the kind."""
     keeps: str = ""
-    """How the same call goes on with the work of a job that was interrupted."""
+    """Sentence on the way the same call goes on with the work of a job that was interrupted."""
 
 
 KINDS: dict[str, JobKind] = {
@@ -62,7 +62,7 @@ KINDS: dict[str, JobKind] = {
 
 
 class Again(NamedTuple):
-    """How the work of a job that was cancelled or lost goes on."""
+    """Next call after a job that was cancelled or lost, and what it keeps of the work."""
 
     call: str
     """The exact call; empty where there is none: repeating what failed would fail again."""

@@ -172,7 +172,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Have a fresh process judge the present candidate; record its verdict."""
     import secrets
 
-    from ..verifiers.acceptance import judge_fresh
+    from ..verifiers.acceptance import WaitingJudge, judge_fresh
     from .bundles import remember_refuted
     from .review.verdict import reviewed
     from .siblings import easier_beside
@@ -181,10 +181,12 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     session, freeze, built = work
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
-    require_true_geometry(session, built)
-    plates_of(work, context, distrust=True)
-    context.progress(LOOKING, 1, "a fresh process judges the candidate")
-    record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=Part(context.progress, LOOKING, JUDGED))
+    with WaitingJudge() as waiting:  # it loads its modules meanwhile
+        require_true_geometry(session, built)
+        plates_of(work, context, distrust=True)
+        context.progress(LOOKING, 1, "a fresh process judges the candidate")
+        progress = Part(context.progress, LOOKING, JUDGED)
+        record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=progress, waiting=waiting)
     if record["spec_digest"] != spec_digest(session.spec):
         raise RefusedError("the world was edited before it was judged; call run_checks(scope='acceptance') again")
     rows = reviewed(session, built, freeze, record)

@@ -145,7 +145,7 @@ def _waters(
 
 
 def _follows(session: Session, entity: str, contract: dict[str, Any], file: str) -> bool:
-    """Whether a ground is the present one cut anew: the same place, size, material and number of cells from a landscape that changed."""
+    """True if a ground is the present one cut anew: the same place, size, material and number of cells from a landscape that changed."""
     import numpy as np
 
     known = session.spec.entities.get(entity)

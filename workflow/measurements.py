@@ -88,7 +88,7 @@ def _left(session: Session) -> str:
 
 
 def is_whole(session: Session, freeze: str, stage: Literal["probe", "full"]) -> bool:
-    """Whether the caches of a freeze are complete, unaltered, and not found wanting by the last acceptance."""
+    """True if the caches of a freeze are complete, unaltered, and not found wanting by the last acceptance."""
     try:
         candidate = open_candidate(session.folder, freeze, stage)
         for cache in candidate.caches.values():
@@ -101,7 +101,7 @@ def is_whole(session: Session, freeze: str, stage: Literal["probe", "full"]) -> 
 
 
 def refuted(session: Session, freeze: str) -> bool:
-    """Whether the bake of this freeze is not to be trusted: a replay or the last acceptance found it altered, or the ledger names another."""
+    """True if the bake of this freeze is not to be trusted: a replay or the last acceptance found it altered, or the ledger names another."""
     baked = session.ledger.bake(freeze)
     if session.ledger.refuted(freeze):
         return True

@@ -136,5 +136,5 @@ def _current(folder: WorldFolder, recorded: str) -> tuple[WorldSpec | None, str]
 
 
 def _same(spec: WorldSpec, recorded: str) -> bool:
-    """Whether a specification is the recorded one, which an earlier version may have written without newer fields."""
+    """True if a specification is the recorded one, which an earlier version may have written without newer fields."""
     return spec.model_dump_json(exclude_none=True) == recorded or spec == WorldSpec.model_validate_json(recorded)

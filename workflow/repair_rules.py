@@ -64,7 +64,7 @@ def cut_grounds(*specs: WorldSpec) -> set[str]:
 
 
 def same_causes(one: WorldSpec, other: WorldSpec) -> bool:
-    """Whether two specifications are equal in everything causal: scene and solver."""
+    """True if two specifications are equal in everything causal: scene and solver."""
     places = differences(document_of(one), document_of(other))
     return not any(group_of(p).edit_class in CAUSAL_CLASSES for p in places)
 
@@ -75,5 +75,5 @@ def judged_on(rows: Iterable[Row]) -> set[str]:
 
 
 def failed(row: Row) -> bool:
-    """Whether the last judgement of a row was a failure, even if an edit made it stale since."""
+    """True if the last judgement of a row was a failure, even if an edit made it stale since."""
     return row.status == "fail" or (row.status == "unverified" and row.evidence.get("was") == "fail")

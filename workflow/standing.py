@@ -1,4 +1,4 @@
-"""How far a world has come and what of that still holds, read from its ledger alone: nothing is built, run or judged."""
+"""Standing of a world and what of that still holds, read from its ledger alone: nothing is built, run or judged."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def film_of(folder: WorldFolder) -> Path | None:
 
 
 class _Sameness:
-    """Whether an artifact of an earlier revision would come out the same from the present specification."""
+    """Comparison of artifacts of earlier revisions with what the present specification would give."""
 
     def __init__(self, ledger: Ledger, text: str) -> None:
         self._ledger, self._now = ledger, text
@@ -112,7 +112,7 @@ def _recipes(text: str) -> Mapping[str, str]:
 
 
 def _unedited(folder: WorldFolder, recorded: str) -> bool:
-    """Whether `world.json` is the recorded specification; an earlier version may have written it without newer fields."""
+    """True if `world.json` is the recorded specification; an earlier version may have written it without newer fields."""
     try:
         text = folder.spec_path.read_text()
         if json.loads(text) == json.loads(recorded):

@@ -56,7 +56,7 @@ class Verification:
     differences: list[dict[str, Any]] = field(default_factory=list)
     """Rows and fields on which the bundle and this installation do not agree."""
     other: list[str] = field(default_factory=list)
-    """How the maker's environment differs from this one."""
+    """Differences of the maker's environment from this one."""
     own: dict[str, Any] | None = None
     """This installation's own judgement."""
 
@@ -182,7 +182,7 @@ def _check(found: Verification, root: Path, *, seed: int, intervals: int) -> Non
 
 
 def _check_inside(found: Verification, folder: WorldFolder, spec: WorldSpec) -> dict[str, Any] | None:
-    """Whether the bundle agrees with itself; returns the candidate's record."""
+    """Check that the bundle agrees with itself; returns the candidate's record."""
     from ..simulation.freeze import freeze_hash
     from ..verifiers.delivery.bundle import compare_history
 
@@ -227,7 +227,7 @@ def _check_inside(found: Verification, folder: WorldFolder, spec: WorldSpec) -> 
 
 
 def _compare_environment(found: Verification, known: Mapping[str, Any]) -> bool:
-    """Whether equal bytes are to be expected here; notes every difference."""
+    """True if equal bytes are to be expected here; notes every difference."""
     from ..simulation.freeze import engine_versions, solver_source
 
     here: dict[str, Any] = {**environment(), **engine_versions(), "solver source": solver_source()[:16]}

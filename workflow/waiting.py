@@ -26,7 +26,7 @@ SIGN_S = 4.0
 
 
 def patience(wait_s: float) -> float:
-    """How long a call that was given `wait_s` waits [s]."""
+    """Time that a call that was given `wait_s` waits [s]."""
     try:
         longest = float(os.environ.get(ENV_WAIT) or WAIT_MAX_S)
     except ValueError:

@@ -20,11 +20,11 @@ MANY = 100_000
 RIM = 2.0
 """Ground beyond the sides of a domain, in spacings, at least."""
 LEAST_ROWS = 3
-"""Of the ground's heights that a domain spans."""
+"""Least number of rows of the ground's heights that a domain spans."""
 DRAIN = 2.0
 """Length along the flow of the box in which a river leaves, in spacings, besides its width: no film stays behind it."""
 OVER = 0.5
-"""How far that box reaches beyond the water, beside, below and above it, in its depths."""
+"""Distance that the box reaches beyond the water, beside, below and above it, in its depths."""
 
 
 def water_operations(

@@ -33,7 +33,7 @@ class Account:
     kinetic: F64
     """[J], shape (F, E)."""
     potential: F64
-    """Of gravity, against z = 0 [J], shape (F, E)."""
+    """Potential energy in gravity, against z = 0 [J], shape (F, E)."""
     elastic: F64
     """In springs and joints [J], shape (F,)."""
     work: F64

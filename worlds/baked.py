@@ -25,7 +25,7 @@ class BakeRecord:
     frames: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """Digest of every frame by solver instance; empty where an older version, or a bundle, told the whole only."""
     sealed: bool = True
-    """Whether the record has the seals it was written with. One without them proves nothing about the cache."""
+    """True if the record has the seals it was written with. One without them proves nothing about the cache."""
     refuted: tuple[Mapping[str, Any], ...] = ()
     """Replays since that bake which did not give the cached bytes: `digest` of the caches then, `frames`, `first_different_frame`."""
 

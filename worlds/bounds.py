@@ -18,7 +18,7 @@ TEXT_PER_VALUE = 64
 
 
 class Extent(NamedTuple):
-    """How large a JSON value is."""
+    """Size of a JSON value."""
 
     values: int
     """Members, items and the value itself; long text counts as several."""

@@ -65,9 +65,9 @@ class BuiltPart:
     deviation: tuple[float, float]
     """[m] (largest distance of the collision surface outside the visible one, and of the visible outside it)."""
     smooth: bool
-    """Whether the renderer should interpolate normals."""
+    """True if the renderer should interpolate normals."""
     simulation: SimulationMesh | None = None
-    """Of a part that deforms: what its solver moves."""
+    """Mesh that the solver of a deforming part moves; None for other parts."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class BuiltEntity:
     recipe: str
     """Hash of what it was built from."""
     bonds: Bonds | None = None
-    """Of a breakable entity: what holds its bodies together; their order is that of the pieces."""
+    """Bonds between the bodies of a breakable entity; their order is that of the pieces."""
 
     def parts_of(self, body: str) -> tuple[BuiltPart, ...]:
         """Parts that belong to `body`."""

@@ -41,7 +41,7 @@ _WORLD = re.compile(
     r"|built/[A-Za-z0-9_-]+\.[0-9a-f]{16}\.zip"
     r"|candidates/[0-9a-f]{16}/(candidate\.json|plates/(index\.json|frame_\d{6}\.npz)"
     r"|(bake|probe)/[A-Za-z0-9_-]+/(index\.json|digests\.txt|frame_\d{6}\.npz|checkpoints/\d{6}\.bin"
-    r"|(surface|wet)/(index\.json|digests\.txt|frame_\d{6}\.npz|surface\.json|wet\.json|texels\.npz))))"
+    r"|(surface|wet|settled)/(index\.json|digests\.txt|frame_\d{6}\.npz|surface\.json|wet\.json|settled\.json|texels\.npz))))"
 )
 """Names allowed below `world/`: nothing that a verdict does not need."""
 _BLOCK = 1 << 20
@@ -103,7 +103,7 @@ def write_bundle(path: Path, head: Mapping[str, Any], members: Mapping[str, byte
 
 
 def _allowed(name: str) -> bool:
-    """Whether a name is one of the format's; no name of it can lead out of a folder."""
+    """True if a name is one of the format's; no name of it can lead out of a folder."""
     return name in RECORDS or (bool(_WORLD.fullmatch(name)) and not {".", ".."} & set(name.split("/")))
 
 

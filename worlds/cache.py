@@ -36,11 +36,11 @@ DAMAGE = (
     *(OSError, EOFError, KeyError, IndexError, ValueError, TypeError, AttributeError, OverflowError, RuntimeError),
     *(zipfile.BadZipFile, zlib.error, struct.error),
 )
-"""What reading a damaged zip file of arrays may raise."""
+"""Exceptions that reading a damaged zip file of arrays may raise."""
 HEADER_BYTES = 512
 """Longest head of an array in a container; those of the channels have 128."""
 _LOCAL = struct.Struct("<4s22xHH")
-"""What stands before a member: signature, length of the name, length of what else there is."""
+"""Head of a member: signature, length of the name, length of what else there is."""
 PAIRS = ("contact/pair", "event/pair")
 """Channels of indices into `CacheIndex.colliders`."""
 KEPT_BYTES = 256_000_000
@@ -68,7 +68,7 @@ class CacheIndex:
     deformables: tuple[str, ...] = ()
     """`entity/part` of every deforming part, in the order of their vertices in the channels `vertex/*`."""
     vertices: tuple[int, ...] = ()
-    """How many vertices each of them has."""
+    """Number of vertices of each of them."""
     breakables: tuple[str, ...] = ()
     """Entities whose bonds the channels `bond/*` list, one after the other."""
 
@@ -265,7 +265,7 @@ class Cache:
         return sorted(n for n in names if n > self.path(self.index.frames - 1).name)
 
     def complete(self) -> bool:
-        """Whether every frame is there."""
+        """True if every frame is there."""
         return all(self.path(k).exists() for k in range(self.index.frames))
 
     def read(self, frame: int, names: Iterable[str] | None = None) -> dict[str, Any]:

@@ -227,7 +227,7 @@ class Candidate:
         return shot.model_copy(update={"keys": keys})
 
     def moves(self, entity: str) -> bool:
-        """Whether any body of the entity is in a cache."""
+        """True if any body of the entity is in a cache."""
         return entity in self.deforming or any((entity, b.name) in self._rows for b in self.entity(entity).bodies)
 
     def surface(self, entity: str, part: str, frame: int) -> F64:

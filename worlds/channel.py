@@ -27,11 +27,11 @@ class Channel:
     unit: str
     meaning: str
     total: Literal["sum", "max", "min", ""] = ""
-    """How values of several instances, and of several rows, make one; empty where they do not."""
+    """Operation that makes one value of those of several instances, and of several rows; empty where there is none."""
     sign: Literal["+", ""] = ""
     """`+`: no value is negative."""
     conserved: bool = False
-    """Whether physics keeps the total."""
+    """True if physics keeps the total."""
     of: tuple[str, ...] = ()
     """Kinds of writer, which the registry fills in from the declarations of the categories."""
     finite: bool = False

@@ -219,7 +219,7 @@ def _nounless(spec: WorldSpec, spans: Sequence[Span], at: int, language: str | N
 
 
 def _only_read(spec: WorldSpec, spans: Sequence[Span], name: str, language: str | None) -> bool:
-    """Whether nothing but the agent's reading says that what a claim names is what its words say."""
+    """True if nothing but the agent's reading says that what a claim names is what its words say."""
     claim = spec.claims[name]
     if claim.waived is not None:
         return False

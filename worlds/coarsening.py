@@ -27,7 +27,7 @@ layers and passages that production resolves."""
 SKETCHIEST = 4.0
 """Own choice: a sixty-fourth of the particles; fewer show no flow."""
 LONGEST_STEP = 5e-3
-"""Of a rigid instance, as its field has it [s]."""
+"""Longest step of a rigid instance, as its field has it [s]."""
 OVERRIDES = "overrides.json"
 """File of them in the folder of a probe."""
 

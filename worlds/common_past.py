@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from .bake_plan import groups_of
 from .drivers import acts_from
 from .errors import EvidenceError
+from .settled import settling_terms
 from .slices import motion_slice
 from .spec import Fastened
 
@@ -22,12 +25,18 @@ if TYPE_CHECKING:
 __all__ = ["Settings", "alike_until", "frames_alike", "settings_until"]
 
 
-class Settings(NamedTuple):
+@dataclass(frozen=True)
+class Settings:
     """All that decides the motion of a run, but for the engines."""
 
     spec: WorldSpec
     contents: Mapping[str, str]
     """Digest of the geometry of every entity."""
+
+    @cached_property
+    def motion(self) -> dict[str, Any]:
+        """Slice of the specification from which the motion follows."""
+        return motion_slice(self.spec)
 
 
 def alike_until(one: Settings, two: Settings, names: tuple[str, ...], reads: tuple[str, ...] = ()) -> float:
@@ -73,7 +82,7 @@ def settings_until(spec: WorldSpec, seconds: float, without: frozenset[str] = fr
         unread = driver.absent if key in without else frozenset()
         drivers[key] = driver.model_dump(mode="json", exclude=set(later | unread))
     plan = {k: v for k, v in whole["plan"].items() if k not in ("frames", "drivers")}
-    return {**whole, "plan": {**plan, "drivers": drivers}, "fastened": _fastened(spec)}
+    return {**whole, "plan": {**plan, "drivers": drivers}, "fastened": _fastened(spec), "settling": settling_terms(spec)}
 
 
 def _fastened(spec: WorldSpec) -> list[list[str]]:
@@ -83,8 +92,7 @@ def _fastened(spec: WorldSpec) -> list[list[str]]:
 
 def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -> dict[str, Any]:
     """Everything that a group may read but drivers and the number of frames: loose matter of other instances is out of its reach."""
-    spec = settings.spec
-    whole = motion_slice(spec)
+    spec, whole = settings.spec, settings.motion
     plan = {k: v for k, v in whole["plan"].items() if k not in ("frames", "drivers", "order", "solvers", "couplings")}
     members = {m for n in names for m in spec.simulation.solvers[n].members}
     met = {n for n, e in spec.entities.items() if e.physics.shape != "loose" or n in members}
@@ -97,11 +105,12 @@ def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -
         "contents": {n: settings.contents.get(n) for n in met},
         "materials": {k: m for k, m in whole["materials"].items() if k in used},
         "fastened": _fastened(spec),
+        "settling": settling_terms(spec),
     }
 
 
 def _acts_on(spec: WorldSpec, driver: str, names: tuple[str, ...]) -> bool:
-    """Whether a driver may act on a member of some instances."""
+    """True if a driver may act on a member of some instances."""
     if driver not in spec.simulation.drivers:
         return False
     try:

@@ -110,7 +110,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/simulation", ".", "interval", "repair", "whole; its fields are compared"),
     *parameters("/simulation", "fps", "interval", "harder_up", "rows ask at written frames: fewer of them see less; more of them in a shorter time ask for less"),
     *parameters("/simulation", "frames", "interval", "harder_up", "what must last is asked for longer"),
-    *parameters("/simulation", "preroll seed", "interval", "repair", "how the motion starts"),
+    *parameters("/simulation", "preroll seed settle settle/entities settle/max_time", "interval", "repair", "how the motion starts"),
     *parameters("/simulation", "order", "drivers", "repair", "how the motion starts"),
     *parameters("/simulation", "gravity", "drivers", "repair", "anything but the default is no gravity of the Earth", physical=True),
     *parameters("/simulation/limits", ". scale_ratio", "limits", "either", "a wider range asks for less"),

@@ -51,11 +51,11 @@ class Fields:
 
     @property
     def has_medium(self) -> bool:
-        """Whether any of them is a medium, so that things are dragged."""
+        """True if any of them is a medium, so that things are dragged."""
         return any(d.field.kind != "attraction" for d in self.drivers)
 
     def acts(self, start: float, end: float) -> bool:
-        """Whether any field acts during [start, end)."""
+        """True if any field acts during [start, end)."""
         return any(d.start < end and (d.end is None or d.end > start) for d in self.drivers)
 
     def medium(self, points: F64, time: float) -> Medium:

@@ -26,7 +26,7 @@ GROUPS: dict[str, GroupInfo] = {
         GroupInfo("contact", "solver", "collision skins, special contact pairs, contact stiffness"),
         GroupInfo("step", "solver", "time step, iterations and other solver settings"),
         GroupInfo("drivers", "solver", "authored drivers, gravity, couplings"),
-        GroupInfo("interval", "solver", "frames, frame rate, preroll, seed"),
+        GroupInfo("interval", "solver", "frames, frame rate, preroll, settle, seed"),
         GroupInfo("story", "story", "beats and requirements"),
         GroupInfo("limits", "story", "bounds of checks"),
         GroupInfo("shots", "shot", "shot plan"),

@@ -141,7 +141,7 @@ class _Rows:
 
 
 def _compared(kind: str, text: str, language: str | None) -> bool:
-    """Whether the audit understands the words of a claim of this type."""
+    """True if the audit understands the words of a claim of this type."""
     if kind == "count":
         return number_in(text) is not None
     if kind == "quantity":

@@ -33,9 +33,9 @@ class FieldInfo:
     unit: str
     meaning: str
     palette: str = "viridis"
-    """How a picture of it is coloured: `terrain`, `water`, `wet`, `heat`, `slope`, `aspect`, `classes`, `diverging`, `viridis`."""
+    """Colours of its picture: `terrain`, `water`, `wet`, `heat`, `slope`, `aspect`, `classes`, `diverging`, `viridis`."""
     log: bool = False
-    """Whether its values span decades."""
+    """True if its values span decades."""
 
 
 FIELDS: dict[str, FieldInfo] = {

@@ -188,7 +188,7 @@ class Ledger(ReviewLedger):
             return dict(zip(texts[::3], texts[1::3], strict=True))
 
     def ever_failed(self) -> bool:
-        """Whether any row other than of the audit ever failed."""
+        """True if any row other than of the audit ever failed."""
         with self._open() as db:
             failure = """
                 SELECT 1 FROM meta WHERE key='ever_failed'

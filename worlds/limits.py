@@ -119,7 +119,7 @@ def estimate_counts(spec: WorldSpec) -> dict[str, float]:
         "bodies": bodies,
         "parts": sum(max(len(e.parts), made[name]) for name, e in spec.entities.items()),
         "stems": sum(p.shape.count for e in spec.entities.values() for p in e.parts.values() if p.shape.kind == "stems"),
-        "frames": plan.frames + plan.preroll * plan.fps,
+        "frames": plan.frames + plan.lead * plan.fps,
         "width": look.width,
         "height": look.height,
         "samples": look.samples,

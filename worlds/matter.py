@@ -22,11 +22,11 @@ class Matter(SpecModel):
 
     shape: ClassVar[MatterShape]
     feels_fields: ClassVar[bool] = False
-    """Whether force fields act on it."""
+    """True if force fields act on it."""
     body: ClassVar[bool] = False
-    """Whether its entities are bodies that rigid instances move and whose contacts they log."""
+    """True if its entities are bodies that rigid instances move and whose contacts they log."""
     levels: ClassVar[bool] = False
-    """Whether it flows up to a level, above which it leaves its container empty."""
+    """True if it flows up to a level, above which it leaves its container empty."""
 
     @property
     def sheet_thickness(self) -> float:
@@ -65,7 +65,7 @@ class DriverBase(SpecModel):
     absent: ClassVar[frozenset[str]] = frozenset()
     """Fields that nothing reads in a run from which it is taken away."""
     switched: ClassVar[bool] = False
-    """Whether every engine that it acts on ends a step just where it begins and ends, so that the state then knows nothing of it yet."""
+    """True if no engine lets it act on the state at the very time when it begins: what a step asks of it, it asks before its end."""
 
     @property
     def begins(self) -> float:

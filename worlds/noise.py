@@ -30,7 +30,7 @@ class Floor(NamedTuple):
     value: float
     unit: str
     how: str
-    """How it is computed, in words."""
+    """Rule by which it is computed, in words."""
 
 
 def least_travel(spec: WorldSpec, entity: str) -> Floor:

@@ -192,7 +192,7 @@ def differences(old: Any, new: Any, pointer: str = "") -> Iterator[str]:
 
 
 def _predicate_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
-    """Whether a changed predicate is, or may be, easier to satisfy."""
+    """True if a changed predicate is, or may be, easier to satisfy."""
     kind = old.get("kind")
     if old == new:
         return False
@@ -210,7 +210,7 @@ def _predicate_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
 
 
 def _bounds_tighter(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
-    """Whether every field that changed is a bound moved to the harder side, or a predicate that became no easier."""
+    """True if every field that changed is a bound moved to the harder side, or a predicate that became no easier."""
     tightens = PREDICATES[old["kind"]].tightens if old.get("kind") in PREDICATES else {}
     for key in {*old, *new}:
         a, b = old.get(key), new.get(key)
@@ -257,7 +257,7 @@ def story_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator
 
 
 def _frames_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
-    """Whether other frames are, or may be, easier: what must happen is harder in fewer frames, what must last in more, and what must
+    """True if other frames are, or may be, easier: what must happen is harder in fewer frames, what must last in more, and what must
     be so at the end is looked for from no later frame.
 
     An effect that is only looked for later is not asked whether it came before its cause.

@@ -70,7 +70,7 @@ class Plates:
     """The plates of a bake, and what they were made from."""
 
     recipe: str
-    """Of the artifact `seen` (`provenance.py`): what of the specification shows in a picture."""
+    """Recipe of the artifact `seen` (`provenance.py`): what of the specification shows in a picture."""
     cache: str
     """Digest of the caches that they show."""
     renderer: Mapping[str, str]
@@ -81,7 +81,7 @@ class Plates:
     """Paths per pixel."""
     views: tuple[View, ...] = ()
     digests: tuple[str, ...] = ()
-    """Of the pictures of each view."""
+    """Digest of the pictures of each view."""
     left: Mapping[str, str] = field(default_factory=dict)
     """Subjects that were not looked at, and why."""
 
@@ -121,7 +121,7 @@ class Plates:
         write_atomically(folder / "index.json", json.dumps(asdict(self), indent=1, sort_keys=True).encode())
 
     def same_making(self, other: Plates) -> bool:
-        """Whether both are pictures of one bake in one light, made by one program."""
+        """True if both are pictures of one bake in one light, made by one program."""
         return (self.recipe, self.cache, dict(self.renderer), self.size, self.samples) == (
             other.recipe,
             other.cache,

@@ -59,7 +59,7 @@ Tightens = Literal["up", "down", "none"]
 Interval = Literal["narrower", "wider", "end", "either"]
 """Change of its frames that makes a predicate harder to meet; `end`: only the last frame counts; `either`: it cannot be told."""
 BAND: Mapping[str, Tightens] = {"min": "up", "max": "down"}
-"""How the bounds of a `Band` tighten."""
+"""Direction in which each bound of a `Band` tightens."""
 POSE = ("position", "quaternion")
 """Channels of the poses of bodies."""
 
@@ -92,9 +92,9 @@ class PredicateInfo:
     directed: bool = False
     """The event is done by `entity` to `other`, and is another one with the two exchanged."""
     gloss: str = ""
-    """Of an event, its definition with its thresholds, in one plain sentence."""
+    """Definition of an event with its thresholds, in one plain sentence."""
     source: str = ""
-    """Of that definition: paper, standard, handbook, or own choice with its reason."""
+    """Source of that definition: paper, standard, handbook, or own choice with its reason."""
 
 
 def _children(predicate: SpecModel) -> list[SpecModel]:

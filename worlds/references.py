@@ -52,7 +52,7 @@ def _fields(model: type[SpecModel]) -> tuple[tuple[str, str | None], ...]:
 
 
 def _holds_models(annotation: Any) -> bool:
-    """Whether a value of a type may be a model or hold one."""
+    """True if a value of a type may be a model or hold one."""
     inner = get_args(annotation)
     return any(map(_holds_models, inner)) if inner else isinstance(annotation, type) and issubclass(annotation, SpecModel)
 
@@ -69,7 +69,7 @@ def kinds_of(predicate: SpecModel) -> set[str]:
 
 
 def mentions_joint(predicate: SpecModel, joints: Mapping[str, Any], subject: str) -> bool:
-    """Whether a predicate reads a joint of `subject`."""
+    """True if a predicate reads a joint of `subject`."""
     for name in type(predicate).model_fields:
         value = getattr(predicate, name)
         if name == "joint" and value in joints and subject in (joints[value].child, joints[value].parent):
@@ -113,7 +113,7 @@ def closest(value: str, known: set[str]) -> str | None:
 
 
 def resolves(document: Any, pointer: str) -> bool:
-    """Whether a JSON pointer leads to a value that is not null."""
+    """True if a JSON pointer leads to a value that is not null."""
     at = document
     for token in pointer.strip("/").split("/"):
         key = token.replace("~1", "/").replace("~0", "~")

@@ -38,7 +38,7 @@ _COMPARED = {
 
 
 def times_of(spec: WorldSpec, name: str) -> float | None:
-    """How often something happens by the words of a claim of a count; None where they count no events."""
+    """Number of times that something happens by the words of a claim of a count; None where they count no events."""
     claim, language = spec.claims[name], language_of(spec.prompt)
     if claim.type != "count" or language not in _TIMES:
         return None

@@ -89,7 +89,7 @@ class Row(BaseModel):
     measured: float | None = None
     bound: float | None = None
     comparison: Literal["<=", ">=", "==", "in", ""] = ""
-    """How measured must compare with bound."""
+    """Comparison that measured must satisfy with bound."""
     unit: str = ""
     entities: tuple[str, ...] = ()
     """Entities concerned, the first failing one first."""

@@ -44,7 +44,7 @@ class Asked(NamedTuple):
     """A span of the prompt that a reader is asked about."""
 
     id: str
-    """Of its claim; readers see a number instead."""
+    """Id of its claim; readers see a number instead."""
     quote: str
     type: str
 
@@ -54,7 +54,7 @@ class Review:
     """Answers of one reader."""
 
     digest: str
-    """Of what was asked."""
+    """Digest of the question."""
     reader: Reader
     name: str
     """Name of the model, or of the client; whatever a person calls themselves."""

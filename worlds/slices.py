@@ -65,5 +65,5 @@ def motion_slice(spec: WorldSpec, geometries: Mapping[str, Any] | None = None) -
             for k, e in spec.entities.items()
         },
         "materials": physical_materials({k: spec.materials[k] for k in sorted(used) if k in spec.materials}),
-        "plan": {k: v for k, v in document["simulation"].items() if k != "limits"},
+        "plan": {k: v for k, v in document["simulation"].items() if k != "limits" and (k, v) != ("settle", None)},
     }

@@ -42,7 +42,7 @@ SAPLING = 4e-6
 """Own choice: share of a ground's area below which the walls of a trunk are dust, which gives no entity its size: 0.26 m^2, a tree
 of 2 m, on 256 x 256 m."""
 SINK = 0.3
-"""How far a trunk reaches below its foot [m]."""
+"""Depth of a trunk's end below its foot [m]."""
 
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -65,7 +65,7 @@ class Stems(NamedTuple):
     top: F64
     """Height above the foot [m]."""
     rock: np.ndarray
-    """Whether it is a boulder."""
+    """True where it is a boulder."""
     plant: np.ndarray
     """Its number among the plants of the landscape."""
 

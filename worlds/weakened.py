@@ -133,7 +133,7 @@ def _said(value: Any) -> str:
 
 
 def _other_matter(before: WorldSpec, after: WorldSpec, place: str) -> bool:
-    """Whether a pointer leads into an entity whose category changed, of which another line tells."""
+    """True if a pointer leads into an entity whose category changed, of which another line tells."""
     name = place.split("/")[2]
     return place.startswith("/entities/") and before.entities[name].physics.category != after.entities[name].physics.category
 

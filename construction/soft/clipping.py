@@ -84,7 +84,7 @@ def clipped_tets(solid: Solid, points: F64, tets: I32) -> tuple[F64, I32]:
 
 
 def inside_of(depth: F64, tets: I32) -> NDArray[np.intp]:
-    """How many corners of each tetrahedron lie inside or on the surface."""
+    """Number of corners of each tetrahedron inside or on the surface."""
     return np.asarray((depth[tets] <= 0.0).sum(axis=1), dtype=np.intp)
 
 
@@ -137,7 +137,7 @@ def _cut(tets: I32, depth: F64, crossing: _Crossing, count: int) -> I32:
 _TURNS = np.array(
     [[0, 1, 2, 3, 4, 5], [1, 2, 0, 4, 5, 3], [2, 0, 1, 5, 3, 4], [3, 5, 4, 0, 2, 1], [4, 3, 5, 1, 0, 2], [5, 4, 3, 2, 1, 0]]
 )
-"""Of a prism: its corners in an order that begins with each of them and keeps which are joined."""
+"""Orders of a prism's corners: one that begins with each corner and keeps which are joined, shape (6, 6)."""
 
 
 def _prisms(*corners: I32) -> I32:

@@ -27,7 +27,7 @@ class Channels:
     """Beds and water of all reaches. Fields of shape (rows, cols)."""
 
     cut: F64
-    """How much lower the bed lies than the land was [m], >= 0."""
+    """Depth of the bed below the land that was there [m], >= 0."""
     level: F64
     """Surface of flowing water [m], NaN where there is none."""
     bed: np.ndarray

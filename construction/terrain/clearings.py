@@ -19,7 +19,7 @@ from .zones import declared_zone, polygon_distance, zone_distance
 __all__ = ["cleared", "outlines_of"]
 
 HALF_DIAGONAL = 0.7072
-"""Of a cell of side 1, rounded up: a cell whose centre is farther away holds no point of the area."""
+"""Half the diagonal of a cell of side 1, rounded up: a cell whose centre is farther away holds no point of the area."""
 
 
 def outlines_of(spec: WorldSpec, terrain: Terrain, assets: Path) -> dict[str, F64]:

@@ -28,7 +28,7 @@ class Drainage:
 
     grid: Grid
     valid: np.ndarray
-    """Whether there is land (or sea floor) at all."""
+    """True where there is land (or sea floor) at all."""
     height: F64
     """The surface that was drained [m]."""
     filled: F64

@@ -30,9 +30,9 @@ class GroundCover:
     names: tuple[str, ...]
     """Materials of the specification, and the keys of `DEFAULT_GROUND`."""
     index: np.ndarray
-    """Of the winning material, shape (rows, cols)."""
+    """Index of the winning material, shape (rows, cols)."""
     retention: F64
-    """How well the ground holds water, 0 to 1, shape (rows, cols)."""
+    """Share of water that the ground holds, 0 to 1, shape (rows, cols)."""
     blend: tuple[float, ...]
     """Width over which each material fades into its neighbours [m]."""
 

@@ -34,7 +34,7 @@ COARSE_CELLS = 160
 LAKE_CELLS = 10
 """A lake has at least so many cells: smaller ones are noise of the grid."""
 PERCENTILES = (0, 5, 10, 25, 50, 75, 90, 95, 100)
-"""Of the figures on relief."""
+"""Percentiles in which the figures on relief are given."""
 SNOW_BAND = 150.0
 """Height over which snow cover grows from none to full [m]."""
 SNOW_SLOPE = 1.2
@@ -49,7 +49,7 @@ class Landscape:
     fields: dict[str, F64]
     """By name; `height` is the ground as it is, beds included."""
     drainage: Drainage
-    """Of the land before beds were cut."""
+    """Drainage of the land before beds were cut."""
     water: WaterBodies
     channels: Channels
     cover: GroundCover

@@ -47,7 +47,7 @@ def shape_land(grid: Grid, terrain: spec.Terrain, assets: Path, *, after: F64 | 
 
 
 def is_late(layer: spec.Layer) -> bool:
-    """Whether a layer is worked into the land after erosion."""
+    """True if a layer is worked into the land after erosion."""
     return layer.kind in ("flatten", "road") if layer.late is None else layer.late
 
 

@@ -29,7 +29,7 @@ LOOK = 4
 SLOWEST = 1.5
 """Least speed of waves that steps are chosen for [m/s]: that of a depth of a quarter of a metre."""
 ROCK_SHARE = 0.1
-"""How much slower rock wears than loose ground. Own choice."""
+"""Factor by which rock wears slower than loose ground. Own choice."""
 SLICE = 32768
 """Cells of one slice on the CPU."""
 USUAL = 6.0

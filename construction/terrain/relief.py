@@ -53,7 +53,7 @@ class Sunlight:
     sky: F64
     """Visible part of the sky, 0 to 1."""
     exposure: F64
-    """Of `wind_exposure`."""
+    """Openness to the wind, as `wind_exposure` returns it."""
 
 
 def relief(grid: Grid, height: F64, *, window: float = 0.0) -> Relief:
@@ -183,7 +183,7 @@ def _sun_places(latitude: float, day: int, steps: int, azimuths: int) -> tuple[F
 
 
 def wind_exposure(horizon: np.ndarray, *, direction: float, spread: float = np.pi / 6) -> F64:
-    """How open a place is to the wind, 0 (deep in the lee) to 1 (nothing upwind stands higher).
+    """Openness of a place to the wind, 0 (deep in the lee) to 1 (nothing upwind stands higher).
 
     From the mean upwind horizon, as the maximum upwind slope of Winstral, Elder & Davis 2002.
 

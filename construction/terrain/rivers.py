@@ -29,7 +29,7 @@ INSET = 0.96
 """Size of an opening over that of the rectangle that fits."""
 GRAVITY = 9.81
 MOST_POINTS = 200
-"""Of a course that a specification takes."""
+"""Most points of a course that a specification takes."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Gate:
     enters: bool
     center: tuple[float, float, float]
     direction: tuple[float, float]
-    """Of the flow, horizontal unit vector."""
+    """Direction of the flow, horizontal unit vector."""
     size: tuple[float, float]
     """Width and height of the opening [m]: of one that enters, clear of the banks; of one that leaves, over all of the water."""
     discharge: float
@@ -93,7 +93,7 @@ class _Section:
         return len(self.depth) * self.step
 
     def speed(self, discharge: float) -> float:
-        """Of the flow, at most that of waves on the mean depth [m/s]."""
+        """Speed of the flow, at most that of waves on the mean depth [m/s]."""
         return min(discharge / self.area, float(np.sqrt(GRAVITY * self.area / self.width)))
 
     def whole(self) -> tuple[F64, float, float, float]:

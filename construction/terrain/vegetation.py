@@ -139,7 +139,7 @@ def trapezoid(value: F64, corners: Sequence[float]) -> F64:
 
 
 def suitability(species: Species, fields: Mapping[str, F64]) -> F64:
-    """How well a place suits a species, 0 to 1: the product of its responses.
+    """Suitability of a place for a species, 0 to 1: the product of its responses.
 
     Args:
         species: the kind.

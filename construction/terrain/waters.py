@@ -36,7 +36,7 @@ class WaterBody:
     ground: F64
     """Heights of the cut (rows, cols) [m]."""
     level: F64
-    """Of the water, NaN where there is none near (rows, cols) [m]."""
+    """Level of the water, NaN where there is none near (rows, cols) [m]."""
 
 
 def water_body(land: SavedLandscape, x: F64, y: F64, ground: F64) -> WaterBody:

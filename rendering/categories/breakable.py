@@ -9,7 +9,7 @@ from .layer import PartsLayer
 __all__ = ["BreakableLayer"]
 
 TONES = (0.8, 0.92, 1.0, 1.08)
-"""Of bricks, which no two kiln loads give one colour; own choice. Without them courses show only where a wall has moved."""
+"""Factors on the colour of bricks, which no two kiln loads give one colour; own choice. Without them courses show only where a wall has moved."""
 
 
 class BreakableLayer(PartsLayer):

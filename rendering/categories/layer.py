@@ -140,11 +140,11 @@ class Daylight(NamedTuple):
     sun: F64
     """Unit vector towards it."""
     sunlight: F64
-    """Of a sheet that faces the sun."""
+    """Radiance of a sheet that faces the sun."""
     sky: F64
-    """Of one that faces up and sees no sun."""
+    """Radiance of a sheet that faces up and sees no sun."""
     ground: F64
-    """Of one that faces down."""
+    """Radiance of a sheet that faces down."""
     share: Callable[[F64], Any]
     """Share of sunlight that bodies leave at points (n, 3), shape (n,)."""
 

@@ -21,7 +21,7 @@ ABOVE = 3.0e4
 """Height from which the sky is looked at [m]: nothing stands before it there."""
 ELEVATION_DEG = 3.0
 BEYOND = 2.0e5
-"""What is farther than this [m] has the colour of the sky."""
+"""Distance beyond which everything has the colour of the sky [m]."""
 
 
 def hazed(scene: SceneRenderer, view: Camera, radiance: F32, *, seed: int) -> F32:

@@ -27,21 +27,21 @@ BARK = (0.11, 0.08, 0.055)
 BARE = 8
 """Stamps less high than this have no trunk of their own colour [pixels]."""
 CROWNS = {"broad": (0.66, 0.29, 0.34), "bush": (0.45, 0.52, 0.5), "rock": (0.3, 0.7, 0.6), "column": (0.5, 0.09, 0.5)}
-"""Of round ones: height of the middle, half width and half height, over the height of the plant."""
+"""Round crowns: height of the middle, half width and half height, over the height of the plant."""
 TRUNKS = {"broad": (0.5, 0.022), "cone": (0.2, 0.018), "palm": (0.9, 0.016)}
-"""How high the trunk shows, and half its width."""
+"""Height up to which the trunk shows, and half its width."""
 
 
 class Stamp(NamedTuple):
     """Pixels of a silhouette, each of shape (n,)."""
 
     right: np.ndarray
-    """Of the foot."""
+    """Pixels to the right of the plant's foot."""
     down: np.ndarray
     light: F64
     """Factor on the colour."""
     bark: np.ndarray
-    """Whether it is trunk."""
+    """True where it is trunk."""
 
 
 class Stand(NamedTuple):

@@ -43,7 +43,7 @@ def form_of(shape: str, *, detail: int, seed: int) -> Form:
 
 _FAR = {"broad": (0.3, 0.5, 0.3), "cone": (0.19, 0.1, 0.12), "palm": (0.3, 0.82, 0.7), "bush": (0.55, 0.4, 0.0),
         "tuft": (0.15, 0.5, 0.0), "column": (0.06, 0.5, 0.0), "rock": (0.65, 0.3, -0.2)}  # fmt: skip
-"""Of a far form: half its width, height of its widest part, foot."""
+"""Far forms: half the width, height of the widest part, foot, over the height of the plant."""
 
 
 def _far(shape: str, rng: np.random.Generator) -> Form:

@@ -98,7 +98,7 @@ def cut_from(candidate: Candidate, entity: str) -> str | None:
 
 
 def is_stems(candidate: Candidate, entity: str, part: str) -> bool:
-    """Whether a part is the trunks and boulders of a landscape."""
+    """True if a part is the trunks and boulders of a landscape."""
     declared = candidate.spec.entities[entity].parts.get(part)
     return declared is not None and isinstance(declared.shape, StemField)
 

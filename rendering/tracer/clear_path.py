@@ -19,7 +19,7 @@ from ...worlds.arrays import F64
 __all__ = ["IOR", "clear_path"]
 
 IOR = 1.333
-"""Of water; other liquids differ by less than 0.15."""
+"""Refractive index of water; other liquids differ by less than 0.15."""
 FACES = 10
 """Most faces of liquids that light towards a point crosses."""
 _made: dict[str, type] = {}
@@ -124,7 +124,7 @@ def _towards(self: Any, scene: Any, start: Any, ds: Any, within: Any, active: An
 
 
 class _Turn(NamedTuple):
-    """How light goes on at a face."""
+    """Light that goes on at a face."""
 
     mirrored: Any
     passed: Any

@@ -52,7 +52,7 @@ def _direction(elevation_deg: float, azimuth_deg: float) -> list[float]:
 
 
 def reaches_horizon(candidate: Candidate, focus: Bounds) -> bool:
-    """Whether a static entity, or a landscape, extends far beyond the focus on all sides."""
+    """True if a static entity, or a landscape, extends far beyond the focus on all sides."""
     if candidate.spec.terrains:
         return True
     need = HORIZON_RATIO * focus.diagonal

@@ -142,7 +142,7 @@ class SceneRenderer:
         self._frame, self._without = frame, without
 
     def draws(self, entity: str) -> bool:
-        """Whether an entity is a shape of its own that can be left out; the ground of a landscape is drawn with its land."""
+        """True if an entity is a shape of its own that can be left out; the ground of a landscape is drawn with its land."""
         return any(entity in b.entities for b in (*self._moving, *self._still)) or any(entity in x.entities for x in self._loose)
 
     def _sensor(self, camera: Camera, samples: int) -> Any:

@@ -89,7 +89,7 @@ def _key(name: str, library: Path | None) -> str:
 
 
 def _prove(name: str, library: Path | None) -> bool:
-    """Whether a child process renders with the variant; remembered per machine."""
+    """True if a child process renders with the variant; remembered per machine."""
     key, cache = _key(name, library), _read_cache()
     if key in cache:
         return bool(cache[key]["works"])

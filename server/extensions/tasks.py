@@ -172,7 +172,7 @@ class Tasks(Extension):
 
 
 def _declared(ctx: ServerRequestContext[Any, Any]) -> bool:
-    """Whether this request's client takes tasks."""
+    """True if this request's client takes tasks."""
     capabilities = ctx.session.client_capabilities
     return ctx.protocol_version in MODERN and TASKS in ((capabilities and capabilities.extensions) or {})
 

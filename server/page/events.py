@@ -57,7 +57,7 @@ class EventHub:
 
     @property
     def full(self) -> bool:
-        """Whether as many listen as are served."""
+        """True if as many listen as are served."""
         return len(self._listeners) >= MOST_LISTENERS
 
     async def listen(self, last_id: str = "") -> AsyncGenerator[bytes, None]:

@@ -18,7 +18,7 @@ from .data import QueryError
 __all__ = ["Reading"]
 
 MOST_BYTES = 60_000
-"""Of the answers that a person sends: 60 spans with reasons."""
+"""Largest reply of a person [bytes]: 60 spans with reasons."""
 
 
 class Reading:

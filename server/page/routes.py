@@ -231,7 +231,7 @@ def _has_token(request: Request) -> bool:
 
 
 def _may_write(request: Request) -> bool:
-    """Whether the caller may change something; without tokens everybody on loopback may."""
+    """True if the caller may change something; without tokens everybody on loopback may."""
     return not _has_token(request) or "write" in request.scope["user"].scopes
 
 

@@ -10,9 +10,9 @@ wp.set_module_options({"enable_backward": False})
 __all__ = ["bound", "move", "reached", "stride"]
 
 SHARE = wp.constant(wp.float64(0.8))
-"""Of the way to the plane between two things that one step may take."""
+"""Share of the way to the plane between two things that one step may take."""
 KEEP = wp.constant(wp.float64(0.05))
-"""Of the distance of contact: nearer than this nothing comes nearer still."""
+"""Share of the distance of contact: nearer than this nothing comes nearer still."""
 
 
 @wp.kernel
@@ -99,7 +99,7 @@ def reached(
     u: wp.array(dtype=wp.vec3d),
     share: wp.array(dtype=wp.float64),
 ):
-    """How far from where it was expected a vertex comes in this step, over how far the lists of pairs hold."""
+    """Write the distance of each vertex from its expected place in this step, over the distance for which the lists of pairs hold."""
     i = first + wp.tid()
     moved = x[i] - anchor[i] + clock[0] * u[i]
     gone = wp.length(moved - (clock[2] + clock[0]) * plan[i])

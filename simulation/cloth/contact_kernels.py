@@ -10,14 +10,14 @@ wp.set_module_options({"enable_backward": False})
 __all__ = ["at_shares", "closing", "crowd", "lean", "meet", "press", "tell", "way_between", "yield_to"]
 
 PUSH = wp.constant(wp.float64(0.1))
-"""Of an overlap of the contact shells that one step takes back."""
+"""Share of an overlap of the contact shells that one step takes back."""
 FASTEST = wp.constant(wp.float64(0.2))
 """[m/s] at most with which it does."""
 
 
 @wp.func
 def stands(c: wp.vec4d, kind: wp.vec2i):
-    """Whether a pair is the one of several with the same nearest points that counts: edges where they meet inside both, a triangle inside
+    """True if a pair is the one of several with the same nearest points that counts: edges where they meet inside both, a triangle inside
     itself or at edges and corners that it stands for."""
     zero = wp.float64(0.0)
     if is_edges(kind):

@@ -74,7 +74,7 @@ class _Slots:
         self.kinds = wp.zeros(self.count * self.room, dtype=wp.vec2i, device=self.device)
 
     def fits(self) -> bool:
-        """Whether all found room; if not there is more from now on."""
+        """True if all found room; if not there is more from now on."""
         most = int(self.found.numpy().max(initial=0))
         if most <= self.room:
             return True
@@ -83,7 +83,7 @@ class _Slots:
         return False
 
     def total(self) -> int:
-        """How many were found; where each triangle's begin among them is known from then on."""
+        """Number of pairs found; where each triangle's begin among them is known from then on."""
         warp().utils.array_scan(self.found, self.before, inclusive=False)
         return int(self.before[-1:].numpy()[0]) + int(self.found[-1:].numpy()[0])
 
@@ -92,11 +92,11 @@ class Surfaces(NamedTuple):
     """The triangles that can meet."""
 
     faces: I32
-    """Of the sheets."""
+    """Triangles of the sheets, shape (m, 3)."""
     sheet_vertices: int
-    """How many vertices are the sheets'; the others are the solids'."""
+    """Number of vertices that are the sheets'; the others are the solids'."""
     solid_faces: I32
-    """Of all solids, among all vertices."""
+    """Triangles of all solids, indices among all vertices."""
     solid_body: I32
     """Row of each of those triangles."""
     holder: I32
@@ -197,7 +197,7 @@ class Contacts:
     # ------------------------------------------------------------------ search
 
     def margins(self, speed: float, drift: float) -> tuple[float, float]:
-        """How far vertices may move until the lists of sheets and of solids no longer hold [m].
+        """Distances that vertices may move until the lists of sheets and of solids no longer hold [m].
 
         Args:
             speed: fastest of the sheets' vertices against their mean velocity [m/s].
@@ -332,7 +332,7 @@ class Contacts:
         return made
 
     def worn(self) -> tuple[bool, bool]:
-        """Whether the lists should be made anew, and whether they should have been before."""
+        """Two answers: the lists should be made anew; they should have been before."""
         over = self.over.numpy()
         return bool(over[0]), bool(over[1])
 

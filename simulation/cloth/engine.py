@@ -160,7 +160,7 @@ class Cloth(ClothArrays):
         return 0.6 * self.longest / math.sqrt(stiffening(self.x.numpy(), self._edges, self._edge_length))
 
     def _stiffer(self) -> float:
-        """How much higher the highest frequency is than at rest, looked at now and then."""
+        """Factor by which the highest frequency exceeds that at rest, looked at now and then."""
         if self._looks % STIFFENING == 0:
             self._stiffness = stiffening(self.x.numpy(), self._edges, self._edge_length)
         self._looks += 1

@@ -83,7 +83,7 @@ def offer(which, pairs, kinds, share, normal, wanted, friction, stiff, u, given,
 
 @njit(cache=True, nogil=True)
 def _friction(friction, kind):
-    """Of a kind of pair."""
+    """Friction coefficient of a kind of pair."""
     return friction[(kind - 2) // 4 + 1] if kind > 1 else friction[0]
 
 
@@ -217,7 +217,7 @@ def _pressed(vertex, value, p, out):
 
 @njit(cache=True, nogil=True)
 def agree(which, pairs, share, normal, stiff, part, place, frames, rest, room, weight):
-    """How much less each free vertex moves along its warp, weft and normal with its contacts than without, as if alone: square roots
+    """Factor by which each free vertex moves less along its warp, weft and normal with its contacts than without, as if alone: square roots
     (free, 3), in the order of the factor. `rest` is the diagonal of what is factored."""
     room[:] = 0.0
     for k in range(len(which)):

@@ -56,7 +56,7 @@ SLIDE = 0.5
 """Share of the distance of contact that vertices go in a step, as a mean square. Normals stay as they were: with twice as much, what
 slides over the edge between two triangles of a floor felt a tenth more friction."""
 DEEPEST = 5
-"""How often a call is halved."""
+"""Most times that a call is halved."""
 AGAIN = 3
 """Solves of a step at most, where lists must be made anew for what a solve found."""
 
@@ -130,7 +130,7 @@ class Grips:
         return self._total + of.collect(), count, span * done / whole
 
     def _halved(self, span: float, solid_speed: float) -> int:
-        """How often a call is halved for steps in which nothing goes too far."""
+        """Number of halvings of a call for steps in which nothing goes too far."""
         e = self._of
         v, of = e.v.numpy(), e.contacts
         if of.solid is None:

@@ -87,7 +87,7 @@ class Implicit:
         self._dt, self._blown = (0.0, THETA), False
         self._known: dict[tuple[float, float], tuple[Any, ...]] = {}
         self.theta = THETA
-        """Of steps from now on."""
+        """Parameter of the theta rule for steps from now on."""
         self.rest: F64 = np.empty((0, 3))
         """Diagonal of what the system is preconditioned with, in the order of its factor (free vertices, 3)."""
         self.solves = 0

@@ -75,7 +75,7 @@ def on_segments(p0: wp.vec3d, p1: wp.vec3d, q0: wp.vec3d, q1: wp.vec3d):
 
 @wp.func
 def is_edges(kind: wp.vec2i):
-    """Whether a pair is of two edges, not of a vertex and a triangle."""
+    """True if a pair is of two edges, not of a vertex and a triangle."""
     return kind[0] % 4 == 1 or kind[0] % 4 == 3
 
 
@@ -142,7 +142,7 @@ def put(
 def touch_triangle(
     x: wp.array(dtype=wp.vec3d), u: wp.array(dtype=wp.vec3d), i: wp.int32, f: wp.vec3i, least: wp.float64, span: wp.float64
 ):
-    """Whether vertex i is within reach of a triangle, or comes there within a span of time."""
+    """True if vertex i is within reach of a triangle, or comes there within a span of time."""
     reach = least
     if span > wp.float64(0.0):
         v = u[i]
@@ -160,7 +160,7 @@ def touch_triangle(
 def touch_edges(
     x: wp.array(dtype=wp.vec3d), u: wp.array(dtype=wp.vec3d), e: wp.vec2i, g: wp.vec2i, least: wp.float64, span: wp.float64
 ):
-    """Whether two edges are within reach of each other, or come there within a span of time."""
+    """True if two edges are within reach of each other, or come there within a span of time."""
     reach = least
     if span > wp.float64(0.0):
         v = u[e[0]]
@@ -242,7 +242,7 @@ def near_self(
 
 @wp.func
 def tied(holder: wp.array(dtype=wp.int32), f: wp.vec3i, body: wp.int32):
-    """Whether a triangle hangs on a body."""
+    """True if a triangle hangs on a body."""
     return holder[f[0]] == body or holder[f[1]] == body or holder[f[2]] == body
 
 

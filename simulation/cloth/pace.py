@@ -17,11 +17,11 @@ __all__ = ["fastest_point", "stiffening"]
 TENSION = 1.5
 """Own choice, above what tension adds to the stiffness across itself per extension."""
 MOST = 4.0
-"""Of squeezed triangles: beyond, a sheet folds and is squeezed no further."""
+"""Largest factor on the stiffness of squeezed triangles: beyond, a sheet folds and is squeezed no further."""
 
 
 def stiffening(x: F64, edges: I32, length: F64) -> float:
-    """How much larger the square of the highest frequency is than at rest, about, and at least 1.
+    """Square of the highest frequency over that at rest, about, and at least 1.
 
     Tension stiffens a sheet across itself, squeezed triangles shear harder.
 

@@ -42,7 +42,7 @@ class ClothScene:
     weld: I32
     """Vertex of the sheets at each written vertex."""
     holds: tuple[Hold, ...]
-    """Of written vertices."""
+    """Holds of written vertices."""
     drawn: Drawn | None
 
     def laid(self, position: F64 | None = None, velocity: F64 | None = None) -> ClothScene:
@@ -224,7 +224,7 @@ class Drawn:
     fields: Mapping[str, Fields]
 
     def at(self, owner: NDArray[np.str_]) -> Air:
-        """Of vertices with these owners."""
+        """Acceleration of the fields at vertices with these owners, as a function of points [m] and time [s]."""
 
         def pull(points: F64, time: float) -> F64:
             result = np.zeros((len(points), 3))

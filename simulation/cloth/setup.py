@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["Air", "ClothReport", "ClothSetup", "Hold", "still_air"]
 
 Air = Callable[[F64, float], F64]
-"""Of points (n, 3) [m] and a time [s]: velocity [m/s] and density [kg/m^3] of the air, (n, 4); or acceleration [m/s^2], (n, 3)."""
+"""Function of points (n, 3) [m] and a time [s]: velocity [m/s] and density [kg/m^3] of the air, (n, 4); or acceleration [m/s^2], (n, 3)."""
 
 
 def still_air(points: F64, time: float) -> F64:
@@ -46,9 +46,9 @@ class ClothSetup:
 
     sheets: tuple[Sheet, ...]
     shell: tuple[float, ...]
-    """Of each sheet: half the distance at which two of its layers touch [m]."""
+    """Half the distance at which two layers touch, by sheet [m]."""
     drag: tuple[tuple[float, float], ...]
-    """Of each sheet: coefficients of the air across it and along it."""
+    """Coefficients of the air across and along the sheet, by sheet."""
     friction: tuple[float, ...]
     """Among the sheets, then with each boundary."""
     gravity: F64
@@ -58,7 +58,7 @@ class ClothSetup:
     """At the start, (n, 3) [m/s]; default: at rest."""
     air: Air = still_air
     acceleration: Air | None = None
-    """Of force fields, at vertices [m/s^2]."""
+    """Acceleration by force fields at vertices [m/s^2]."""
     self_collision: bool = True
     integrator: Literal["implicit", "explicit"] = "implicit"
     """implicit: long steps wherever nothing is met and explicit ones would be many."""
@@ -76,7 +76,7 @@ class ClothReport(StepReport):
     """One exchange of cloth."""
 
     contact: F64 = field(default_factory=lambda: np.zeros((0, 6)))
-    """Of `impulse`, that by contact and not by what hangs on it (b, 6)."""
+    """Part of `impulse` that contact gave, not what hangs on the body (b, 6)."""
     air: F64 = field(default_factory=lambda: np.zeros(4))
     """Momentum [N s] and energy [J] that air and force fields gave, (4,)."""
     held: F64 = field(default_factory=lambda: np.zeros(4))

@@ -18,7 +18,7 @@ __all__ = ["Patience", "SoftSolids"]
 MISSED = 0.1
 """Own choice, of the distance of contact: farther, a surface that gives way was taken as it was for too long."""
 SHORTEST = 1.0 / 32.0
-"""Of the declared exchange."""
+"""Shortest exchange, as a share of the declared one."""
 
 
 class Patience:

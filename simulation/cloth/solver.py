@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
 from ...worlds.categories.cloth.facts import release_time
+from ...worlds.errors import EngineError
 from ..boundaries import BodyState, MovingSurface, Surround
 from ..coupled_solver import CoupledSolver, motion_records
 from ..protocol import SHORTEST
@@ -87,7 +88,7 @@ class SolverCloth(CoupledSolver):
     # ------------------------------------------------------------------ stepping
 
     def held(self, time: float) -> bool:
-        """Whether a release driver or an intervention keeps this cloth where it is at `time` [s]."""
+        """True if a release driver or an intervention keeps this cloth where it is at `time` [s]."""
         return super().held(time) or time < self._let_go - SHORTEST
 
     def step(self, limit: float, bodies: BodyState, time: float) -> ClothReport:
@@ -155,6 +156,21 @@ class SolverCloth(CoupledSolver):
             self.engine = Cloth(self.scene.setup)
         self.engine.restore(found["engine"].tobytes())
 
+    def rested(self, state: bytes) -> bytes:
+        """A state with the vertices where they are, at rest."""
+        found = from_bytes(state, ("opened", "engine"))
+        held = from_bytes(found["engine"].tobytes(), ("x", "v"))
+        still = to_bytes({**held, "v": np.zeros_like(held["v"])})
+        return to_bytes({**found, "engine": np.frombuffer(still, dtype=np.uint8)})
+
+    def end_of_settling(self) -> bytes:
+        """The present state; EngineError where a sheet tore."""
+        if self._opened().any():
+            raise EngineError(
+                f"a sheet of {self.name!r} tore while it settled; place it nearer to where it rests, or leave it out of simulation.settle"
+            )
+        return super().end_of_settling()
+
     def _opened(self) -> NDArray[np.uint8]:
         """Which sides are open, of all parts that can tear."""
         found = [p.tearing.opened for p in self.scene.pieces if p.tearing is not None]
@@ -163,7 +179,7 @@ class SolverCloth(CoupledSolver):
     # ------------------------------------------------------------------ output
 
     def coordinates(self) -> tuple[F64, F64]:
-        """Of the vertices."""
+        """Positions [m] and velocities [m/s] of the vertices, shape (n, 3) each."""
         return self.engine.vertices()
 
     def measured(self) -> dict[str, Any]:

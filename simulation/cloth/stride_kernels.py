@@ -11,9 +11,9 @@ wp.set_module_options({"enable_backward": False})
 __all__ = ["meets", "overlooked", "reckon"]
 
 SPARE = wp.constant(wp.float64(0.5))
-"""Of the distance of contact that contacts may turn things to each other besides what they do already."""
+"""Share of the distance of contact that contacts may turn things to each other besides what they do already."""
 KEPT = wp.constant(wp.float64(0.1))
-"""Of the distance of contact: farther apart than this beyond it, what two things gave each other before says nothing."""
+"""Share of the distance of contact: farther apart than this beyond it, what two things gave each other before says nothing."""
 
 
 @wp.func

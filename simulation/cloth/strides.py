@@ -109,7 +109,7 @@ class Strides:
         self._of.clock.assign(clock)
 
     def _free(self, dt: float, solid_speed: float) -> bool:
-        """Whether a step with the velocities u surely meets nothing."""
+        """True if a step with the velocities u surely meets nothing."""
         e = self._of
         of = e.contacts
         if not of.active:
@@ -146,7 +146,7 @@ class Strides:
         self.tell(2, 0.0)
 
     def strays(self) -> bool:
-        """Whether any vertex would go farther from where it was expected than lists hold."""
+        """True if any vertex would go farther from where it was expected than lists hold."""
         e = self._of
         of = e.contacts
         of.passes("reached", bounds.reached, e.n, [e.clock, of.anchor, of.plan, of.budget, e.x, e.u, self._share])()

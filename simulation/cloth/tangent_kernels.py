@@ -202,7 +202,7 @@ def damp_air(
     drag: wp.array(dtype=wp.vec2d),
     felt: wp.array(dtype=wp.mat33d),
 ):
-    """How a third of the air's force on each triangle falls with its velocity [N s/m]; symmetric, without what it turns."""
+    """Fall of a third of the air's force on each triangle with its velocity [N s/m]; symmetric, without what it turns."""
     t = first + wp.tid()
     f = faces[t]
     d = drag[t]

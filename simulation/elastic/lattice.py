@@ -22,7 +22,7 @@ _GAUSS = np.array([[0.58541020, 0.13819660, 0.13819660, 0.13819660]])
 CORNERS = np.concatenate([np.roll(_GAUSS, k, axis=1) for k in range(4)])
 """Barycentric points of the rule of degree 2 on a tetrahedron, each of a quarter of the weight (P. Hammer and A. Stroud, 1956)."""
 LEAST_MASS = 0.02
-"""Of the mean: a node whose share of a cut cell is less, or negative, has this much."""
+"""Least mass of a node in units of the mean: a node whose share of a cut cell is less, or negative, has this much."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class Lattice:
 
     @cached_property
     def vertex_weights(self) -> tuple[I64, F64]:
-        """Of the simulation vertices."""
+        """Nodes of each simulation vertex and their weights."""
         return self.shape(self.mesh.vertices)
 
     def at_vertices(self, values: F64) -> F64:

@@ -32,7 +32,7 @@ __all__ = ["Breakage", "Fate"]
 LASTING = 100.0
 """Contact times after which a load counts as lasting: the pieces' inertia no longer carries a part of it."""
 MOST_RETAKES = 8
-"""How often a step is taken again with what broke in it apart, where another body struck it."""
+"""Most times that a step is taken again with what broke in it apart, where another body struck it."""
 FEW_RETAKES = 1
 """The same where only pieces of the body itself push one another. With none, what is bonded to the world swallows the blow."""
 
@@ -182,7 +182,7 @@ class Breakage:
         return Fate.AGAIN if again else Fate.AFTER
 
     def _struck(self, breaker: Breaker, cluster: Cluster) -> bool:
-        """Whether another body pushes the cluster most, or its own weight."""
+        """True if another body pushes the cluster most, or its own weight."""
         cause = breaker.cause(cluster)
         return cause < 0 or self._colliders[cause] != cluster.entity
 

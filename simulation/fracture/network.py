@@ -123,7 +123,7 @@ class BondNetwork:
         return np.asarray((stiffness.faces.motion @ both)[:, :, 0])
 
     def limit(self, faces: Faces, force: F64) -> tuple[F64, F64]:
-        """How many times bonds that carry this, shape (b, 6), are loaded beyond breaking, shape (b,): in stress and, where they
+        """Factor by which bonds that carry this, shape (b, 6), are loaded beyond breaking, shape (b,): in stress and, where they
         have a toughness, in energy; and the elastic energy of the pieces beside the faces [J], shape (b,)."""
         ratio = self.ratio(faces, force)
         energy = (force**2 * faces.compliance).sum(axis=1)

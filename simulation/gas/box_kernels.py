@@ -31,7 +31,7 @@ class Box:
     starts: wp.vec3i
     beyond: wp.array(dtype=wp.vec3)
     density: float
-    """Of the ambient air [kg/m^3] where its gas may burn, so that no cell's air falls below nothing; 0 elsewhere."""
+    """Density of the ambient air [kg/m^3] where its gas may burn, so that no cell's air falls below nothing; 0 elsewhere."""
 
 
 @wp.func

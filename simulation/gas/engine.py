@@ -98,7 +98,7 @@ class Gas(GasFields):
         self._rate = self.run.upload("gas/rate", np.zeros(self.elements, np.float32), wp.float32)
         self._heating = self.run.upload("gas/heating", np.zeros(self.elements, np.float32), wp.float32)
         self.density = air_density(self.settings.ambient_temperature)
-        """Of the ambient air [kg/m^3]."""
+        """Density of the ambient air [kg/m^3]."""
         self.load = 1.0 / self.density
         """Density that a unit of soot [kg/m^3] adds, relative to the air's."""
         self._sums = wp.zeros((5, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["Fire"]
 
 FUEL_DIFFUSIVITY = 2.1e-5
-"""Of methane in air at room temperature [m^2/s]; only cells of a few millimetres notice."""
+"""Diffusivity of methane in air at room temperature [m^2/s]; only cells of a few millimetres notice."""
 
 
 class Fire:

@@ -43,11 +43,11 @@ class Flame:
     ambient: float
     """[K]"""
     density: float
-    """Of ambient air [kg/m^3]."""
+    """Density of ambient air [kg/m^3]."""
     capacity: float
     """[J/(kg K)]"""
     absorption: float
-    """Of soot: absorption coefficient [1/m] per temperature [K] and mass per volume [kg/m^3]."""
+    """Absorption coefficient of soot [1/m] per temperature [K] and mass per volume [kg/m^3]."""
 
 
 @wp.func

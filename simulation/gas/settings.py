@@ -34,6 +34,6 @@ class GasSettings:
     """Largest divergence after the projection, as a share of the largest speed per cell."""
     iterations: int = 60
     ambient_temperature: float = 293.15
-    """Of the air around, where lightness is 0 [K]."""
+    """Temperature of the air around, where lightness is 0 [K]."""
     fuel: Fuel | None = None
-    """What may burn; the gas then expands."""
+    """Fuel that the gas may burn; the gas then expands."""

@@ -130,7 +130,7 @@ class SolverGas(CoupledSolver):
         self._fill(self.engine.room)
         pieces = pieces_of(spec, self.name, self.built, self.grid)
         self.surfaces = None if pieces is None else Surfaces(pieces, self.grid, self.engine.room, ambient)
-        """Of solids that may burn."""
+        """Surfaces of solids that may burn."""
         if not self.share.any():
             raise InputError(
                 f"the source {member!r} lies in solids, or in no cell of its box; move it with /entities/{member}/pose, or make its parts larger"

@@ -67,11 +67,11 @@ class Given:
     gas: F64
     """Mass of gas that each cell gets [kg], shape of the box."""
     volume: F64
-    """Of it, at the temperature of what gives it off [m^3], the same shape."""
+    """Volume of that gas at the temperature of the surface that gives it off [m^3], the same shape."""
     taken: F64
     """Heat out of the gas of each cell [J], the same shape."""
     mass: float
-    """Of all gas [kg]."""
+    """Mass of all the gas [kg]."""
     heat: float
     """Out of all gas [J]."""
     light: float

@@ -44,12 +44,12 @@ class Level:
     x: Any
     children: Any = None
     parent: Any = None
-    """Of the finer level's rows: their row here."""
+    """Row of this level for each row of the finer one."""
 
 
 @dataclass(frozen=True)
 class Solution:
-    """How a solve ended: iterations, largest residual [as the right side], and whether the cap stopped it."""
+    """End of a solve: iterations, largest residual [as the right side], and whether the cap stopped it."""
 
     iterations: int
     residual: float

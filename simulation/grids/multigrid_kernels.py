@@ -60,7 +60,7 @@ def mark_blocks(
     first: wp.int32, grid: Columns, fine: Columns, fine_row: wp.array(dtype=wp.int32), red: wp.array(dtype=wp.int32),
     wet: wp.array(dtype=wp.int32),
 ):  # fmt: skip
-    """Whether a block holds rows of the finer level, and whether it is red."""
+    """Mark the blocks that hold rows of the finer level, and those that are red."""
     c = first + wp.tid()
     at = place_of(grid, c)
     w = int(0)

@@ -26,7 +26,7 @@ class Sampled:
     position: F64
     """(n, 3) [m]"""
     volume: F64
-    """Of liquid that each stands for (n,) [m^3]."""
+    """Volume of liquid that each sample stands for (n,) [m^3]."""
     face: I32
     """Face that each was made on (n,); with `weights` its place on a deforming mesh."""
     weights: F64

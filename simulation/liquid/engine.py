@@ -53,7 +53,7 @@ class Fluid:
     heat_capacity: float = 4186.0
     """[J/(kg K)]"""
     activation: float = 0.0
-    """Of viscosity, E/R [K]: viscosity(T) = viscosity exp(activation (1/T - 1/temperature)) (Arrhenius)."""
+    """Activation of the viscosity, E/R [K]: viscosity(T) = viscosity exp(activation (1/T - 1/temperature)) (Arrhenius)."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class WaveZones:
     sea: Sea
     """Its `start` counts from the engine's own."""
     width: float
-    """Of every zone [m]."""
+    """Width of every zone [m]."""
     generate: tuple[bool, bool, bool, bool]
     """-x, +x, -y, +y: whether the zone of that side makes the sea."""
     absorb: tuple[bool, bool, bool, bool]
@@ -138,7 +138,7 @@ class LiquidSetup:
     outflows: tuple[Outflow, ...] = ()
     waves: tuple[WaveZones, ...] = ()
     fields: tuple[Fields, ...] = ()
-    """Of each fluid, or none at all."""
+    """Force fields of each fluid, or none at all."""
     preroll: float = 0.0
     """Time of the engine at which that of the fields begins [s]."""
     scattered: bool = False
@@ -156,7 +156,7 @@ class LiquidReport(StepReport):
     removed: dict[str, float] = field(default_factory=dict)
     """Mass that left, by outflow, `domain` for open sides [kg]."""
     iterations: tuple[int, int] = (0, 0)
-    """Of the constant-density (or pressure) and the divergence-free solve."""
+    """Iterations of the constant-density (or pressure) and the divergence-free solve."""
     capped: int = 0
     """Solves that stopped at their cap of iterations."""
     density_error: tuple[float, float] = (0.0, 0.0)

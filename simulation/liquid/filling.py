@@ -62,7 +62,7 @@ class PlacedSolid:
         return np.flatnonzero(((points >= low - reach) & (points <= high + reach)).all(axis=1))
 
     def inside(self, points: F64) -> NDArray[np.bool_]:
-        """Whether points (n, 3) lie inside."""
+        """True where points (n, 3) lie inside."""
         found = np.zeros(len(points), dtype=bool)
         close = self.near(points, 0.0)
         if len(close):
@@ -70,7 +70,7 @@ class PlacedSolid:
         return found
 
     def inside_lattice(self, axes: Sequence[F64]) -> NDArray[np.bool_]:
-        """Whether the points of an even lattice lie inside, shape (len(x), len(y), len(z)); one ray per column."""
+        """True where the points of an even lattice lie inside, shape (len(x), len(y), len(z)); one ray per column."""
         wp = warp()
         from .filling_kernels import columns
 
@@ -150,7 +150,7 @@ class Filling:
     position: F64
     """(n, 3) [m]"""
     volume: float
-    """Of each [m^3]."""
+    """Volume of each particle [m^3]."""
     blocked: float
     """Share of the volume that lies in solids."""
 
@@ -201,7 +201,7 @@ def _lattice(own: PlacedSolid, solids: Sequence[PlacedSolid], spacing: float) ->
 
 
 def boxes_meet(a: tuple[F64, F64], b: tuple[F64, F64]) -> bool:
-    """Whether two boxes touch, each as its least and greatest corner."""
+    """True if two boxes touch, each as its least and greatest corner."""
     return bool((a[0] <= b[1]).all() and (b[0] <= a[1]).all())
 
 
@@ -217,7 +217,7 @@ def blocked_share(own: PlacedSolid, solids: Sequence[PlacedSolid], axes: Sequenc
 
 
 def _snug(points: F64, solids: Sequence[PlacedSolid], own: PlacedSolid, spacing: float) -> bool:
-    """Whether all particles keep their distance from the surfaces."""
+    """True if all particles keep their distance from the surfaces."""
     return all(bool((_depth(s, own, points, spacing)[0] >= SNUG * spacing).all()) for s in solids)
 
 

@@ -18,7 +18,7 @@ from .filling import PlacedSolid
 __all__ = ["require_resolved"]
 
 PITCH = 0.5
-"""Of the grid on which passages are looked for, in spacings."""
+"""Cell of the grid on which passages are looked for, in spacings."""
 MOST_CELLS = 8_000_000
 """Cells of that grid; above, the pitch grows to a whole spacing, and beyond that passages are not looked for."""
 LEAST_ROOM = 27
@@ -135,7 +135,7 @@ def _grid(setup: LiquidSetup) -> tuple[list[F64], F64, float] | None:
 
 
 def _cells(setup: LiquidSetup, shape: tuple[int, int, int], pitch: float) -> NDArray[np.intp]:
-    """Flat indices of the grid's cells that hold liquid at the start, or an inflow's mouth."""
+    """Flat indices of the grid's cells that hold liquid at the start, or an inflow's opening."""
     mouths = [i.center + 2.0 * setup.spacing * i.rotation[:, 2] for i in setup.inflows]
     points = np.concatenate([setup.position, np.array(mouths).reshape(-1, 3)])
     index = np.clip(((points - setup.lower) / pitch).astype(int), 0, np.array(shape) - 1)

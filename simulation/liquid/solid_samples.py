@@ -20,7 +20,7 @@ CELL = 0.5
 DEPTH = 1.8
 """Depth in spacings down to which a solid is filled: its kernel reaches 2 from a particle that keeps a quarter."""
 WEIGHT = 1.0436
-"""Of all volumes: midpoint sums count 0.1799 at half a spacing from a plane, where the integral is 0.1878."""
+"""Factor on all volumes: midpoint sums count 0.1799 at half a spacing from a plane, where the integral is 0.1878."""
 CHUNK = 1 << 21
 """Cells judged at once."""
 

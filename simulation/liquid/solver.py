@@ -15,6 +15,7 @@ from ..boundaries import BodyState, Surround
 from ..coupled_solver import CoupledSolver, motion_records
 from ..protocol import SHORTEST
 from ..recipes import reader_recipe
+from ..sealed import from_bytes, to_bytes
 from .engine import Engine, LiquidReport, LiquidSetup
 from .scene import MARGIN, LiquidScene, build_scene
 
@@ -32,6 +33,11 @@ DOMAIN = "domain"
 DRIVEN = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_work")
 BLOWN = ("field_impulse_x", "field_impulse_y", "field_impulse_z", "field_work")
 """Records of what zones of waves gave."""
+
+SPEEDS = ("v", "velocity", "affine")
+"""Arrays of the engines' states that hold how fast particles are."""
+CLOCKS = ("time", "speed", "steps", "layers", "travel", "inflows")
+"""Those that count since the start, or tell of inflows."""
 
 
 def make_engine(instance: LiquidInstance, setup: LiquidSetup) -> Engine:
@@ -134,6 +140,15 @@ class SolverLiquid(CoupledSolver):
         """State of the engine."""
         return self.engine.checkpoint()
 
+    def rested(self, state: bytes) -> bytes:
+        """A state with the liquid where it is, at rest, and with the clock and the inflows of this engine."""
+        own, found = from_bytes(self.engine.checkpoint()), from_bytes(state)
+        still = {name: np.zeros_like(found[name]) for name in SPEEDS if name in found}
+        fresh = {name: own[name] for name in CLOCKS if name in own}
+        if "clock" in own:  # time, speed and volume of a liquid on a grid
+            fresh["clock"] = np.array([*own["clock"][:2], found["clock"][2]])
+        return to_bytes({**found, **still, **fresh})
+
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""
         self.engine.restore(state)
@@ -141,7 +156,7 @@ class SolverLiquid(CoupledSolver):
     # ------------------------------------------------------------------ output
 
     def coordinates(self) -> tuple[F64, F64]:
-        """Of the particles."""
+        """Positions [m] and velocities [m/s] of the particles, shape (n, 3) each."""
         p = self.engine.particles()
         return p.position, p.velocity
 

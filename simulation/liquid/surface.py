@@ -44,7 +44,7 @@ Walls = Callable[[int], Sequence[TriangleMesh]]
 
 @dataclass(frozen=True)
 class SurfaceSettings:
-    """How surfaces are made; lengths in spacings unless said."""
+    """Settings of surface reconstruction; lengths in spacings unless said."""
 
     spacing: float
     """Distance of particles at rest [m]: the cube root of their volume."""

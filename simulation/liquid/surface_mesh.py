@@ -22,7 +22,7 @@ __all__ = ["SurfaceMesh", "area", "closed_volume", "face_volumes", "reconstruct"
 CELL = 0.5
 """Side of a marching cube in spacings."""
 THRESHOLD = 0.585
-"""Of the colour field: a flat face then lies half a spacing outside its outermost particles (measured, tests)."""
+"""Level of the colour field at the surface: a flat face then lies half a spacing outside its outermost particles (measured, tests)."""
 SUPPORT = 2.0
 """Smoothing length in particle radii; the kernel reaches twice as far."""
 SMOOTHING = 25
@@ -47,7 +47,7 @@ class SurfaceMesh:
     faces: I32
     """(m, 3)"""
     velocity: F64
-    """Of the liquid at the vertices (v, 3) [m/s]."""
+    """Velocity of the liquid at the vertices (v, 3) [m/s]."""
     temperature: F64
     """There (v,) [K]."""
 

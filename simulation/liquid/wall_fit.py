@@ -16,7 +16,7 @@ __all__ = ["fit_to_sides", "fit_to_walls", "off_sides", "off_walls"]
 NEAR, FAR = 0.45, 0.85
 """Vertices up to NEAR spacings from a wall are laid onto it, from FAR on they stay; own choice: half a spacing and some."""
 OVERLAP = 0.02
-"""How far they reach into the wall, in spacings: light then never meets air between them."""
+"""Length by which they reach into the wall, in spacings: light then never meets air between them."""
 FACING = (-0.2, 0.3)
 """Cosine between the surface's outward normal and the way to the wall: from none to all of the shift."""
 

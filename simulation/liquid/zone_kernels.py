@@ -22,13 +22,13 @@ class Zones:
     level: wp.float32
     depth: wp.float32
     rate: wp.float32
-    """Of the pull at the side [1/s]."""
+    """Rate of the pull at the side [1/s]."""
     count: wp.int32
 
 
 @wp.func
 def share(q: wp.float32):
-    """Of the full pull at a distance of q zone widths from the side: 1 at it, 0 from the inner end on."""
+    """Share of the full pull at a distance of q zone widths from the side: 1 at it, 0 from the inner end on."""
     p = wp.clamp(1.0 - q, 0.0, 1.0)
     return (wp.exp(p * p) - 1.0) / 1.7182818
 

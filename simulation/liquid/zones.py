@@ -19,7 +19,7 @@ from .engine import LiquidSetup, WaveZones
 __all__ = ["Zones"]
 
 RATE = 2.5
-"""Of the pull at the side, in angular frequencies of the highest waves. Own calculation in linear theory: a zone of one wavelength
+"""Rate of the pull at the side, in angular frequencies of the highest waves. Own calculation in linear theory: a zone of one wavelength
 reflects 3 % of waves of that frequency, 7 % at 0.8 and 1 % at 1.5 times it (Peric and Abdel-Maksoud find about pi)."""
 BLOCKS = 1024
 """Partial sums on a CPU; they decide the last digits of the ledger and nothing else."""

@@ -17,7 +17,7 @@ __all__ = ["Elastic", "elastic"]
 
 
 class Elastic(NamedTuple):
-    """Of all contacts, among grains and with bodies."""
+    """Elastic energy of all contacts, among grains and with bodies."""
 
     depth: float
     """Work against Hertz's force less that of adhesion [J]."""

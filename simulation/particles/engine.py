@@ -20,11 +20,11 @@ from .walls import Walls
 __all__ = ["Grains"]
 
 SKIN = 0.3
-"""Of the mean radius: how much farther than contact lists reach."""
+"""Share of the mean radius by which lists reach farther than contact."""
 USED = 0.4
-"""Of the skin: the way of a grain or of a surface after which lists are made anew."""
+"""Share of the skin: the way of a grain or of a surface after which lists are made anew."""
 TRAVEL = 0.09
-"""Of the skin: the longest way of a grain in one step."""
+"""Share of the skin: the longest way of a grain in one step."""
 COLLISION = 20.0
 """Steps in which the fastest grain's collision with its like is resolved, at least."""
 BATCH = 8
@@ -279,7 +279,7 @@ class Grains:
         return self.passes.greatest("most", counts, n, self._counts, self._most)
 
     def _gone(self, n: int) -> int:
-        """How many grains have left; they sort last."""
+        """Number of grains that have left; they sort last."""
         from .list_kernels import GONE
 
         if int(self._key[n - 1 : n].numpy()[0]) != GONE:
@@ -295,7 +295,7 @@ class Grains:
 
     @property
     def listed(self) -> bool:
-        """Whether lists of contacts are there."""
+        """True if lists of contacts are there."""
         return self._known
 
     def forget_lists(self) -> None:
@@ -346,7 +346,7 @@ class Grains:
         return total, work
 
     def positions(self) -> F64:
-        """Of the grains in their present order [m], shape (n, 3)."""
+        """Positions of the grains in their present order [m], shape (n, 3)."""
         c = self.now.columns(self.count)
         result: F64 = (c["place"][:, :3].astype(float) + c["left"]) * self.unit + self.origin
         return result

@@ -129,7 +129,7 @@ class FramedParticles(CoupledSolver):
     # ------------------------------------------------------------------ output
 
     def coordinates(self) -> tuple[F64, F64]:
-        """Of the particles."""
+        """Positions [m] and velocities [m/s] of the particles, shape (n, 3) each."""
         c = self.columns()
         return c["position"], c["velocity"]
 

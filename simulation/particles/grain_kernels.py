@@ -25,11 +25,11 @@ class State:
 
     place: wp.array(dtype=wp.vec4i)
     left: wp.array(dtype=wp.vec3)
-    """What the place leaves over, in units."""
+    """Remainder of the position that `place` does not hold, in its units."""
     motion: wp.array(dtype=wp.vec4)
     spin: wp.array(dtype=wp.vec3)
     rest: wp.array(dtype=wp.vec3)
-    """What the velocity leaves over [m/s]."""
+    """Remainder of the velocity that `motion` does not hold [m/s]."""
     rest_spin: wp.array(dtype=wp.vec3)
     identity: wp.array(dtype=wp.int32)
     start: wp.array(dtype=wp.vec4i)
@@ -72,7 +72,7 @@ def kind_of(motion: wp.vec4):
 
 @wp.func
 def mass_of(radius: wp.float32, density: wp.float32):
-    """Of a sphere [kg]."""
+    """Mass of a sphere [kg]."""
     return 4.1887902 * density * radius * radius * radius
 
 

@@ -15,7 +15,7 @@ class Law:
     shear: wp.float32
     """Effective shear modulus [Pa]."""
     damping: wp.float32
-    """Of the damped oscillator that the restitution asks for: 2 sqrt(5/6) beta."""
+    """Factor of the damped oscillator that the restitution asks for: 2 sqrt(5/6) beta."""
     friction: wp.float32
     rolling: wp.float32
     """Rolling resistance in effective radii."""
@@ -30,7 +30,7 @@ class Touch:
     force: wp.vec3
     """On the first [N]."""
     couple: wp.vec3
-    """Of rolling resistance, on the first [N m]."""
+    """Couple of rolling resistance, on the first [N m]."""
     spring: wp.vec3
     """Tangential force that is stored, on the first [N]."""
     roll: wp.vec3

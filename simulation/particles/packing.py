@@ -26,7 +26,7 @@ class Packing(NamedTuple):
     radius: F64
     side: float
     share: float
-    """Of the volume that they take up."""
+    """Share of the volume that the grains take up."""
 
 
 @lru_cache(maxsize=8)

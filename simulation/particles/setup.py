@@ -95,7 +95,7 @@ class GrainSetup:
     walls: dict[tuple[int, int], Pair] = field(default_factory=dict)
     """Laws of (boundary, kind); default: friction of the boundary, restitution of the kind."""
     step_share: float = 0.15
-    """Of the time in which a Rayleigh wave crosses the smallest grain."""
+    """Step in units of the time in which a Rayleigh wave crosses the smallest grain."""
     device: str = "cpu"
 
     def __post_init__(self) -> None:
@@ -109,9 +109,9 @@ class GrainReport(StepReport):
     blown: F64 = field(default_factory=lambda: np.zeros(3))
     """Impulse of fields per member (m, 3), or none (3,) [N s]."""
     work: float = 0.0
-    """Of fields [J]."""
+    """Work of fields [J]."""
     wall_work: float = 0.0
-    """Of the motion of bodies on grains in contact [J]."""
+    """Work that the motion of bodies did on grains in contact [J]."""
     left: F64 = field(default_factory=lambda: np.zeros(5))
     """Totals that left the domain: number, mass [kg], momentum [N s] (5,)."""
     came: tuple[int, float] = (0, 0.0)

@@ -1,4 +1,4 @@
-"""How deep points lie in a closed surface at its place."""
+"""Depth of points in a closed surface at its place."""
 
 from __future__ import annotations
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...physics.drag import sphere_drag_rate
 from ..boundaries import BodyState, Surround
+from ..sealed import from_bytes, to_bytes
 from .energy import Elastic, elastic
 from .engine import Grains
 from .frames import FramedParticles
@@ -92,6 +93,13 @@ class SolverGrains(FramedParticles):
     def pack(self) -> bytes:
         """State of the engine."""
         return self.engine.checkpoint()
+
+    def rested(self, state: bytes) -> bytes:
+        """A state with the grains where they are and what their contacts store, at rest."""
+        found = from_bytes(state, ("motion", "spin", "rest", "rest_spin", "time", "speed"))
+        found["motion"][:, :3] = 0.0  # the last column is no speed
+        zero = {name: np.zeros_like(found[name]) for name in ("spin", "rest", "rest_spin", "time", "speed")}
+        return to_bytes({**found, **zero})
 
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""

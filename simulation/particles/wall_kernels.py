@@ -32,7 +32,7 @@ class Bodies:
     """Bodies that grains meet, one row each."""
 
     position: wp.array(dtype=wp.vec3d)
-    """Of the frame's origin, relative to that of the places [m]."""
+    """Position of the frame's origin, relative to that of the places [m]."""
     rotation: wp.array(dtype=wp.quatd)
     center: wp.array(dtype=wp.vec3d)
     velocity: wp.array(dtype=wp.vec3d)
@@ -54,11 +54,11 @@ class Bodies:
     offset: wp.array(dtype=wp.int32)
     """First triangle of each body."""
     soft: wp.array(dtype=wp.int32)
-    """Whether its vertices move by themselves; its pose is then that of the world."""
+    """True where its vertices move by themselves; its pose is then that of the world."""
     speed: wp.array(dtype=wp.vec3d)
-    """Of such vertices, among those of all bodies."""
+    """Velocities of such vertices, among those of all bodies [m/s]."""
     yields: wp.array(dtype=wp.float64)
-    """What each of those alone is sped up by an impulse at it [1/kg]."""
+    """Speed that each of those alone gains per impulse on it [1/kg]."""
 
 
 @wp.struct
@@ -75,7 +75,7 @@ class Pairs:
     spring: wp.array2d(dtype=wp.vec3)
     roll: wp.array2d(dtype=wp.vec3)
     depth: wp.array2d(dtype=wp.float32)
-    """Of the contacts at the last step [m]; 0 where there is none."""
+    """Depth of the contacts at the last step [m]; 0 where there is none."""
     force: wp.array(dtype=wp.vec3d)
     """On the grain."""
     torque: wp.array(dtype=wp.vec3d)
@@ -164,12 +164,12 @@ class Contacts:
     """First corner of the triangle."""
     number: wp.int32
     faces: wp.int32
-    """How many of them are on faces."""
+    """Number of them that are on faces."""
 
 
 @wp.func
 def lies_under(found: Contacts, c: wp.vec3d, big: wp.float64):
-    """Whether a point of an edge belongs to a face that acts already."""
+    """True if a point of an edge belongs to a face that acts already."""
     under = wp.int32(0)
     for s in range(found.faces):
         if wp.abs(wp.dot(row_of(found.normal, s), c - row_of(found.point, s))) < wp.float64(1.0e-3) * big:

@@ -337,7 +337,7 @@ class ModelBuilder:
                 self.out.add_exclude(bodyname1=f"{name}/{segment}", bodyname2=str(end))
 
     def _near_segments(self, name: str, rope: Rope) -> int:
-        """How many segments on touch a segment by construction."""
+        """Number of segments on that touch a segment by construction."""
         length = 2 * min(_half_length(self.built[name], b.name) for b in self.built[name].bodies)
         return 1 + math.ceil((2 * rope.radius + 2 * self.settings.skin) / max(length, 1e-9))
 

@@ -66,7 +66,7 @@ would hop from nothing otherwise. What they set sliding hops by mu^2 / 2 g of th
 SLIP_TOLERANCE = 0.01
 """Change of the lift in parts of the fastest impact that ends the iteration."""
 ATTEMPTS = 4
-"""How often a solution of debris whose forces do not fit its accelerations is taken up where it ended."""
+"""Most times that a solution of debris whose forces do not fit its accelerations is taken up where it ended."""
 UNBALANCED = 0.05
 """Share of the largest force by which forces and accelerations may disagree."""
 _CONE = 4  # mjCNSTRSTATE_CONE: the contact slides
@@ -176,7 +176,7 @@ class ContactLaw:
             data.qacc_warmstart[:] = data.qacc
 
     def _balanced(self, data: Any) -> bool:
-        """Whether the forces found are those of the accelerations found."""
+        """True if the forces found are those of the accelerations found."""
         if not data.nefc:
             return True
         self.mj.mj_mulM(self.model, data, self._needed, data.qacc)

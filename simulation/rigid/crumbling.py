@@ -42,7 +42,7 @@ NEXT_TO = 0.02
 EXCESS = 1.2
 """A contact may carry so many times what it can before it is solved again."""
 STIFFNESS_OF_STEP = 32.0
-"""How much a contact's softness must grow before it matters: d / (1 - d) of the constant impedance."""
+"""Growth of a contact's softness from which on it matters: d / (1 - d) of the constant impedance."""
 SOFTEST = 1e6
 """A contact grows softer by no more than this: what is that soft carries nothing."""
 HARDENING = 0.7
@@ -63,9 +63,9 @@ class Weak(NamedTuple):
     point: F64
     """[m], shape (w, 3)."""
     soft: F64
-    """How many times softer than other contacts each is by now, shape (w,); written in place."""
+    """Softness of each by now over that of other contacts, shape (w,); written in place."""
     slack: F64
-    """How fast each contact of the step may close [m/s], shape (n,): what would have crumbled altogether within the step meets as
+    """Speed at which each contact of the step may close [m/s], shape (n,): what would have crumbled altogether within the step meets as
     all bodies, but only after as much as is left to crumble."""
     tight: NDArray[np.bool_]
     """Contacts of the step among pieces of one body that are no deeper than faces crumble, shape (n,). Deeper ones meet as all
@@ -111,7 +111,7 @@ class Crumbling:
         self._known: _Soft | None = None
 
     def overlap_of(self, geoms: Any) -> F64:
-        """How deep pairs of geoms, shape (n, 2), may lie in one another [m], shape (n,)."""
+        """Greatest allowed overlap of pairs of geoms, shape (n, 2), [m], shape (n,)."""
         return np.asarray(np.where(self.among(geoms), self.overlap[np.maximum(self.body[geoms[:, 0]], 0)], 0.0))
 
     def among(self, geoms: Any) -> NDArray[np.bool_]:
@@ -187,7 +187,7 @@ class Crumbling:
 
     @property
     def fresh(self) -> bool:
-        """Whether nothing is known of the step before."""
+        """True if nothing is known of the step before."""
         return self._known is None
 
     def forget(self) -> None:

@@ -140,7 +140,7 @@ class Drivers:
         ropes = [(rigid.tendon_of[n], n) for n in rigid.tendon_of if getattr(plan.joints[n], "rope", False)]
         self._ropes = np.array([row for row, _ in ropes if self._tendon_damping[row] > 0], dtype=np.int64)
         self.has_ropes = len(self._ropes) > 0
-        """Whether `slacken` has anything to do."""
+        """True if `slacken` has anything to do."""
         self._pose: Any = None
         self._samples: list[PathSamples] = []
 
@@ -214,7 +214,7 @@ class Drivers:
         return sorted(t for t in times if start + _SLACK < t < end - _SLACK)
 
     def switches_at(self, time: float) -> bool:
-        """Whether a driver switches at `time`."""
+        """True if a driver switches at `time`."""
         return bool(self.switch_times(time - 10 * _SLACK, time + 10 * _SLACK))
 
     def set_model(self, time: float, *, free: bool = False) -> None:

@@ -44,7 +44,7 @@ NODE_INERTIA = 1e-9
 LAYERS_FOR_SELF = 3
 """Cells along an axis from which on parts of one body can meet: the engine leaves out neighbouring cells."""
 EIGEN_STEPS, EIGEN_MARGIN = 30, 1.05
-"""Of a power iteration, which comes within some per cent from below."""
+"""Steps of a power iteration, which comes within some per cent from below, and the factor that covers the rest."""
 TRAVEL_SHARE = 0.5
 """Own choice: a surface that moves farther per step than this share of its shortest edge may jump over another."""
 
@@ -58,7 +58,7 @@ class FlexBody:
     physics: ElasticPhysics
     lattice: Lattice
     pose: RigidPose
-    """Of the body's frame in the world, at rest."""
+    """Pose of the body's frame in the world, at rest."""
     masses: F64
     """At the nodes [kg], shape (n,)."""
     carriers: list[str]
@@ -120,7 +120,7 @@ def pinned_nodes(lattice: Lattice, pin: Pin) -> Any:
 
 
 def is_soft(spec: WorldSpec, name: str) -> bool:
-    """Whether an entity is an elastic body."""
+    """True if an entity is an elastic body."""
     return isinstance(spec.entities[name].physics, ElasticPhysics)
 
 
@@ -192,7 +192,7 @@ def add_flex(builder: Any, name: str) -> FlexBody:
 def part_flexes(rigid: RigidModel) -> None:
     """Let each of the pairs `rigid.parted` pass through each other.
 
-    Every elastic body of such a pair has two bits of its own: all but its partners meet them. Written after anything that
+    Every elastic body of such a pair has two bits of its own: all but the bodies of its pairs meet them. Written after anything that
     writes contact types.
     """
     model = rigid.model
@@ -219,7 +219,7 @@ _ORIGIN = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
 _RESIDUAL = re.compile(r"relative residual of ([0-9.eE+-]+)")
 _heard: list[str] = []
-"""What the engine said since it was last asked; its own handler would write it to a file in the working directory."""
+"""Messages of the engine since it was last asked; its own handler would write them to a file in the working directory."""
 
 
 def hear(text: str) -> None:
@@ -251,7 +251,7 @@ class Flexes:
 
     @property
     def slow_enough(self) -> bool:
-        """Whether no surface may have jumped over another in a step of the frame."""
+        """True if no surface may have jumped over another in a step of the frame."""
         shortest = min(float(b.lattice.edge.min()) / 2 for b in self.bodies)
         return self.travel <= TRAVEL_SHARE * shortest
 

@@ -28,9 +28,9 @@ class SoftLoads:
         """Now, on the model's bodies [N, N m]."""
         self._forces: dict[str, F64] = {}
         self.impulse: F64 = np.zeros((len(flexes.bodies), 6))
-        """Of the frame, about the centres of mass [N s, N m s]."""
+        """Impulse over the frame, about the centres of mass [N s, N m s]."""
         self.work = 0.0
-        """Of the frame [J]."""
+        """Work over the frame [J]."""
 
     def begin(self) -> None:
         """Start a frame."""

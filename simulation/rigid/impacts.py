@@ -52,7 +52,7 @@ class Impact:
     island: NDArray[np.int32]
     """Which set of touching bodies each belongs to, shape (n,)."""
     lift: F64 | None = None
-    """What was taken out of their references against the lift of the cone [m/s^2], shape (n,); None: they are not to be solved again."""
+    """Acceleration taken out of their references against the lift of the cone [m/s^2], shape (n,); None: they are not to be solved again."""
 
     @classmethod
     def of(

@@ -50,7 +50,7 @@ class RigidModel:
     """qpos address per entry of `joints`."""
     law: ContactLaw
     excess: F64
-    """How far the visible surface reaches outside the collision shape, per side of a contact [m], shape (sides,)."""
+    """Distance by which the visible surface reaches outside the collision shape, per side of a contact [m], shape (sides,)."""
     flexes: tuple[FlexBody, ...] = ()
     """Elastic members, in the order of the engine."""
     parted: tuple[frozenset[str], ...] = ()
@@ -60,11 +60,11 @@ class RigidModel:
     eq_of: dict[str, int] = field(default_factory=dict)
     tendon_of: dict[str, int] = field(default_factory=dict)
     kin: Any = None
-    """Whether a collider is a breakable entity, whose pieces meet each other, shape (colliders,)."""
+    """True where a collider is a breakable entity, whose pieces meet each other, shape (colliders,)."""
     kin_rows: Any = None
-    """Whether an entry of `bodies` is a piece of one, shape (n,)."""
+    """True where an entry of `bodies` is a piece of one, shape (n,)."""
     masses: Any = None
-    """Of each entry of `bodies` alone [kg], shape (n,)."""
+    """Mass of each entry of `bodies` alone [kg], shape (n,)."""
     actuator_of: dict[str, int] = field(default_factory=dict)
 
 

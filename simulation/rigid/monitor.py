@@ -50,10 +50,10 @@ class _Contacts(NamedTuple):
     """All listed contacts of one batch, shape (n,) each."""
 
     key: NDArray[np.int64]
-    """Of the pair."""
+    """Number that stands for the pair of colliders."""
     step: NDArray[np.int64]
     live: NDArray[np.bool_]
-    """Whether it was solved."""
+    """True where it was solved."""
     impulse: F64
     """Normal [N s]."""
 
@@ -203,7 +203,7 @@ class ContactMonitor:
     # ------------------------------------------------------------------ per frame
 
     def _slept_through(self, key: int, last: float, now: float, dt: float) -> bool:
-        """Whether a pair was not seen from `last` to `now` only because a body of it slept."""
+        """True if a pair was not seen from `last` to `now` only because a body of it slept."""
         for side in divmod(key, self.count):
             for tree in self._trees[side]:
                 slept, woke = self.slept[tree], self.woke[tree]

@@ -32,7 +32,7 @@ class _Overlap(NamedTuple):
 
     names: tuple[str, str]
     bodies: tuple[int, int]
-    """Of the model."""
+    """Indices among the model's bodies."""
     depth: float
     """[m]"""
     skins: float

@@ -9,10 +9,11 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.cache import CacheIndex
-from ...worlds.errors import InputError
+from ...worlds.errors import EngineError, InputError
+from ..fracture import Breakage
 from ..protocol import Within, repeated
 from ..sealed import Stamp, seal, unseal
-from .checkpoint import read_state, write_state
+from .checkpoint import at_rest, read_state, write_state
 from .contact_law import set_contact_law
 from .distances import nearest, settle_kinematics
 from .output import frame_channels, index_of
@@ -149,7 +150,7 @@ class SolverRigid(Stepper):
         self.time = end
 
     def end_attempt(self) -> bool:
-        """Whether the frame may end like this; else it is to be attempted again with half the step."""
+        """True if the frame may end like this; else it is to be attempted again with half the step."""
         self._joint_error = self.ledger.joint_error(self.data)
         last = self.refined == self.settings.refine or not np.isfinite(self.data.qpos).all()
         slow = self.flexes is None or self.flexes.slow_enough
@@ -176,6 +177,23 @@ class SolverRigid(Stepper):
         state = self._bytes()
         self.restore(state, self.frame)
         return state
+
+    def stop(self) -> None:
+        """Take all speeds away."""
+        self.data.qvel[:] = 0.0
+        settle_kinematics(self.model, self.data)
+
+    def end_of_settling(self) -> bytes:
+        """The present state as one at rest.
+
+        Raises:
+            EngineError: a bond broke.
+        """
+        if self.breakage and self.breakage.memory() != Breakage(self.spec, self.built, self.members).memory():
+            raise EngineError(
+                f"something of {self.name!r} broke while it settled; place it nearer to where it rests, or leave it out of simulation.settle"
+            )
+        return at_rest(self.data, self.relaxation)
 
     def restore(self, state: bytes, frame: int) -> None:
         """Continue from a checkpoint taken at `frame`.

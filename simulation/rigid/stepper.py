@@ -12,6 +12,7 @@ from ...worlds.built import BuiltEntity
 from ...worlds.spec import RigidSettings, WorldSpec
 from ..fracture import Breakage, Fate
 from ..protocol import Intervention
+from .checkpoint import lay_down
 from .contact_law import rest_speed, set_contact_law
 from .distances import collide_all, settle_kinematics
 from .exchange import Exchange
@@ -57,9 +58,11 @@ class Stepper:
         self.members = tuple(dict.fromkeys(instance.members))
         self.settings: RigidSettings = instance.settings
         self._work = 0.0
-        """Of drivers, since the start of the frame [J]."""
+        """Work of drivers since the start of the frame [J]."""
         self.relaxation = 0.0
         """Largest displacement of a body when the skins were opened [m]."""
+        self.settled: bytes | None = None
+        """State at rest from which it starts; None: from what is declared."""
         self._coupled = coupled
         self._before: frozenset[str] | None = None
         """Who was held right before the present time."""
@@ -78,7 +81,10 @@ class Stepper:
         self.drivers.set_model(start, free=True)
         self.drivers.plan_paths(start, self.settings.step, 0)
         self.drivers.follow_paths(self.data, 0, self.settings.step)
-        self.relaxation = open_skins(self.rigid, self.data, self.settings, fastened_pairs(self.spec))
+        if self.settled is None:
+            self.relaxation = open_skins(self.rigid, self.data, self.settings, fastened_pairs(self.spec))
+        else:
+            self.relaxation = lay_down(self.model, self.data, self.settled)
         self.drivers.remember_poses(self.data)
         soft = None if self.flexes is None or not self._coupled else SoftLoads(self.flexes)
         self._exchange = Exchange(len(self.rigid.bodies), soft)

@@ -22,7 +22,7 @@ FPS, FRAMES = 24, 49
 LAST = FRAMES - 1
 TIME: F64 = np.arange(FRAMES) / FPS
 MASS = 600.0 * 0.02 * 0.1 * 0.2
-"""Of a domino of `Scene` [kg]."""
+"""Mass of a domino of `Scene` [kg]."""
 PUSH = 0.05
 """[N s] Impulse of a contact where nothing else is said."""
 RATE = 3.0

@@ -36,7 +36,7 @@ class Film:
     index: CacheIndex
     frames: list[dict[str, Any]]
     damage: list[Callable[[Path], None]] = field(default_factory=list)
-    """What is done to the cache folder after it is written."""
+    """Changes made to the cache folder after it is written."""
 
     @property
     def count(self) -> int:

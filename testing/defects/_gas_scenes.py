@@ -20,7 +20,7 @@ CELL = 0.05
 SOOT = 1e-3
 """[kg/m^3] At the source."""
 HIGH = 0.6
-"""Of the box [m]; 0.8 wide."""
+"""Height of the box [m]; it is 0.8 wide."""
 BLOCK = {"size": [0.3, 0.3, 0.2]}
 WIND = {"kind": "field", "field": {"kind": "wind", "velocity": [1.0, 0.3, 0.0]}}
 PULL = {

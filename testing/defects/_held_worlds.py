@@ -35,11 +35,11 @@ __all__ = ["HELD_MECHANISMS"]
 
 GAP, DRIFT = Limits().contact_gap, Limits().support_drift
 REACH = GAP + RigidSettings().skin
-"""How far an anchor may be from a surface [m]."""
+"""Largest distance of an anchor from a surface [m]."""
 SEAM, NARROW = 2e-3, 8e-4
 """Gap over which no two static things touch, and over which those of this suite do, 8 cm in diagonal and more [m]."""
 OUTSIDE = 0.002
-"""How far a centre of mass may seem to lie beside what carries it [m]."""
+"""Largest distance by which a centre of mass may seem to lie beside what carries it [m]."""
 OVER, UNDER = 1.05, 0.95
 FPS = 24
 

@@ -29,7 +29,7 @@ AFLOAT: tuple[dict[str, Any], ...] = (
     {"spacing": 0.04, "engine": "dfsph"},
     {"spacing": 0.03, "engine": "flip"},
 )
-"""Of tanks with a crate that floats at about its draft and settles in a preroll."""
+"""Settings of tanks with a crate that floats at about its draft and settles in a preroll."""
 BOARD: dict[str, Any] = {"spacing": 0.04}
 
 

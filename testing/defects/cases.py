@@ -32,7 +32,7 @@ class Mechanism:
 
     name: str
     text: str
-    """What is wrong; or why it looks wrong and is not."""
+    """Fault in plain words; or why it looks wrong and is not."""
     broken: bool
     build: Callable[[Path, float, np.random.Generator], World]
     low: float

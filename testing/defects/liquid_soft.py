@@ -26,7 +26,7 @@ FPS = 24
 Frame = dict[str, Any]
 Edit = Callable[[int, Frame, float], None]
 Draw = Callable[[Candidate, float, np.random.Generator], dict[str, Edit]]
-"""What is changed in which instance."""
+"""Function that draws the edits of frames, by instance."""
 
 
 def _changed(base: Candidate, folder: Path, edits: dict[str, Edit], magnitude: float) -> Candidate:

@@ -98,7 +98,7 @@ class _Land:
         return int(row), int(col)
 
     def middle(self, row: int, col: int) -> F64:
-        """Of a cell [m]."""
+        """Middle of a cell, x and y [m]."""
         return (np.array([col, row]) - 0.5 * (CELLS - 1)) * CELL
 
     def reach(self) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from .liquid_worlds import Flow, G, pool_in_tank
 __all__ = ["EDGE", "crate_in_tank"]
 
 EDGE = 0.1
-"""Of the crate [m]."""
+"""Edge of the crate [m]."""
 SPACING = 0.02
 FPS = 24
 

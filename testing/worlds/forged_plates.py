@@ -19,7 +19,7 @@ __all__ = ["Paint", "encoded", "forge_plates"]
 
 @dataclass(frozen=True)
 class Paint:
-    """How a forged plate is painted; colours and light are linear, white is 1."""
+    """Colours and light of a forged plate; both are linear, white is 1."""
 
     subject: tuple[float, float, float] = (0.5, 0.1, 0.05)
     behind: tuple[float, float, float] = (0.3, 0.3, 0.3)

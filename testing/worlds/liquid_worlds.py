@@ -84,7 +84,7 @@ class Flow:
     velocity: list[F64]
     identity: list[Any]
     volume: float
-    """Of each particle [m^3]."""
+    """Volume of each particle [m^3]."""
     colliders: tuple[str, ...] = ()
     holder: int = 0
     """Row of the boundary that gave what gravity did not."""

@@ -24,7 +24,7 @@ FIRE_PROMPT = "A fire burns in a bowl on the floor under a plate, and it goes ou
 SMOKE_PROMPT = "Smoke rises from a bowl on the floor and spreads under a plate."
 KINDLED_PROMPT = "A fire in a bowl sets a sheet of paper beside it on fire."
 WIDE, HIGH = 0.8, 1.2
-"""Of the room [m]."""
+"""Width and height of the room [m]."""
 
 
 def smoke_spec(*, frames: int = 25, resolution: float = 0.05, rate: float = 0.004, **changes: Any) -> dict[str, Any]:

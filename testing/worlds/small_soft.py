@@ -13,7 +13,7 @@ HAMMOCK_PROMPT = "A jelly drops on a cloth hung between four posts over a tray o
 HALF, HIGH, POST = 0.22, 0.3, 0.012
 """Half the side of the cloth, its height, and the posts' radius [m]."""
 SIDE = 0.1
-"""Of the jelly [m]."""
+"""Side of the jelly [m]."""
 
 
 def _entity(role: str, motion: str, material: str, parts: dict[str, Any], size: list[float], at: list[float]) -> dict[str, Any]:

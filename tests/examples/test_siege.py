@@ -15,7 +15,7 @@ from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
 
 HUNG, SHOWN = 2.0, 2.5
-"""Of the flag alone, coarse: in still air before frame 0, and the frames' time [s]."""
+"""Times of the flag alone, coarse: in still air before frame 0, and over the frames [s]."""
 
 
 def test_the_specification_passes_the_audit() -> None:

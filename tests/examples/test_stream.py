@@ -76,7 +76,7 @@ def test_the_long_reach_agrees_with_the_mask_of_hydrology_within_one_cell(tmp_pa
 
 
 def test_the_shown_reach_is_forty_metres_long_and_runs_eight_seconds(tmp_path: Path) -> None:
-    """What the command line shows by default: the cut ground's stream, and frames for 8 s and as long a story."""
+    """The command line shows by default the stream of the cut ground, with frames for 8 s and as long a story."""
     options = options_of([])
     assert options.seconds >= 8.0
     assert options.told == options.seconds

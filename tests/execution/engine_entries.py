@@ -9,7 +9,7 @@ __all__ = ["WARM", "computed", "loaded"]
 
 
 def loaded(payload, context):
-    """Whether the engines were there before the entry began."""
+    """True if the engines were there before the entry began."""
     return {name: name in sys.modules for name in WARM}
 
 

@@ -100,11 +100,11 @@ def alone(payload, context):
 
 
 WARM = ("fractions",)
-"""What a nursery of these entries has loaded."""
+"""Modules that a nursery of these entries has loaded."""
 
 
 def surroundings(payload, context):
-    """What an entry can see of the process it runs in."""
+    """Facts that an entry sees of the process it runs in."""
     import sys
 
     return {

@@ -156,7 +156,7 @@ def stretched(parts, *, compile_s=0.0, last=1.0):
 
 
 def test_a_stretch_tells_only_of_itself_and_the_last_one_of_the_whole():
-    """What comes at another pace is not told by the pace of what goes on now."""
+    """The pace of what goes on now tells nothing of what comes at another pace."""
     judged = 0
     for now, rank, step, estimate in stretched([(20, 0.5), (20, 3.0)]):
         judged += 1

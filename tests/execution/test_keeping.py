@@ -1,4 +1,4 @@
-"""What stays on disk: rows of older layouts, old jobs, logs."""
+"""Files that stay on disk: rows of older layouts, old jobs, logs."""
 
 import sqlite3
 import time

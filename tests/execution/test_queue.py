@@ -169,7 +169,7 @@ def test_the_order_is_found_by_indexes(table):
 
 
 def test_a_job_starts_when_its_place_is_free_not_when_it_was_asked_for(table, monkeypatch):
-    """What waits for the lock while another job ends has not begun before that end."""
+    """A job that waits for the lock while another one ends has not begun before that end."""
     clock = [1.0]
     monkeypatch.setattr(queue, "time", SimpleNamespace(time=lambda: clock[0], monotonic=lambda: clock[0]))
     waiting = add(table, "w")

@@ -1,4 +1,4 @@
-"""What a watch writes of a task that says nothing for long."""
+"""Texts that a watch writes of a task that says nothing for long."""
 
 from __future__ import annotations
 

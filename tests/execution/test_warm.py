@@ -229,7 +229,7 @@ def test_off_means_cold(store, monkeypatch):
 
 
 def test_no_module_reads_the_environment_while_it_loads():
-    """What a nursery has loaded must not depend on variables that a later request hands over."""
+    """Modules that a nursery has loaded must not depend on variables that a later request hands over."""
     root = Path(nursery.__file__).parent.parent
     at_import = re.compile(r"^[^\s#\"'].*os\.(environ|getenv)", re.MULTILINE)
     floors = ("physics", "worlds", "execution", "geometry", "construction", "simulation", "verifiers", "rendering", "tools")

@@ -67,7 +67,7 @@ def segments(p: np.ndarray, p2: np.ndarray, q: np.ndarray, q2: np.ndarray) -> np
 
 
 def _crosses(p: np.ndarray, q: np.ndarray, t: np.ndarray) -> bool:
-    """Whether any segment p-q, shape (n, 3), goes through any triangle, shape (m, 3, 3)."""
+    """True if any segment p-q, shape (n, 3), goes through any triangle, shape (m, 3, 3)."""
     u, v, w, det = _ray(p, q - p, t)
     with np.errstate(invalid="ignore"):
         return bool(((det != 0) & (u >= 0) & (v >= 0) & (u + v <= 1) & (w >= 0) & (w <= 1)).any())
@@ -102,7 +102,7 @@ def soup_distance(ta: np.ndarray, tb: np.ndarray) -> float:
 
 
 def inside(t: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Whether points lie where the signed crossings of a ray do not cancel."""
+    """True where points lie where the signed crossings of a ray do not cancel."""
     found = np.zeros(len(points), dtype=bool)
     step = max(1, PAIRS // len(t))
     for i in range(0, len(points), step):

@@ -19,7 +19,7 @@ from .meshes import at, ball, box, random_pose, ring
 from .shapes import KINDS, random_pair, random_shape
 
 SEPARATED = 1e-6
-"""Of the size: what is promised for bodies apart."""
+"""Accuracy that is promised for bodies apart, in units of their size."""
 DEPTH = 0.01
 """Relative: what is promised for the depth."""
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from worldagent.geometry import Camera, IdCaster, camera_at
+from worldagent.geometry import Camera, IdCaster, camera_at, idcast
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.spec import Shot
@@ -151,3 +151,46 @@ def test_a_turned_camera_shows_the_same_turned() -> None:
     points = np.array([[0.3, 0, 0.1], [0, 0, 0.5]])
     one, two = view.project(points)[0] - 32, turned.project(points)[0] - 32
     np.testing.assert_allclose(two, np.column_stack([-one[:, 1], one[:, 0]]), atol=1e-9)
+
+
+def sheets(rng, count: int) -> TriangleMesh:
+    """Large triangles all about a camera at the origin: before it, behind it, and through the plane of its eye."""
+    corners = rng.normal(size=(count, 3, 3)) * 10.0 ** rng.uniform(-1.0, 2.0, size=(count, 1, 1))
+    return TriangleMesh(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_leaving_out_what_reaches_no_pixel_changes_no_picture(seed, monkeypatch):
+    rng = np.random.default_rng(seed)
+    caster, poses = IdCaster([sheets(rng, 60) for _ in range(3)]), [at()] * 3
+    drawn, saved = [], 0
+    draw = idcast._Buffer._draw_large
+    monkeypatch.setattr(idcast._Buffer, "_draw_large", lambda *told: (drawn.append(told[2]), draw(*told)))
+    for _ in range(4):
+        view = camera((0.0, 0.0, 0.0), tuple(rng.normal(size=3)), float(rng.uniform(20, 100)), (320, 180))
+        x, y = np.sort(rng.integers(0, 320, 2)), np.sort(rng.integers(0, 180, 2))
+        window = (int(x[0]), int(x[1]) + 1, int(y[0]), int(y[1]) + 1)
+        few, left = caster.cast(view, poses, window=window), len(drawn)
+        with monkeypatch.context() as patch:
+            patch.setattr(idcast, "_reaching", lambda edge, rectangle: np.ones(len(edge), dtype=bool))
+            whole = caster.cast(view, poses, window=window)
+        saved += len(drawn) - 2 * left
+        for one, other in zip(few, whole, strict=True):
+            assert np.array_equal(one, other)
+        drawn.clear()
+    assert saved > 0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_look_up_to_a_depth_is_the_whole_one_up_to_there(seed):
+    rng = np.random.default_rng(seed)
+    caster = IdCaster([sheets(rng, 200)])
+    view = camera((0.0, 0.0, 0.0), tuple(rng.normal(size=3)), 60.0)
+    whole = caster.cast(view, [at()])
+    until = float(np.median(whole.depth[np.isfinite(whole.depth)]))
+    found = caster.cast(view, [at()], until=until)
+    near = whole.depth < until * (1 - 1e-6)
+    assert near.any()
+    assert np.array_equal(found.ids[near], whole.ids[near])
+    assert np.array_equal(found.depth[near], whole.depth[near])
+    assert (found.depth[~near] >= whole.depth[~near]).all()

@@ -20,7 +20,7 @@ def merged(*meshes: trimesh.Trimesh) -> Solid:
 
 
 def pierces(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether an edge of one triangle goes through the inside of the other, by solving for the point: another route."""
+    """True if an edge of one triangle goes through the inside of the other, by solving for the point: another route."""
     for one, other in ((a, b), (b, a)):
         for k in range(3):
             p, q = one[k], one[(k + 1) % 3]

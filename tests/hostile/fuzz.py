@@ -38,7 +38,7 @@ SHOWN = 1500
 
 
 class Finds:
-    """What went wrong, by what it looks like."""
+    """Failures, by how they look."""
 
     def __init__(self) -> None:
         self.kinds: dict[str, str] = {}

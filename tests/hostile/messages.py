@@ -181,7 +181,7 @@ def odd_calls(draw: random.Random, era: str) -> Iterator[Case]:
 
 
 def unanswered(draw: random.Random, era: str) -> Iterator[Case]:
-    """What JSON-RPC has no answer for: notifications and answers, good and bad; and empty lines."""
+    """Messages that JSON-RPC does not answer: notifications and answers, good and bad; and empty lines."""
     while True:
         yield Case("empty", draw.choice([b"", b" ", b"\t", b"\r"]))
         for method, params in (

@@ -49,7 +49,7 @@ PATHS = (
     "/proc/self/environ",
     "/dev/zero",
 )
-"""What a path must never lead to, in the ways that lead there."""
+"""Texts that lead where a path must never lead."""
 
 NUMBERS: tuple[Any, ...] = (
     0, -0.0, 1, -1, 1e-300, 5e-324, 1e-12, 1e9, -1e9, 1e9 + 1, 1e17, 1e300, 1.7976931348623157e308, 2**31, 2**53, 2**63, 10**40,

@@ -138,7 +138,7 @@ def bounded() -> Iterator[None]:
 
 
 def processor_seconds() -> float:
-    """Of this process and of its children that have ended [s]."""
+    """Processor time of this process and of its children that have ended [s]."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(u.ru_utime + u.ru_stime for u in used)
 

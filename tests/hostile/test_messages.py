@@ -31,12 +31,12 @@ GROWTH = 64_000_000
 
 
 def owed(case: Case) -> bool:
-    """Whether an answer is due."""
+    """True if an answer is due."""
     return bool(case.codes or case.tool_error or case.result)
 
 
 def check(case: Case, found: list[dict[str, Any]]) -> None:
-    """Whether the answers are what the case is owed."""
+    """Check that the answers are what the case is owed."""
     shown = (case.name, case.line[:200], found)
     if not owed(case):
         assert not found, shown
@@ -80,7 +80,7 @@ HEADER_MISMATCH = -32020
 
 
 def check_http(case: Case, status: int, body: bytes) -> None:
-    """Whether an HTTP answer is what the case is owed."""
+    """Check that an HTTP answer is what the case is owed."""
     shown = (case.name, case.line[:200], status, body[:500])
     assert status < 500, shown
     if not owed(case):

@@ -16,7 +16,7 @@ SLOW_SECONDS = 20.0
 """A call that takes longer hangs [s]: they take milliseconds, and the machine may be busy."""
 READABLE = ("/proc/self/", "/proc/meminfo", "/proc/cpuinfo", "/sys/", "/dev/null", "/dev/urandom", "/usr/share/zoneinfo", "/etc/mime.types",
             "/etc/httpd/", "/etc/apache", "/etc/nginx/", "/usr/local/etc/", "/etc/localtime", "/usr/share/mime")  # fmt: skip
-"""What libraries read by themselves."""
+"""Files that libraries read by themselves."""
 
 
 class Watch:

@@ -119,7 +119,7 @@ class Stdio:
         return self.answer()
 
     def until_good(self) -> list[dict[str, Any]]:
-        """What came before the answer to a good call, which must be right."""
+        """Answers before the one to a good call, which must be right."""
         self._count += 1
         name = f"good-{self._count}"
         self.write(json.dumps(request(self.era, name, "prompts/list")).encode())

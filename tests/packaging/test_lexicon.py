@@ -15,7 +15,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT / "worlds" / "prompts" / "data"
 SOURCES = Path(os.environ.get("WORLDAGENT_WORDNET", "/usr/share/wordnet"))
-"""Of Debian's wordnet-base and wordnet-sense-index."""
+"""Folder of Debian's wordnet-base and wordnet-sense-index."""
 
 
 @pytest.fixture(scope="module")

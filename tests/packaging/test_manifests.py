@@ -1,4 +1,4 @@
-"""What the package tells registries, hosts and plugin catalogs agrees with the package."""
+"""Manifests for registries, hosts and plugin catalogs agree with the package."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ class Made:
         return self.jobs.submit(kind, world, payload, entry="worldagent.tests.page.entries:steady").id
 
     def advance(self, done: float) -> None:
-        """How far the jobs are, of 10; at 10 they end."""
+        """Let the jobs be so far, of 10; at 10 they end."""
         write_atomically(self.root / "steps", str(done).encode())
 
     def rows(self, name: str, *rows: Row, stage: str = "full") -> None:

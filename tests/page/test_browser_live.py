@@ -1,4 +1,4 @@
-"""What changes while somebody watches: jobs, worlds, verdicts, and the server itself."""
+"""Changes while somebody watches: of jobs, worlds, verdicts, and the server itself."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ POLICY = (
     "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
     "media-src 'self' data:; connect-src 'none'"
 )
-"""What a host applies to a view that declares no domains (ext-apps, 2026-01-26)."""
+"""Policy that a host applies to a view that declares no domains (ext-apps, 2026-01-26)."""
 HOST = """
 async ({html, capabilities, theme, input}) => {
   const frame = document.createElement("iframe");

@@ -1,4 +1,4 @@
-"""What the page's routes answer, without a browser."""
+"""Answers of the page's routes, without a browser."""
 
 from __future__ import annotations
 

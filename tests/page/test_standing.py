@@ -1,4 +1,4 @@
-"""What the ledger says about how far a world has come, and when that stops being true."""
+"""The ledger says how far a world has come, and when that stops being true."""
 
 from __future__ import annotations
 

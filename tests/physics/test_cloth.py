@@ -79,7 +79,7 @@ def test_a_strip_between_two_pins_hangs_in_a_catenary() -> None:
 
 
 def _sunk(angle: float) -> float:
-    """How far a wide clamped plate, cut at an angle from a lattice, sinks under its weight, over the law's (L = B = q = 1)."""
+    """Sag of a wide clamped plate, cut at an angle from a lattice, under its weight, over the law's (L = B = q = 1)."""
     edge = 0.05
     points, faces = sheet_grid(SheetShape(size=(4.0, 4.0), resolution=edge))
     along = points @ np.array([math.cos(angle), math.sin(angle), 0.0])

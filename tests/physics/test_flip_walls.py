@@ -18,7 +18,7 @@ from .test_flip import G, box_mesh, one_body
 
 UPRIGHT = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 SIDE = 0.2
-"""Of the water in the basin, a cube [m]."""
+"""Side of the water in the basin, a cube [m]."""
 
 
 def moved(size: tuple[float, ...], at: tuple[float, ...]) -> TriangleMesh:

@@ -22,7 +22,7 @@ def _corners(cells: int = CELLS) -> F64:
 
 
 def _mass(gas: Gas) -> float:
-    """Of the gas [kg]."""
+    """Mass of the gas [kg]."""
     return float(((1.0 - gas.state[..., 0].astype(float)) * gas.room).sum() * gas.cell**3 * gas.density)
 
 

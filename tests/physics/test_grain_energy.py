@@ -1,4 +1,4 @@
-"""What contacts hold: against the oscillators that springs of contacts make, grain on grain and grain on wall."""
+"""Energy held in contacts: against the oscillators that springs of contacts make, grain on grain and grain on wall."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ R, YOUNG, STICKY = 0.01, 1e7, 5.0
 """[m], [Pa], [J/m^2]"""
 MODULUS = 0.5 * YOUNG / (1 - 0.25**2)
 PULL = math.pi * STICKY * R
-"""Of adhesion between two grains [N]."""
+"""Pull of adhesion between two grains [N]."""
 DEPTH = (0.75 * PULL / (MODULUS * math.sqrt(0.5 * R))) ** (2 / 3)
 """At which it balances Hertz's force [m]."""
 MASS = 4 / 3 * math.pi * 2500.0 * R**3

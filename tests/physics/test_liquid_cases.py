@@ -55,7 +55,7 @@ UNREFINED: dict[Run, str] = {
     )},
     ("kleefsman", "flip", 1): LONG,
 }  # fmt: skip
-"""What no test runs, and why."""
+"""Runs that no test makes, and why."""
 KEPT = "height after three periods / at first"
 REST, CALMER = "kinetic / potential energy at the end", "kinetic energy, end / start"
 WALL = "height at the wall, mean error / height at first"
@@ -108,7 +108,7 @@ MISSES: dict[tuple[Run, str], tuple[str, str]] = {
     (("ledgers", "flip", 1), "momentum, change / sum of |m v|"): ("1.9e-2", TRANSFER),
     (("ledgers", "flip", 1), "angular momentum, change / sum of |m v| x 1 m"): ("2.1e-2", TRANSFER),
 }
-"""What was measured where the gate is not kept, and the cause as far as it is known."""
+"""Figures measured where the gate is not kept, and the cause as far as it is known."""
 
 
 def marked(run: Run) -> tuple[pytest.MarkDecorator, ...]:

@@ -192,7 +192,7 @@ def hung(frames, size, at, domain, *, spacing, sides=("open",) * 6, stiffness=60
 
 
 def energy(water, cloth):
-    """Of both [J]."""
+    """Energy of water and cloth together [J]."""
     names = ("kinetic_energy", "potential_energy")
     found = sum(float(one[f"record/{n}"]) for one in (water, cloth) for n in names)
     return found + float(cloth["record/stretch_energy"]) + float(cloth["record/bending_energy"])

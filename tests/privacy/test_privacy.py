@@ -37,7 +37,7 @@ OWN = (
 
 @dataclass
 class Watched:
-    """What all processes of a run did."""
+    """Actions of all processes of a run."""
 
     processes: int = 0
     seen: list[tuple[str, list[str]]] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""What the guard lets through to any route, driven as a server drives it."""
+"""Requests that the guard lets through to any route, driven as a server drives it."""
 
 from __future__ import annotations
 

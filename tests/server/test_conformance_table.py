@@ -1,4 +1,4 @@
-"""What the conformance run counts as passed: the run itself is `make conformance`."""
+"""Scenarios that the conformance run counts as passed: the run itself is `make conformance`."""
 
 from __future__ import annotations
 

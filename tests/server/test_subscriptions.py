@@ -47,7 +47,7 @@ def server(tmp_path: Path) -> WorldServer:
 
 
 def judge(server: WorldServer) -> None:
-    """What a worker does to a world: a row, by a connection of its own."""
+    """Write a row as a worker does, by a connection of its own."""
     row = Row(
         id="scale:box", check="scale", group="spatial", predicate="size", status="pass", measured=1.0, bound=2.0, comparison="<="
     )
@@ -55,14 +55,14 @@ def judge(server: WorldServer) -> None:
 
 
 def work(server: WorldServer) -> None:
-    """What another server does: submit a job."""
+    """Submit a job as another server does."""
     JobStore(server.workspace).submit(
         "bake", "tiny", {"seconds": 0, "label": "x"}, entry="worldagent.server.conformance.jobs:sleep"
     )
 
 
 def rewrite(server: WorldServer) -> None:
-    """What an edit does to the specification, with equal length."""
+    """Change the specification as an edit does, with equal length."""
     write_atomically(server.workspace / "tiny" / "world.json", json.dumps(SPEC).encode())
 
 

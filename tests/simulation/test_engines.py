@@ -1,4 +1,4 @@
-"""What holds of every engine: it writes what is declared, goes on from its checkpoints to the byte, and refuses other bytes."""
+"""Rules that hold for every engine: it writes what is declared, goes on from its checkpoints to the byte, and refuses other bytes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What makes debris affordable: the order of its bodies, contacts that stay as soft as they were, loads that are not solved for anew."""
+"""Measures that make debris affordable: the order of its bodies, contacts that stay as soft as they were, loads that are not solved for anew."""
 
 from __future__ import annotations
 

@@ -107,6 +107,7 @@ def _sparks() -> Document:
         "start": LATE,
         "rate": 900.0,
     }
+    spec["simulation"]["drivers"]["gust"] = {"kind": "field", "field": {"kind": "wind", "velocity": [5, 0, 0]}, "start": LATE}
     return {**spec, "prompt": SPARK_PROMPT}
 
 
@@ -199,25 +200,26 @@ CASES = {
     "detach": Case("bodies", _driver("cut", "time", 6 / FPS), {"main": ALL}),
     "last key of a path": Case("bodies", _driver("way", "keys/k4/pose/position", [1.0, 0.5, 0.3]), {"main": 5}),
     "third key of a path that waits": Case("bodies", _driver("way", "keys/k2/pose/position", [1.0, 0.2, 0.3]), {"main": 5}),
-    "wind": Case("bodies", _driver("gust", "field/velocity", [9, 9, 0]), {"main": SOON}),
+    "wind": Case("bodies", _driver("gust", "field/velocity", [9, 9, 0]), {"main": ALL}),
     "end of a wind": Case("bodies", _driver("gust", "end", 7 / FPS), {"main": 7}),
     "longer": Case("bodies", _set("simulation/frames", FRAMES + 4), {"main": FRAMES}),
     "shorter": Case("bodies", _set("simulation/frames", FRAMES - 2), {"main": FRAMES - 2}),
     "release of jelly": Case("jelly in water", _driver("let_go", "time", 6 / FPS), {"rigid": ALL, "water": ALL}),
     "release over particles": Case("particles", _driver("hold", "time", 6 / FPS), {"rigid": ALL, "water": ALL}),
     "tap into particles": Case("particles", _driver("tap", "start", 6 / FPS), {"rigid": SOON, "water": SOON}),
-    "wind over particles": Case("particles", _driver("wind", "field/velocity", [8, 0, 0]), {"rigid": SOON, "water": SOON}),
+    "wind over particles": Case("particles", _driver("wind", "field/velocity", [8, 0, 0]), {"rigid": ALL, "water": ALL}),
     "release over a grid": Case("grid", _driver("hold", "time", 6 / FPS), {"rigid": ALL, "water": ALL}),
     "tap into a grid": Case("grid", _driver("tap", "start", 6 / FPS), {"rigid": FRAMES, "water": SOON}),
-    "wind over a grid": Case("grid", _driver("wind", "rise", 0.1), {"rigid": FRAMES, "water": SOON}),
+    "wind over a grid": Case("grid", _driver("wind", "rise", 0.1), {"rigid": FRAMES, "water": ALL}),
     "speed of a tap": Case("grid", _driver("tap", "speed", 1.2), {"rigid": FRAMES}),
     "spacing of a grid that only reads": Case("grid", _set("entities/water/physics/resolution", 0.028), {"rigid": FRAMES}),
     "release over sand": Case("sand", _driver("hold", "time", 6 / FPS), {"bodies": ALL, "grains": ALL}),
-    "wind over sand": Case("sand", _driver("wind", "field/velocity", [0, 20, 0]), {"bodies": SOON, "grains": SOON}),
+    "wind over sand": Case("sand", _driver("wind", "field/velocity", [0, 20, 0]), {"bodies": ALL, "grains": ALL}),
     "later emitter": Case("sparks", _driver("second", "rate", 300.0), {"bodies": FRAMES, "flight": SOON}),
     "emitter turned": Case("sparks", _driver("second", "pose/euler", [0, -1.0, 0]), {"bodies": FRAMES, "flight": SOON}),
+    "wind over sparks": Case("sparks", _driver("gust", "field/velocity", [0, 0, 5]), {"bodies": FRAMES, "flight": ALL}),
     "later emission": Case("smoke", _driver("second", "start", 6 / FPS), {"bodies": FRAMES, "air": SOON}),
-    "wind over smoke": Case("smoke", _driver("wind", "field/velocity", [2, 0, 0]), {"bodies": FRAMES, "air": SOON}),
+    "wind over smoke": Case("smoke", _driver("wind", "field/velocity", [2, 0, 0]), {"bodies": FRAMES, "air": ALL}),
     "force on a crate that a grid reads": Case(
         "grid", _set("simulation/drivers/late", {**FORCE, "entity": "crate"}), {"rigid": ALL, "water": ALL}
     ),
@@ -225,7 +227,7 @@ CASES = {
     "far block and sparks": Case("sparks", _set("entities/far/pose/position", [9.0, 1.0, 0.2]), {"flight": FRAMES}),
     "roughness of a far block and sparks": Case("sparks", _set("materials/brick/friction", 0.2), {"flight": FRAMES}),
     "far block and smoke": Case("smoke", _set("entities/far/pose/position", [9.0, 1.0, 0.2]), {"air": FRAMES}),
-    "wind at a flag": Case("flag", _driver("breeze", "field/velocity", [3, 3, 0]), {"rigid": FRAMES, "cloth": SOON}),
+    "wind at a flag": Case("flag", _driver("breeze", "field/velocity", [3, 3, 0]), {"rigid": FRAMES, "cloth": ALL}),
 }
 """Edits that act later than frame 0, and the frames that each instance takes over."""
 

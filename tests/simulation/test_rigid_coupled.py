@@ -1,4 +1,4 @@
-"""What a rigid instance tells those who push its bodies: places, mobility, accelerations, and what it received."""
+"""A rigid instance tells those who push its bodies their places, mobility and accelerations, and what it received."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the rigid solver refuses, and that the text says what to do."""
+"""The rigid solver refuses bad input, and the text says what to do."""
 
 import pytest
 from worldagent.tests.physics.rigid_world import ball, box, entity, solver, world

@@ -1,4 +1,4 @@
-"""What is told while a frame is under way: how far it is, in what steps, and that it is made again."""
+"""Progress while a frame is under way: how far it is, in what steps, and that it is made again."""
 
 from __future__ import annotations
 

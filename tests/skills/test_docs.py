@@ -77,7 +77,7 @@ def test_every_silent_point_has_a_choice() -> None:
 
 
 def _absent(page: Path) -> list[str]:
-    """What a page cites and what is not there: files, folders, links, and functions or classes after `::`.
+    """Files, folders, links, and functions or classes after `::` that a page cites and that are not there.
 
     Paths count from the root, from the page's folder or from one above it; a bare name may lie anywhere below that folder. Names
     without an ending are no paths of ours (`tools/list` is a method of the protocol), nor are files of worlds (`world.json`).

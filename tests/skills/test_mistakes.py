@@ -1,4 +1,4 @@
-"""What the skill says about mistakes, clauses and weakening is what the audit and the patches do, shown on its own example."""
+"""Statements of the skill about mistakes, clauses and weakening, shown on its own example by the audit and the patches."""
 
 from __future__ import annotations
 

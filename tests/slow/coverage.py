@@ -52,7 +52,7 @@ class Figures:
     statements: int
     missed: int
     failed: bool
-    """Whether a test failed under the tracer."""
+    """True if a test failed under the tracer."""
     least: dict[str, float]
     """Least covered modules -> part of their statements that ran [%]."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,7 @@ def _start(table: JobTable, job: Job, *, slots: int | None = None) -> Job:
     return table.read(job.id)
 
 
-def _judge(root: Path, **options: Any) -> dict[str, Any]:
+def _judge(root: Path, *, waiting: None = None, **options: Any) -> dict[str, Any]:
     """The verdict of this process; JSON forth and back as between processes."""
     found: dict[str, Any] = json.loads(json.dumps(acceptance.judge(root, **options)))
     return found
@@ -50,3 +51,4 @@ def run_jobs_inline(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("worldagent.execution.jobs.pump", _pump)
     monkeypatch.setattr("worldagent.execution.jobs.start", _start)
     monkeypatch.setattr("worldagent.verifiers.acceptance.judge_fresh", _judge)
+    monkeypatch.setattr("worldagent.verifiers.acceptance.WaitingJudge", nullcontext)

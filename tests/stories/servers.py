@@ -117,7 +117,7 @@ def without_bake(accepted: Path, workspace: Path) -> Path:
 
 
 def until(condition: Callable[[], Any], *, timeout_s: float = 60.0) -> Any:
-    """What `condition` gives as soon as it is something."""
+    """First value of `condition` that is true, asked for every 5 ms."""
     deadline = time.monotonic() + timeout_s
     while not (value := condition()):
         assert time.monotonic() < deadline, "the condition never came true"

@@ -149,7 +149,7 @@ def _call(rng: random.Random) -> tuple[str, dict[str, Any]]:
 
 
 def _forge(rng: random.Random, folder: Path, donor: Path) -> str:
-    """What an agent with a shell might do: to the ledger, to records, to caches, or with those of an accepted world."""
+    """Do what an agent with a shell might do: to the ledger, to records, to caches, or with those of an accepted world."""
     import sqlite3
 
     statements = (
@@ -294,7 +294,7 @@ def test_long_random_walks(walker: Any, accepted_folder: Path, seed: int, kind: 
 
 
 def _verdict(folder: Path) -> str:
-    """What the verifiers say of the folder by themselves, or why they cannot."""
+    """Verdict of the verifiers on the folder by themselves, or why they cannot judge."""
     try:
         return str(judge(folder)["verdict"])
     except WorldAgentError as error:

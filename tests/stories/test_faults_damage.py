@@ -33,7 +33,7 @@ DERIVED = {
     "probe frame": "w/candidates/*/probe/rigid/frame_000003.npz",
     "probe index": "w/candidates/*/probe/rigid/index.json",
 }
-"""What the loop makes again from the specification."""
+"""Files that the loop makes again from the specification."""
 HELD = {"specification": "w/world.json", "ledger": "w/ledger.sqlite", "jobs": ".worldagent/jobs.db"}
 pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 
@@ -93,7 +93,7 @@ def _verdict(agent: Any) -> str:
 
 
 def _meaning(folder: Path) -> Any:
-    """What the caches of the bake say, whatever their bytes."""
+    """Content of the bake's caches, whatever their bytes."""
     (bake,) = folder.glob("candidates/*/bake/rigid")
     (record,) = folder.glob("candidates/*/candidate.json")
     cache = Cache(bake)

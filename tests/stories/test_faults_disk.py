@@ -19,7 +19,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")
 
 
 def _namespaces() -> bool:
-    """Whether this user may mount a small disk where nobody else sees it."""
+    """True if this user may mount a small disk where nobody else sees it."""
     try:
         done = subprocess.run(
             ["unshare", "-rm", "sh", "-c", "mount -t tmpfs -o size=64k tmpfs /mnt"], capture_output=True, timeout=20, check=False

@@ -191,7 +191,7 @@ def _name_what_is_there(folder: Path, *, seals: bool) -> None:
 
 
 def _replayed(folder: Path, seed: int, intervals: int = REPLAY_INTERVALS) -> Any:
-    """What a replay that draws with this seed says of the bake."""
+    """Verdict on the bake of a replay that draws with this seed."""
     candidate = open_candidate(WorldFolder(folder), json.loads(_record(folder).read_text())["freeze"], "full")
     return replay_row(candidate, seed, intervals, (), lambda *_: None)[0]
 

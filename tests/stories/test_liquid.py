@@ -35,7 +35,7 @@ KEPT = ("mass", "start", "identity", "records", "coupling", "energy", "density",
 
 
 class Killed(Exception):
-    """What ends a bake from outside."""
+    """Error that ends a bake from outside."""
 
 
 @pytest.fixture(scope="module")

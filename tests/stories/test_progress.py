@@ -1,4 +1,4 @@
-"""How far a job is: frames and judgement both count, and the same motion is judged again without a simulation."""
+"""Progress of a job: frames and judgement both count, and the same motion is judged again without a simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every reply is like: its head, its size, its pages, and links that can be read."""
+"""Rules for every reply: its head, its size, its pages, and links that can be read."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def test_counts_are_of_the_whole_matrix(accepted: Any) -> None:
 
 
 def test_a_matrix_with_many_open_rows_is_listed_in_lines(agent: Any) -> None:
-    """What is asked for alone is told in full; of all, the first open rows are."""
+    """A row that is asked for alone is told in full; of all rows, the first open ones are."""
     spec = small_spec()
     for name in ("b1", "b2", "b3", "ball"):
         spec["entities"][name]["pose"]["position"][2] -= 0.03

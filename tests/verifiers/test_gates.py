@@ -73,7 +73,7 @@ def test_a_gate_pulled_out_of_grains_needs_nothing_else_that_moves(tmp_path: Pat
 
 
 def test_a_free_body_beside_the_gate_has_its_own_account(beside: Candidate, tmp_path: Path) -> None:
-    """What the gate's own motion once left in the books, 1 mJ, fails where a body that nothing pushes has it."""
+    """An error of 1 mJ, which the gate's own motion once left in the ledger, fails where a body that nothing pushes has it."""
     assert open_rows(beside) == {}
     row = beside.caches["bodies"].index.bodies.index("cube/body")
     speed = np.sqrt(2 * 1e-3 / (STEEL * CUBE**3))

@@ -1,4 +1,4 @@
-"""What replies say in their first sentence."""
+"""First sentences of replies."""
 
 from __future__ import annotations
 

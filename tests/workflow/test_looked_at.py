@@ -1,4 +1,4 @@
-"""What was looked at counts as evidence, though the run was cancelled before its rows were written (R113, R157)."""
+"""Frames that were looked at count as evidence, though the run was cancelled before its rows were written (R113, R157)."""
 
 from __future__ import annotations
 

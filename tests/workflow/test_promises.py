@@ -1,4 +1,4 @@
-"""What a bake owes its probe: the same beats at the same frames, or after a coarser probe about then and in the same order."""
+"""A bake owes its probe the same beats at the same frames, or after a coarser probe about then and in the same order."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
-"""What a job leaves for others to read: whole at every moment, and about what was judged."""
+"""Files that a job leaves for others to read: whole at every moment, and about what was judged."""
 
 from __future__ import annotations
 
 import hashlib
 import zipfile
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -73,6 +74,7 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
     monkeypatch.setattr(jobs, "open_work", lambda payload: Work(session, "f" * 64, {}))
     monkeypatch.setattr(jobs, "require_true_geometry", lambda session, built: None)
     monkeypatch.setattr(jobs, "plates_of", lambda *_, **__: None)
+    monkeypatch.setattr("worldagent.verifiers.acceptance.WaitingJudge", nullcontext)
     monkeypatch.setattr(
         "worldagent.verifiers.acceptance.judge_fresh",
         lambda *_, **__: {"spec_digest": "of another", "rows": [], "verdict": "accepted", "subject": "s", "freeze": "f" * 64},

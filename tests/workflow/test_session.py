@@ -21,7 +21,7 @@ from worldagent.worlds.requirements import Row
 
 LATER = [{"op": "replace", "path": "/title", "value": "Later"}]
 WAIT_S = 1.0
-"""How long another client is given to go wrong; one that is right waits until this one is done [s]."""
+"""Time that another client is given to go wrong; one that is right waits until this one is done [s]."""
 
 
 @pytest.fixture

@@ -38,7 +38,7 @@ class World:
         return measurements.measured(self.session, "state", entities=list(entities), frames=frames, limit=40, offset=0)
 
     def of(self, entity: str, *frames: int) -> dict[str, Any]:
-        """What is told of one entity, at a frame or from one to another."""
+        """State of one entity as told, at a frame or from one to another."""
         told: dict[str, Any] = self.state(entity, frames=(frames[0], frames[-1]))["entities"][entity]
         return told
 

@@ -133,7 +133,7 @@ def test_a_container_cannot_promise_more_than_it_holds(tmp_path: Path) -> None:
 
 
 def test_members_that_lie_elsewhere_or_share_their_bytes_are_refused(tmp_path: Path) -> None:
-    """What the archive's list says is compared with what stands there."""
+    """Entries of the archive's list are compared with what stands there."""
     path = tmp_path / "a.npz"
     write_container(path, {"a": np.arange(64.0), "b": np.arange(64.0) + 1})
     whole = path.read_bytes()

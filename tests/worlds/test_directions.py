@@ -131,7 +131,7 @@ def test_directions_are_as_physics_has_them(place: str, direction: str) -> None:
 
 
 def test_quantities_of_nature_are_physical_and_forms_and_settings_are_not() -> None:
-    """What is re-shaped is judged as it then is, whoever speaks of it."""
+    """A part that is re-shaped is judged as it then is, whoever speaks of it."""
     nature = (
         "/materials/x/friction",
         "/entities/x/physics/mass",
@@ -151,7 +151,7 @@ def test_quantities_of_nature_are_physical_and_forms_and_settings_are_not() -> N
 
 
 def test_every_upper_bound_that_a_field_declares_holds() -> None:
-    """Of a type's bound and a field's the smaller one holds, in the schema that agents read and in what is accepted."""
+    """The smaller of a type's bound and a field's holds, in the schema that agents read and in what is accepted."""
     least = {"friction": 4, "rolling_friction": 0.1}
     for field, bound in least.items():
         assert Material(density=1.0, **{field: bound})

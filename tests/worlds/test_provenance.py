@@ -1,4 +1,4 @@
-"""What is stale after an edit: exactly the artifacts whose inputs changed, no more and no fewer (R115, R116)."""
+"""Artifacts are stale after an edit exactly where their inputs changed (R115, R116)."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "c463f4d9121d74741d23670ae71cede6cc8d4518de5665a66c68b14fc86b67dd"
+SCHEMA = "4f9735d16c20f4239cf333cfc5511c1a176a6db03fd1e0155fcd8274c40cbda0"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -1,4 +1,4 @@
-"""How one entity moves over a run: how far it falls, moves, tips and turns, when, and how it ends."""
+"""Course of one entity over a run: how far it falls, moves, tips and turns, when, and how it ends."""
 
 from __future__ import annotations
 

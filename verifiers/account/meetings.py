@@ -27,9 +27,9 @@ class Meeting:
     first: float
     """[s]"""
     from_start: bool
-    """Whether they touch from the first frame on."""
+    """True if they touch from the first frame on."""
     impulse: float = 0.0
-    """Of all pushes [N s]."""
+    """Sum of all pushes [N s]."""
     hardest: float = 0.0
     """Within a frame [N s]."""
     hardest_at: float = 0.0

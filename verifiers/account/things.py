@@ -57,7 +57,7 @@ class Group:
 
     @property
     def moves(self) -> bool:
-        """Whether a member leaves its place."""
+        """True if a member leaves its place."""
         return any(c.first is not None for c in self.courses.values())
 
     def line(self) -> str:

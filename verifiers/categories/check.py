@@ -8,6 +8,7 @@ from ...worlds.categories.registry import shape_of
 from ..rows.answers import row_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding
+from ..scene.settled import settled_rows
 from .questions import SIMULATED
 from .registry import judged_instances
 
@@ -44,4 +45,5 @@ def check(candidate: Candidate) -> list[Row]:
 
 def check_numerical(candidate: Candidate) -> list[Row]:
     """Rows of every solver instance; all `unverified` for an instance without a cache."""
-    return [r for judge, solver in judged_instances(candidate.spec) for r in judge.numerical_rows(candidate, solver)]
+    rows = [r for judge, solver in judged_instances(candidate.spec) for r in judge.numerical_rows(candidate, solver)]
+    return rows + settled_rows(candidate)

@@ -41,7 +41,7 @@ class _Passed(NamedTuple):
     """[m^3]"""
     against: float
     carried: float
-    """Of both together, what rode along with a body [m^3]."""
+    """Part of both together that rode along with a body [m^3]."""
     particles: int
     """Particles along less those against."""
 

@@ -61,7 +61,7 @@ class Touch(NamedTuple):
     matter: frozenset[str]
     body: str | None
     pressed: Flags
-    """Whether they pressed each other over a frame, shape (frames,)."""
+    """True where they pressed each other over a frame, shape (frames,)."""
 
 
 def record_of(cache: Cache, name: str, frames: int) -> F64 | None:
@@ -93,23 +93,23 @@ class Judge:
     moved_as: ClassVar[str] = ""
     """Category whose instances move it; empty for its own."""
     meets: ClassVar[bool] = False
-    """Whether `touches` tells whom its entities meet, so that it can be the first contact of a run."""
+    """True if `touches` tells whom its entities meet, so that it can be the first contact of a run."""
     bears: ClassVar[bool] = False
-    """Whether bodies can float in it."""
+    """True if bodies can float in it."""
     flat: ClassVar[bool] = False
-    """Whether its surface is a sheet that encloses no volume."""
+    """True if its surface is a sheet that encloses no volume."""
     grainy: ClassVar[bool] = False
-    """Whether it is seen as many small things, the errors of whose pixels level out."""
+    """True if it is seen as many small things, the errors of whose pixels level out."""
     noun: ClassVar[str] = ""
     """Word for matter of it; empty where its form gives the word."""
     goes_on: ClassVar[str] = "moves on"
-    """How it goes on where a run ends before it rests."""
+    """Words for its motion where a run ends before it rests."""
     in_fields: ClassVar[tuple[str, str] | None] = None
-    """What is simplified where the medium of a force field, {0}, acts on it, and with which effect; None where no field does."""
+    """Simplification where the medium of a force field, {0}, acts on it, and its effect; None where no field does."""
 
     @property
     def body(self) -> bool:
-        """Whether its entities are bodies that rigid instances move and whose contacts they log."""
+        """True if its entities are bodies that rigid instances move and whose contacts they log."""
         physics = CATEGORIES[self.moved_as or self.name].physics
         return physics is not None and physics.body
 
@@ -137,7 +137,7 @@ class Judge:
     # ---------------------------------------------------------------- motion of an entity, over the frames
 
     def known(self, candidate: Candidate, entity: str) -> bool:
-        """Whether caches tell of its motion; what they do not tell of counts as still in chains of pushes."""
+        """True if caches tell of its motion; what they do not tell of counts as still in chains of pushes."""
         return candidate.moves(entity)
 
     def centers(self, candidate: Candidate, entity: str) -> F64:
@@ -185,7 +185,7 @@ class Judge:
         return motion.fastest_points(candidate, entity)[: candidate.frame_count]
 
     def moving(self, candidate: Candidate, entity: str) -> Flags:
-        """Whether it is not still, shape (frames,)."""
+        """True where it is not still, shape (frames,)."""
         speed = np.linalg.norm(self.velocities(candidate, entity), axis=1)
         return np.asarray(~((speed <= STILL_SPEED) & (motion.spins(candidate, entity) <= STILL_SPIN)))
 
@@ -234,7 +234,7 @@ class Judge:
     # ---------------------------------------------------------------- how it looks
 
     def amount(self, candidate: Candidate, entity: str) -> str:
-        """How much of it there is, in words; empty for a body, whose form and mass tell.
+        """Words for its amount; empty for a body, whose form and mass tell.
 
         Raises:
             EvidenceError: no cache holds it.

@@ -92,7 +92,7 @@ class Loose(Judge):
         raise EvidenceError(f"no cache holds {entity!r} ({self.name}); list it as a member of an instance that moves it and bake")
 
     def moments(self, candidate: Candidate, entity: str) -> Moments:
-        """How the entity moves as a whole, worked out once per candidate.
+        """Motion of the entity as a whole, worked out once per candidate.
 
         Raises:
             EvidenceError: no cache holds it.
@@ -142,7 +142,7 @@ class Loose(Judge):
         return None
 
     def moving(self, candidate: Candidate, entity: str) -> Flags:
-        """Whether it is not still, shape (frames,)."""
+        """True where it is not still, shape (frames,)."""
         return np.asarray(~(self.moments(candidate, entity).speed <= self.still))
 
     def domain(self, instance: SolverInstance) -> tuple[F64, F64] | None:

@@ -14,6 +14,7 @@ __all__ = [
     "ITERATIONS",
     "PLACED",
     "QUESTIONS",
+    "SETTLED",
     "SIMULATED",
     "SPEED",
     "STARTED",
@@ -65,6 +66,15 @@ STARTED = Question(
     "m/s",
     "<=",
     "SPEED and SPEED_SHARE; PARTICLE_SPEED",
+    ("solver",),
+)
+SETTLED = Question(
+    "numerical:settled",
+    "what settles before frame 0 came to rest, starts where it did, stays until something acts, and did not slide away",
+    "way over half a second at rest, from the settled place, or aside from the declared one, whichever fails first",
+    "m",
+    "<=",
+    "`rest_way` of its category: two collision skins, the distance at which layers touch, LOOSE_SHARE of a grain or spacing; ROUNDING; ASIDE",
     ("solver",),
 )
 FINITE = Question(
@@ -122,4 +132,4 @@ COUNTERS = Question(
     ("solver",),
 )
 
-QUESTIONS = (SIMULATED, FRAMES, DIGEST, PLACED, AMOUNT, STARTED, FINITE, COUNTS, SPEED, TRAVEL, ITERATIONS, COUNTERS)
+QUESTIONS = (SIMULATED, FRAMES, DIGEST, PLACED, AMOUNT, STARTED, SETTLED, FINITE, COUNTS, SPEED, TRAVEL, ITERATIONS, COUNTERS)

@@ -81,7 +81,7 @@ def judged_instances(spec: WorldSpec) -> Iterator[tuple[Judge, str]]:
 
 
 def logged(spec: WorldSpec, *entities: str) -> bool:
-    """Whether logs of contacts tell when entities touch."""
+    """True if logs of contacts tell when entities touch."""
     return all(judge_of(spec, name).body for name in entities)
 
 

@@ -27,7 +27,7 @@ class SoftDepth(NamedTuple):
     part: str
     rows: Rows
     value: F64
-    """How deep [m]."""
+    """Depths of the points [m]."""
 
 
 def soft_walls(candidate: Candidate, solver: str) -> dict[str, Deforming]:

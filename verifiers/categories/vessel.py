@@ -106,7 +106,7 @@ class Vessel:
         return np.asarray(known & self.enclosed[tuple(index.T)])
 
     def below_rim(self, local: F64) -> F64:
-        """How far points of the upright frame lie below the rim over them [m], shape (n,)."""
+        """Depth of points of the upright frame below the rim over them [m], shape (n,)."""
         index, _ = self._cells(local)
         rim = self.tops[index[:, 0], index[:, 1]] * self.cell + self.lower[2]
         return np.asarray(rim - local[:, 2])

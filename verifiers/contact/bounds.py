@@ -10,7 +10,7 @@ BENT = 0.1
 BEYOND = 1.1
 """[1] Own choice: a displacement goes this much farther than the depth it escapes."""
 ROUNDING = 1e-9
-"""[m] Own choice: two bodies whose places against each other differ by less are as they were. Pieces of one shard, written in double
+"""[m] Own choice: two bodies whose places against each other differ by less are as they were. Pieces of one lump, written in double
 precision, differ by 1e-15 (measured)."""
 JOIN = 1e-3
 """[1] Own choice: share of an interval before and after logged contacts in which the path is drawn straight."""

@@ -154,7 +154,7 @@ def _pair(
 
 
 def _tunnels(surfaces: Surfaces, a: str, b: str, series: F64) -> bool:
-    """Whether the pair is deeper than `TUNNEL_SHARE` of the thinner body in two consecutive frames."""
+    """True if the pair is deeper than `TUNNEL_SHARE` of the thinner body in two consecutive frames."""
     deep = series < -TUNNEL_SHARE * min(surfaces.thickness(a), surfaces.thickness(b))
     return bool((deep[1:] & deep[:-1]).any())
 

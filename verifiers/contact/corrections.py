@@ -70,6 +70,8 @@ def overlap_corrections(
     mover, other = order
     spec = surfaces.candidate.spec
     found = not_colliding(surfaces, parts)
+    if any(c.group == "shape" for c in found):
+        return found  # what does not collide passes through at any step
     if bad[0] == 0:
         found.append(
             correction(
@@ -158,7 +160,7 @@ def _crumbled(surfaces: Surfaces, order: Pair, depth: float) -> list[Correction]
 
 
 def _refused(spec: WorldSpec, solver: str, skin: float) -> bool:
-    """Whether the schema or the audit would not take this skin [m]."""
+    """True if the schema or the audit would not take this skin [m]."""
     # Two skins must stay below the contact tolerance.
     if skin > min(SKIN_MAX, SKIN_SHARE * spec.simulation.limits.contact_gap / 2):
         return True

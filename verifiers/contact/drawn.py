@@ -7,12 +7,13 @@ of `geometry/motions.py`; by as much as contacts may have bent it, the surfaces 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Sweep, lowest_clearances
+from ...geometry import Lowest, Sweep, lowest_clearances
 from ...worlds.arrays import F64
 from .bounds import PRECISION
 from .paths import Paths
@@ -66,27 +67,38 @@ def find_unseen(surfaces: Surfaces) -> tuple[list[Unseen], int]:
 
 
 def _gaps(paths: Paths, a: str, b: str, rows: NDArray[np.intp], bound: float) -> F64:
-    """Least distance [m] of the visible surfaces in each interval, less what contacts may have bent the paths; shape (n,)."""
-    surfaces = paths.surfaces
+    """Least distance [m] of the visible surfaces in each interval, less what contacts may have bent the paths; shape (n,).
+
+    Where they come within the bound on the cubics themselves, it is no more than that: how deep they get is not asked.
+    """
     least = np.full(len(rows), np.inf)
-    pairs = [(i, j) for i in surfaces.parts_of[a] for j in surfaces.parts_of[b]]
+    for lowest, _bent in _lowest(paths, a, b, rows, bound, settled=True):
+        least = np.minimum(least, lowest.value)
+    open_ = np.flatnonzero(least >= bound)
+    gap = np.full(len(rows), np.inf)
+    for lowest, bent in _lowest(paths, a, b, rows[open_], bound, settled=False):
+        gap[open_] = np.minimum(gap[open_], lowest.value - bent - PRECISION * bound)
+    return np.where(least < bound, least, gap)
+
+
+def _lowest(paths: Paths, a: str, b: str, rows: NDArray[np.intp], bound: float, *, settled: bool) -> Iterator[tuple[Lowest, F64]]:
+    """Of every two parts their lowest clearance in each interval, and how far contacts may have bent their paths [m].
+
+    Args:
+        paths: of all bodies.
+        a: an entity.
+        b: another one.
+        rows: intervals.
+        bound: largest gap that counts as contact [m].
+        settled: any value below the bound will do; else the lowest is wanted as far up as bent paths may come within the bound.
+    """
+    surfaces = paths.surfaces
     asked, slack = [], []
-    for i, j in pairs:
+    for i, j in ((i, j) for i in surfaces.parts_of[a] for j in surfaces.parts_of[b] if len(rows)):
         one, two = (paths.body(surfaces.parts[k]).flight for k in (i, j))
         slack.append((one.slack(paths.radius[i]) + two.slack(paths.radius[j]))[rows])
-        below = bound + float(slack[-1].max())
-        names = f"{a} and {b}"
-        asked.append(
-            Sweep(
-                surfaces.parts[i].solid,
-                one.motion.take(rows),
-                surfaces.parts[j].solid,
-                two.motion.take(rows),
-                below,
-                PRECISION * bound,
-                names=names,
-            )
-        )
-    for lowest, bent in zip(lowest_clearances(asked), slack, strict=True):
-        least = np.minimum(least, lowest.value - bent - PRECISION * bound)
-    return least
+        below = bound if settled else bound + float(slack[-1].max())
+        solids = surfaces.parts[i].solid, surfaces.parts[j].solid
+        sweep = Sweep(solids[0], one.motion.take(rows), solids[1], two.motion.take(rows), below, PRECISION * bound)
+        asked.append(sweep._replace(first_found=settled, names=f"{a} and {b}"))
+    yield from zip(lowest_clearances(asked), slack, strict=True)

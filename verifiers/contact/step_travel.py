@@ -72,7 +72,7 @@ class _Parts:
 
     entity: tuple[str, ...]
     collider: NDArray[np.int64]
-    """Of each, among the index's colliders."""
+    """Collider of each part, among the index's colliders."""
     row: NDArray[np.int64]
     """Body of each in the cache; -1: it stands still."""
     thick: F64
@@ -80,7 +80,7 @@ class _Parts:
     middle: F64
     """In its body's frame, of what stands still in the world [m], shape (n, 3)."""
     half: F64
-    """Of its box: of what moves, as far as it reaches about its middle, on every axis [m], shape (n, 3)."""
+    """Half size of its box: of what moves, as far as it reaches about its middle, on every axis [m], shape (n, 3)."""
 
 
 class _Frame(NamedTuple):
@@ -148,7 +148,7 @@ class _Steps:
         )
 
     def _bound(self) -> NDArray[np.bool_]:
-        """Whether each part feels more than gravity and contacts: joints, drivers, fields, other solvers."""
+        """True where each part feels more than gravity and contacts: joints, drivers, fields, other solvers."""
         plan = self.candidate.spec.simulation
         if any(getattr(d, "kind", "") == "field" for d in plan.drivers.values()) or len(plan.solvers) > 1:
             return np.ones(len(self.parts.thick), dtype=bool)

@@ -70,7 +70,7 @@ class Passage(NamedTuple):
     parts: tuple[str, str]
     """Parts of the two."""
     felt: bool
-    """Whether the engine logged a contact of the pair in that frame."""
+    """True if the engine logged a contact of the pair in that frame."""
 
 
 class Passages(NamedTuple):
@@ -196,7 +196,7 @@ def _order(search: Paths, a: PartSurface, b: PartSurface, interval: int) -> tupl
 
 
 def _felt_in_time(surfaces: Surfaces, a: str, b: str, gap: float, bound: float, travel: float) -> bool:
-    """Whether the contact log of the frame rules a passage out."""
+    """True if the contact log of the frame rules a passage out."""
     plan = surfaces.candidate.spec.simulation
     steps = [s.settings.step for s in plan.rigid.values() if a in s.members and b in s.members]
     if not steps or not np.isfinite(gap):
@@ -244,14 +244,14 @@ class _Case:
         return (way / length if length > 0.0 else np.zeros(3)), found.point_a
 
     def points_travel(self, search: Paths, interval: int) -> float:
-        """How far points of the two can move against each other in an interval [m]; an upper bound."""
+        """Upper bound of the way that points of the two can move against each other in an interval [m]."""
         here = np.array([interval])
         motions = self.flight_a.motion.take(here), self.flight_b.motion.take(here)
         radii = search.radius[self.i], search.radius[self.j]
         return float(points_travel(motions[0], radii[0], motions[1], radii[1], np.zeros(1), np.ones(1))[0])
 
     def bent_free(self, search: Paths, i: int, j: int, interval: int) -> bool:
-        """Whether forces other than gravity bent the paths enough for one of the other plausible paths to be free."""
+        """True if forces other than gravity bent the paths enough for one of the other plausible paths to be free."""
         radius_a, radius_b = search.radius[i], search.radius[j]
         slack = float(self.flight_a.slack(radius_a)[interval] + self.flight_b.slack(radius_b)[interval])
         if slack <= BENT * self.bound:
@@ -272,7 +272,7 @@ class _Case:
         return all(float(self.lowest(one, two).value[0]) >= -self.bound for one, two in pieces)
 
     def _displaced(self, motion_a: Motion, motion_b: Motion, slack: float) -> bool:
-        """Whether the cubic of a, displaced in its middle by at most `slack` [m], is free."""
+        """True if the cubic of a, displaced in its middle by at most `slack` [m], is free."""
         total = np.zeros(3)
         low = self.lowest(motion_a, motion_b, deepest=True)
         value, time = float(low.value[0]), float(low.time[0])

@@ -59,7 +59,7 @@ def _untouched(cache: Cache) -> Finding:
 
 
 def _independent(candidate: Candidate) -> Finding:
-    """Whether nothing in the world folder leads out of it."""
+    """Judge whether nothing in the world folder leads out of it."""
     root = candidate.folder.resolve()
     outside = sorted(
         str(p.relative_to(root)) for p in Path(root).rglob("*") if p.is_symlink() and root not in p.resolve().parents

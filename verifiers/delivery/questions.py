@@ -61,6 +61,6 @@ UNJUDGED: Mapping[Check, Question] = {
     check: Question(f"{check}:none", f"{check} has judged at least one requirement", matrix_group=GROUP_OF.get(check, "spatial"))
     for check in sorted(NEEDED)
 }
-"""Whether a check has found anything to judge; a row only where it has not."""
+"""Questions whether a check has found anything to judge; a row only where it has not."""
 
 QUESTIONS = (COMPLETE, DIGESTS, INDEPENDENT, CACHE, REPLAY, FREEZE, *UNJUDGED.values())

@@ -32,6 +32,8 @@ CHAINED = ("beat", "causal", "robustness")
 """Checks whose rows hang on a chain of bodies: an edit of any of them is about the row."""
 CITED = 3
 """Most past edits told per cause."""
+AGAINST = "against it: "
+"""Begins the evidence that speaks against a cause: such a one carries no patch of the table."""
 EASIER_GROUPS = ("story", "limits")
 SUPPORTED, OPEN, CONTRADICTED = 0, 1, 3
 """Ranks by evidence; an edit that makes the specification easier goes one further down."""
@@ -134,7 +136,7 @@ def _rank(row: Row, cause: Cause | None, group: str) -> tuple[int, str]:
     if cause is not None:
         against = [c for c in cause.unless if _holds(row, c)]
         if against:
-            rank, because = CONTRADICTED, "against it: " + _words(row, against[0])
+            rank, because = CONTRADICTED, AGAINST + _words(row, against[0])
         elif cause.when and all(_holds(row, c) for c in cause.when):
             rank, because = SUPPORTED, "; ".join(dict.fromkeys(_words(row, c) for c in cause.when))
     easier = group in EASIER_GROUPS or (cause is not None and cause.weakens)
@@ -142,7 +144,7 @@ def _rank(row: Row, cause: Cause | None, group: str) -> tuple[int, str]:
 
 
 def _of_nature(correction: Correction) -> bool:
-    """Whether its patch changes a quantity of nature, which what the story names may bind."""
+    """True if its patch changes a quantity of nature, which what the story names may bind."""
     fields = (field_of(str(operation["path"])) for operation in correction.patch)
     return any(field is not None and field.physical for field in fields)
 
@@ -160,7 +162,7 @@ def _value(row: Row, key: str) -> Any:
 
 
 def _holds(row: Row, condition: Condition) -> bool | None:
-    """Whether a condition holds; None where the row does not tell."""
+    """True if a condition holds; None where the row does not tell."""
     value = _value(row, condition.key)
     if condition.compare in ("present", "absent"):
         return (value is not None) == (condition.compare == "present")
@@ -198,7 +200,9 @@ def _joined(
     because: str,
 ) -> Correction:
     """A correction from what the check measured, filled up by the table; or from the table alone."""
-    patch = () if cause is None or document is None else tuple(_operations(row, cause.patch, names, document))
+    patch: tuple[dict[str, Any], ...] = ()
+    if cause is not None and document is not None and not because.startswith(AGAINST):
+        patch = tuple(_operations(row, cause.patch, names, document))
     if measured is not None:
         update: dict[str, Any] = {"skill": measured.skill or cited, "because": because}
         if patch and not measured.patch:
@@ -219,7 +223,7 @@ def _joined(
 
 
 def _settable(cause: Cause, names: Mapping[str, Any], spec: WorldSpec | None) -> bool:
-    """Whether the instances of this world have any of the settings that a cause speaks of; true of causes that speak of none."""
+    """True if the instances of this world have any of the settings that a cause speaks of; true of causes that speak of none."""
     return not cause.pointers or any(_has_setting(_filled(p, names), spec) for p in cause.pointers)
 
 
@@ -364,7 +368,7 @@ def _attempt_text(attempt: Attempt) -> str:
 
 
 def _concerns(row: Row, attempt: Attempt) -> bool:
-    """Whether an edit was about this row: it changed something of its entities, something of all, or what it measures."""
+    """True if an edit was about this row: it changed something of its entities, something of all, or what it measures."""
     before, after = attempt.before, attempt.after
     if before is not None and after is not None and before != after:
         return True
@@ -376,7 +380,7 @@ def _concerns(row: Row, attempt: Attempt) -> bool:
 
 
 def _touches(correction: Correction, attempt: Attempt) -> bool:
-    """Whether an edit changed what a correction points at; one that names no place speaks for its whole group."""
+    """True if an edit changed what a correction points at; one that names no place speaks for its whole group."""
     places = [p for p in correction.pointers if "<" not in p]
     changed = [p for p, _, _ in attempt.changes]
     if not places or not changed:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ...worlds.predicates import entities_of
+from ...worlds.predicates import atoms_of, entities_of
 from ..categories.registry import JUDGES
 
 if TYPE_CHECKING:
@@ -15,6 +15,12 @@ __all__ = ["names_of"]
 
 AROUND = 3
 """Frames before and after a failure that the suggested probes look at."""
+NEAR_END = 6
+"""Frames before the end of what was judged in which something may still be under way."""
+SLENDER = 1.5
+"""Height over least level width from which a body stands upright and may be knocked over, as dominoes do."""
+BREAKS = frozenset({"broken", "breach", "debris"})
+"""Kinds of predicates that friction has no part in."""
 
 
 def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
@@ -34,8 +40,11 @@ def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
         "beat": tail if row.check == "beat" else None,
         "shot": tail if row.check == "shots" else None,
     }
+    if _under_way(row):
+        found["ends"] = row.frames[1] if row.frames else frame
     if spec is not None:
         _names_of_spec(found, row, spec)
+    found["collides"] = row.id if spec is None or _collide(row, spec) else None
     return {k: v for k, v in found.items() if v is not None}
 
 
@@ -62,6 +71,60 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
     if entity in spec.entities:
         judge = JUDGES.get(spec.entities[entity].physics.category)
         found |= {"material": spec.entities[entity].material, **({} if judge is None else judge.placeholders(spec, entity, row))}
+        found |= _bearing(spec, entity)
+        if found.pop("slides", None) and _slides(row, spec, entity, found["beat"]):
+            found["rubs"] = _rubs(spec, entity)
+
+
+def _collide(row: Row, spec: WorldSpec) -> bool:
+    """Whether the engine keeps the parts apart that a row names: none of them is one that does not collide."""
+    named = {row.evidence.get("part_a"), row.evidence.get("part_b")}
+    parts = (p for n in row.entities[:2] if n in spec.entities for k, p in spec.entities[n].parts.items() if k in named)
+    return all(p.collides for p in parts)
+
+
+def _under_way(row: Row) -> bool:
+    """Whether what fails was nearest at the end of what was judged: more frames may bring it, and bring nothing to what failed before."""
+    last = row.frames[1] if row.frames else row.first_failing_frame
+    nearest = row.evidence.get("largest_frame", row.evidence.get("frame", row.first_failing_frame))
+    return last is not None and isinstance(nearest, int) and nearest >= last - NEAR_END
+
+
+def _bearing(spec: WorldSpec, entity: str) -> dict[str, Any]:
+    """Who stands, so that it may be knocked over; who lies, or floats; the waves that move it."""
+    liquids = _liquids_around(spec, entity)
+    width, depth, height = spec.entities[entity].dimensions.size
+    stands = not liquids and height >= SLENDER * min(width, depth)
+    waves = [
+        n
+        for n, d in spec.simulation.drivers.items()
+        if d.kind == "waves" and any(d.entity in spec.simulation.solvers[s].members for s in liquids)
+    ]
+    return {"stands" if stands else "lies": entity, "waves": waves[0] if len(waves) == 1 else None}
+
+
+def _slides(row: Row, spec: WorldSpec, entity: str, beat: str | None) -> bool:
+    """Whether friction may have a part in what a body is to do: it is not to break, and does not float."""
+    kinds = {getattr(a, "kind", "") for a in atoms_of(spec.story.beats[beat].predicate)} if beat in spec.story.beats else set()
+    if kinds & BREAKS or row.evidence.get("asks") in BREAKS:
+        return False
+    return not _liquids_around(spec, entity)
+
+
+def _rubs(spec: WorldSpec, entity: str) -> str | None:
+    """The material that alone decides how a body and what carries it rub, the rougher of the two; None where both are as rough."""
+    carriers = [r.a for r in spec.graph.relations.values() if r.kind == "supports" and r.b == entity and r.a in spec.entities]
+    under = carriers or [n for n, e in spec.entities.items() if e.motion == "static"]
+    names = {spec.entities[n].material for n in (entity, *under)} & set(spec.materials)
+    rough = sorted(((spec.materials[n].friction, n) for n in names), reverse=True)
+    return rough[0][1] if rough and (len(rough) == 1 or rough[0][0] > rough[1][0]) else None
+
+
+def _liquids_around(spec: WorldSpec, entity: str) -> set[str]:
+    """Instances of liquids that are coupled with the one of an entity."""
+    own = {s for s, p in spec.simulation.solvers.items() if entity in p.members}
+    met = {s for c in spec.simulation.couplings.values() for s in (c.source, c.target) if own & {c.source, c.target}}
+    return met & set(spec.simulation.liquid)
 
 
 def _upstream(spec: WorldSpec, beats: list[str]) -> list[str]:

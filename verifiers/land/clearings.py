@@ -35,7 +35,7 @@ def outlines_of(candidate: Candidate, terrain: Terrain) -> dict[str, F64]:
 
 
 def in_clearings(points: F64, terrain: Terrain, outlines: Mapping[str, F64]) -> np.ndarray:
-    """Whether places, shape (n, 2) [m], lie in a clearing of the vegetation or within its margin, shape (n,)."""
+    """True where places, shape (n, 2) [m], lie in a clearing of the vegetation or within its margin, shape (n,)."""
     found = np.zeros(len(points), dtype=bool)
     for area in terrain.vegetation.clear.values() if terrain.vegetation is not None else ():
         shape = area if area.zone is None else terrain.zones[area.zone]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["Land", "Patch", "land_of", "lands", "patches", "solid_stems", "stem_triangles", "surface_triangles"]
 
 SIDES = 24
-"""Of the prisms that stand for trunks: 0.9 % of the radius within the circle."""
+"""Sides of the prisms that stand for trunks: 0.9 % of the radius within the circle."""
 
 
 class Patch(NamedTuple):

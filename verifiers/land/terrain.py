@@ -55,7 +55,7 @@ CLAIMS = (
     _Claim(MATTER, LEDGER, lambda land, *_: ledger_finding(land)),
     _Claim(PLANTS, 0.0, plant_finding),
 )
-"""What is measured of the landscape itself."""
+"""Questions about the landscape itself, each with its bound and the function that measures it."""
 
 
 def check(candidate: Candidate) -> list[Row]:
@@ -67,7 +67,7 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 _known: dict[tuple[str, int, int, str], tuple[str, tuple[Measurement, ...]]] = {}
-"""What was found of the last landscapes, by file, its time and size, and the specification."""
+"""Digest and measurements of the last landscapes, by file, its time and size, and the specification."""
 
 
 def _measured(land: SavedLandscape, terrain: Terrain, outlines: Mapping[str, F64]) -> tuple[str, tuple[Measurement, ...]]:
@@ -111,7 +111,7 @@ def _answer(name: str, found: Measurement, bound: float, action: str, *, evidenc
 
 
 def _tight(candidate: Candidate, name: str, land: SavedLandscape, digest: str) -> Finding:
-    """Whether water finds no way through the ground: holes in the land, grounds that are not closed, gaps between them."""
+    """Judge whether water finds no way through the ground: holes in the land, grounds that are not closed, gaps between them."""
     mend = "give its dem layer holes='fill', or give entity=... with centers and sizes that adjoin"
     extra = [candidate.recipe("tight", [p.entity for p in patches(candidate.spec, name)]), digest]
     return _answer(name, tight_finding(candidate, name, land), 0.0, mend, evidence={}, extra=extra)

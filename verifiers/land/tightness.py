@@ -1,4 +1,4 @@
-"""Whether the ground holds water: no holes in a landscape, closed grounds, no gaps between those that adjoin."""
+"""Judges whether the ground holds water: no holes in a landscape, closed grounds, no gaps between those that adjoin."""
 
 from __future__ import annotations
 

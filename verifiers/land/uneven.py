@@ -17,7 +17,7 @@ __all__ = ["even_ground"]
 
 
 def even_ground(candidate: Candidate, entity: str, point: F64, way: F64, *, most: float) -> bool:
-    """Whether the facets of a ground along a way turn by less than an angle; true for what is no height field.
+    """True if the facets of a ground along a way turn by less than an angle; true for what is no height field.
 
     Args:
         candidate: what is judged.

@@ -110,13 +110,13 @@ class Books(BodyBooks):
 
     @cached_property
     def free_time(self) -> F64:
-        """How long each entity is neither held nor on a path within each interval [s], shape (F - 1, E)."""
+        """Time that each entity is neither held nor on a path within each interval [s], shape (F - 1, E)."""
         start = np.maximum(self.times[:-1, None], self.released)
         free: F64 = np.clip(self.times[1:, None] - start, 0.0, self.duration)
         return np.where(free < _SLACK, 0.0, free)
 
     def overlap(self, start: float, end: float) -> F64:
-        """How much of each interval lies within [start, end) [s], shape (F - 1,)."""
+        """Part of each interval that lies within [start, end) [s], shape (F - 1,)."""
         inside: F64 = np.minimum(self.times[1:], end) - np.maximum(self.times[:-1], start)
         return np.clip(inside, 0.0, None)
 
@@ -175,7 +175,7 @@ class Books(BodyBooks):
 
     @cached_property
     def let_go(self) -> Flags:
-        """Whether an entity is let go within the interval, not at one of its ends, shape (F - 1, E)."""
+        """True where an entity is let go within the interval, not at one of its ends, shape (F - 1, E)."""
         return (self.free_time > 0.0) & (self.free_time < self.duration - _SLACK) & ~self.kinematic
 
     @cached_property
@@ -220,7 +220,7 @@ class Books(BodyBooks):
 
     @cached_property
     def switching(self) -> Flags:
-        """Whether a force driver acts on the entity for a part of the interval only, shape (F - 1, E)."""
+        """True where a force driver acts on the entity for a part of the interval only, shape (F - 1, E)."""
         result = np.zeros((self.frames - 1, len(self.entities)), dtype=bool)
         for driver in self.candidate.spec.simulation.drivers.values():
             if isinstance(driver, ForceDriver) and driver.entity in self.row:
@@ -322,7 +322,7 @@ class Books(BodyBooks):
 
     @cached_property
     def touched(self) -> Flags:
-        """Whether a contact of the entity with another is logged in the interval, shape (F - 1, E)."""
+        """True where a contact of the entity with another is logged in the interval, shape (F - 1, E)."""
         result = np.zeros((self.frames - 1, len(self.entities)), dtype=bool)
         for side, other in ((self.contacts.a, self.contacts.b), (self.contacts.b, self.contacts.a)):
             rows = self.collider_row[side]
@@ -332,7 +332,7 @@ class Books(BodyBooks):
 
     @cached_property
     def dozing(self) -> Flags:
-        """Whether a body of the entity sleeps at an end of the interval, shape (F - 1, E): its contacts are then not all logged."""
+        """True where a body of the entity sleeps at an end of the interval, shape (F - 1, E): its contacts are then not all logged."""
         asleep = np.zeros((self.frames, len(self.entities)), dtype=bool)
         for body, owner in enumerate(self.owner):
             asleep[:, owner] |= self.asleep[:, body]
@@ -340,7 +340,7 @@ class Books(BodyBooks):
 
     @cached_property
     def napping(self) -> Flags:
-        """Whether the entity may have slept and woken within the interval, shape (F - 1, E): slow at an end, and in contact
+        """True where the entity may have slept and woken within the interval, shape (F - 1, E): slow at an end, and in contact
         for at least the steps that the engine waits before it puts a body to sleep."""
         known = np.linalg.norm(self.known_impulse, axis=2)
         long = self.contact_budget >= NAP_STEPS * self.step / self.duration * known

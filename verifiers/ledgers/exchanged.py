@@ -48,7 +48,7 @@ class Exchanged:
     angular: F64
     """Angular impulse about the entity's centre of mass [N m s], shape (F - 1, E, 3)."""
     wet: NDArray[np.bool_]
-    """Whether it pushed the entity in the interval, shape (F - 1, E)."""
+    """True where it pushed the entity in the interval, shape (F - 1, E)."""
     work: F64
     """Done on all free bodies since frame 0 [J], shape (F,)."""
     doubt: F64
@@ -77,7 +77,7 @@ def partners(spec: WorldSpec, solver: str) -> tuple[str, ...]:
 
 
 def both_ways(spec: WorldSpec, solver: str) -> bool:
-    """Whether a liquid instance and this one act on each other."""
+    """True if a liquid instance and this one act on each other."""
     return bool(partners(spec, solver))
 
 

@@ -22,7 +22,7 @@ CHANNEL = "field/impulse"
 
 
 def feels_fields(spec: WorldSpec, solver: str) -> bool:
-    """Whether a force field acts on a moving member of the instance."""
+    """True if a force field acts on a moving member of the instance."""
     members = set(spec.simulation.solvers[solver].members)
     return any(members & set(acting_on(spec, d)) for d in field_drivers(spec).values())
 

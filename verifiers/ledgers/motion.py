@@ -182,7 +182,7 @@ def angles(candidate: Candidate, entity: str, axis: F64) -> F64:
 
 
 def asleep(candidate: Candidate, entity: str) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Whether all moving bodies of the entity sleep, shape (frames,); all false where no cache says so."""
+    """True where all moving bodies of the entity sleep, shape (frames,); all false where no cache says so."""
     flags = np.ones(candidate.frame_count, dtype=bool)
     for body in candidate.entity(entity).bodies:
         place = candidate.cache_row(entity, body.name)

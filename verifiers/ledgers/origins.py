@@ -1,4 +1,4 @@
-"""Momentum and kinetic energy by origin: of bodies gravity, each driver, spring and body that touches them, partners; of matter what its
+"""Momentum and kinetic energy by origin: of bodies gravity, each driver, spring and body that touches them, coupled solvers; of matter what its
 records tell apart.
 
 Work of an impulse J on a body is J times the mean of the velocities of its centre of mass at both ends of the interval. Summed over all

@@ -53,7 +53,7 @@ def _rests(books: Books) -> Rests:
 
 
 def _on_bodies(books: Books) -> F64:
-    """Gravity, and what partners and fields gave, per body [N s], shape (F - 1, n, 3)."""
+    """Gravity, and what coupled solvers and fields gave, per body [N s], shape (F - 1, n, 3)."""
     free = books.free_time[:, books.owner]
     found: F64 = (free * books.body_mass)[:, :, None] * books.gravity
     if both_ways(books.candidate.spec, books.cache.index.solver):
@@ -75,7 +75,7 @@ def _among_itself(books: Books) -> F64:
 
 
 def strangest(books: Books, entity: str, frame: int) -> dict[str, object]:
-    """Of an entity of several bodies, the one whose velocity changes most beside gravity, partners and fields in the interval that
+    """Body of an entity of several bodies whose velocity changes most beside gravity, coupled solvers and fields in the interval that
     ends at `frame`, and by how much [m/s]: contacts among them are not in the log body by body."""
     row, k = books.row[entity], frame - 1
     if books.single[row]:

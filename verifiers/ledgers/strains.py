@@ -23,7 +23,7 @@ SLIVER = 0.05
 
 
 class Strains(NamedTuple):
-    """Of one body over the frames; NaN where its vertices are not finite."""
+    """Strains of one body over the frames; NaN where its vertices are not finite."""
 
     largest: F64
     """Largest principal strain by amount, shape (F,)."""

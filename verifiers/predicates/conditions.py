@@ -14,7 +14,7 @@ from .outcome import Comparison, Outcome, Truth, finite
 if TYPE_CHECKING:
     from .scope import Scope
 
-__all__ = ["Condition", "happens"]
+__all__ = ["Condition", "happens", "lasts"]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def happens(
     conditions: Sequence[Condition],
     detail: Callable[[int], Mapping[str, Any]] = lambda i: {},
 ) -> Outcome:
-    """Whether all conditions hold together at some frame of the interval.
+    """Judge whether all conditions hold together at some frame of the interval.
 
     Where they do, the first one's value stands there, at the frame at which it is largest; else that of the first one that is missed,
     at the frame at which most hold.
@@ -94,6 +94,50 @@ def happens(
         first_failing_entity=None if found else entity,
         first_failing_frame=None if found else last,
         failing=() if found else name,
+        details={"frame": first + i, **_numbers(conditions, i), **detail(i)},
+    )
+
+
+def lasts(
+    scope: Scope,
+    entity: str,
+    conditions: Sequence[Condition],
+    begin: int,
+    detail: Callable[[int], Mapping[str, Any]] = lambda i: {},
+) -> Outcome:
+    """Whether all conditions hold at every frame of the interval from one of its frames on.
+
+    Where they do, the first one's value stands there, at the frame at which it is nearest to its bound; else that of the first one that
+    is missed, at the first frame at which one is.
+
+    Args:
+        scope: the interval.
+        entity: to whom it happens.
+        conditions: the state's own measure first.
+        begin: place in the interval of the first frame at which they can be measured; before it counts what is true there.
+        detail: further measurements at a frame of the interval.
+    """
+    held = np.stack([c.holds for c in conditions])
+    truth: Truth = np.asarray(held.all(axis=0))
+    truth[:begin] = truth[begin]
+    ok = bool(truth.all())
+    i = begin + int(np.argmin(conditions[0].over[begin:] if ok else truth[begin:]))
+    shown = conditions[0] if ok else next(c for c, well in zip(conditions, held[:, i], strict=True) if not well)
+    first, name = scope.frames[0], (entity,)
+    return Outcome(
+        "pass" if ok else "fail",
+        scope.frames,
+        shown.unit,
+        f"{entity} at frame {first + i}: " + "; ".join(c.text(i) for c in (conditions if ok else [shown])),
+        value=finite(float(shown.value[i])),
+        bound=shown.bound_at(i),
+        comparison=shown.comparison,
+        truth=truth,
+        margin=finite(float(shown.over[i])),
+        first_true_frame=first + int(np.argmax(truth)) if truth.any() else None,
+        first_failing_entity=None if ok else entity,
+        first_failing_frame=None if ok else first + i,
+        failing=() if ok else name,
         details={"frame": first + i, **_numbers(conditions, i), **detail(i)},
     )
 

@@ -127,7 +127,7 @@ def _still(scope: Scope, entity: str) -> Truth:
 
 
 def _touched(scope: Scope, a: str, b: str) -> tuple[Truth, F64]:
-    """Whether the two touched since the last frame, and with how much impulse [N s], per frame of the interval."""
+    """Truth of a touch of the two since the last frame, and its impulse [N s], per frame of the interval."""
     for name in (a, b):
         motion.require_motion(scope.candidate, name)
     recorded = pressed(scope.candidate, a, b)

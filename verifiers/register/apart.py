@@ -47,11 +47,11 @@ def apart_lines(spec: WorldSpec) -> list[dict[str, str]]:
 
 
 def _bodies_differ(spec: WorldSpec, a: str, b: str) -> bool:
-    """Whether something that moves in one instance is unknown to the other."""
+    """True if something that moves in one instance is unknown to the other."""
     members = [set(spec.simulation.rigid[n].members) & set(spec.entities) for n in (a, b)]
     return any(spec.entities[m].motion != "static" for m in members[0] ^ members[1]) and all(members)
 
 
 def _meet(one: Box | None, other: Box | None) -> bool:
-    """Whether two domains overlap."""
+    """True if two domains overlap."""
     return one is not None and other is not None and bool((one[0] < other[1]).all() and (other[0] < one[1]).all())

@@ -10,6 +10,7 @@ from ..categories.registry import JUDGES
 from ..land.ground_stems import plant_lines
 from ..scene.hidden import hidden_lines
 from ..scene.initial_state import start_lines
+from ..scene.settled import settled_lines
 from ..shots.plan import unseen_text
 from ..story.branches import branch_lines
 from ..support.anchored import anchor_lines
@@ -49,7 +50,14 @@ def _declared(spec: WorldSpec) -> list[dict[str, str]]:
 def approximations(candidate: Candidate) -> list[dict[str, str]]:
     """The approximation register (R68, R123): what the candidate simplifies, and by how much."""
     spec = candidate.spec
-    found = scene_lines(candidate) + _declared(spec) + branch_lines(candidate) + hidden_lines(candidate) + start_lines(candidate)
+    found = (
+        scene_lines(candidate)
+        + _declared(spec)
+        + branch_lines(candidate)
+        + hidden_lines(candidate)
+        + start_lines(candidate)
+        + settled_lines(candidate)
+    )
     for judge in JUDGES.values():
         found += judge.lines(candidate)
     for name, terrain in spec.terrains.items():

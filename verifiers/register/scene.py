@@ -295,7 +295,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _still(candidate: Candidate, entity: str) -> bool:
-    """Whether no body of an entity leaves its place by more than supported bodies may creep."""
+    """True if no body of an entity leaves its place by more than supported bodies may creep."""
     for body in candidate.entity(entity).bodies:
         position, turn = candidate.track(entity, body.name)
         if not (np.isfinite(position).all() and np.isfinite(turn).all()):

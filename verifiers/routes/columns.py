@@ -34,9 +34,9 @@ class Soup(NamedTuple):
     owner: Ints
     """Index of the entity, shape (t,)."""
     closed: NDArray[np.bool_]
-    """Whether the triangle belongs to a closed surface, shape (t,)."""
+    """True where the triangle belongs to a closed surface, shape (t,)."""
     solid: NDArray[np.bool_]
-    """Whether it collides: what is only drawn carries nobody, shape (t,)."""
+    """True where it collides: what is only drawn carries nobody, shape (t,)."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Hits(NamedTuple):
     cell: Ints
     z: F64
     up: NDArray[np.bool_]
-    """Whether the surface faces upwards there."""
+    """True where the surface faces upwards there."""
     gradient: F64
     """Its slope dz/dx and dz/dy, shape (h, 2)."""
     triangle: Ints
@@ -125,7 +125,7 @@ class Columns:
         return {}
 
     def surface_at(self, points: F64, z: F64, reach: float, tangent: float) -> NDArray[np.bool_]:
-        """Whether there is floor no steeper than `tangent` within `reach` of height z at each point.
+        """True where there is floor no steeper than `tangent` within `reach` of height z at each point.
 
         Args:
             points: [m], shape (n, 2).

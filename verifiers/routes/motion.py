@@ -77,7 +77,7 @@ def _corners(surfaces: Surfaces, entity: str, body: str, low: F64, high: F64, fr
 
 
 def _meets(route: F64, relation: Connects, low: F64, high: F64) -> NDArray[np.bool_]:
-    """Whether each box, shapes (n, 3), comes within half the width of a route and the height of what travels on it."""
+    """True where each box, shapes (n, 3), comes within half the width of a route and the height of what travels on it."""
     reach = 0.5 * relation.width
     apart = np.maximum(np.maximum(low[:, None, :2] - route[:, :2], route[:, :2] - high[:, None, :2]), 0.0)
     beside = np.linalg.norm(apart, axis=2) < reach

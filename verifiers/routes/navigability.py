@@ -22,6 +22,7 @@ from ..rows.answers import guarded, row_of
 from ..rows.corrections import correction, pointer, set_value
 from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
+from .bounds import SAME_HEIGHT
 from .conduits import find_conduit
 from .motion import disturbances, travellers
 from .places import RouteResult
@@ -62,7 +63,7 @@ def way_finding(candidate: Candidate, name: str, relation: Connects) -> Finding:
 
 
 def _later(surfaces: Surfaces, relation: Connects) -> bool:
-    """Whether a bake judges it: a probe does not reach its first frame, and nothing fails before it."""
+    """True if a bake judges it: a probe does not reach its first frame, and nothing fails before it."""
     candidate, begins = surfaces.candidate, (relation.frames or (0, 0))[0]
     wrong = _no_walker(relation) or bool(surfaces.missing)
     return candidate.stage != "full" and begins > candidate.last_frame and not wrong
@@ -203,4 +204,10 @@ def _mend(spec: WorldSpec, name: str, relation: Connects, one: RouteResult) -> C
         ),
         "gap": (f"Bridge the gap of {one.measured:.3g} m in the floor.", "shape", "/entities"),
     }.get(one.reason, ("Place the region over a floor, or build one under it.", "placement", "/graph/regions"))
-    return correction(f"{one.reason}: {one.text}", group, action, pointers=(path, pointer("graph", "relations", name)))
+    cause, places = f"{one.reason}: {one.text}", (path, pointer("graph", "relations", name))
+    if one.reason == "too low" and blame:
+        here, lift = spec.entities[blame].pose, one.bound - one.measured + SAME_HEIGHT
+        raised = (*here.position[:2], round(here.position[2] + lift, 6))
+        value = here.model_copy(update={"position": raised}).model_dump(mode="json", exclude_none=True)
+        return correction(cause, "placement", action, pointers=places, patch=set_value(pointer("entities", blame, "pose"), value))
+    return correction(cause, group, action, pointers=places)

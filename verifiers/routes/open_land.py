@@ -240,7 +240,7 @@ class Field:
         return csr_array((length, (source, target)), shape=(count, count))
 
     def exists(self, relation: Connects, asked: Asked) -> bool:
-        """Whether there is a way."""
+        """True if there is a way."""
         from scipy.sparse.csgraph import connected_components
 
         free = self.free(asked)

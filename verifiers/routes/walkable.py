@@ -36,7 +36,7 @@ class Carrier:
     headroom: float
     """[m]"""
     tangent: float
-    """Of the steepest slope."""
+    """Tangent of the steepest slope."""
     step: float
     """[m]"""
 
@@ -162,7 +162,7 @@ def standing(columns: Columns, carrier: Carrier, cell: Ints, z: F64, gradient: F
 def _overhead(
     columns: Columns, carrier: Carrier, cell: Ints, z: F64, gradient: F64, ignore: int
 ) -> tuple[NDArray[np.bool_], F64, Ints]:
-    """Whether pieces of surfaces stand within the carrier's height over floors, the clear height, and whose they are."""
+    """Flags of places with surfaces within the carrier's height over the floor, the clear height, and whose surfaces they are."""
     group, piece, height = standing(columns, carrier, cell, z, gradient, ignore)
     owner = columns.soup.owner[columns.pieces.triangle[piece]]
     order = np.lexsort((height, group))
@@ -215,7 +215,7 @@ def _link(columns: Columns, carrier: Carrier, nodes: Nodes, way: tuple[int, int]
 
 
 def _sound(columns: Columns, carrier: Carrier, start: F64, z: F64, goal: F64, stride: F64) -> NDArray[np.bool_]:
-    """Whether the floor from points along a stride has no crack wider than allowed, no high step, and arrives at `goal`.
+    """True where the floor from points along a stride has no crack wider than allowed, no high step, and arrives at `goal`.
 
     Args:
         columns: the rasterised scene.

@@ -45,7 +45,7 @@ class Walks:
         self.lands = lands(surfaces.candidate)
         self.waters: dict[int, Land] = {}
         self.bare = False
-        """Whether nothing but the land lies in the area."""
+        """True if nothing but the land lies in the area."""
         low, high = self._area(margin, wide=wide)
         self.soup, scene_low, scene_high = self._soup(low, high)
         self.clipped = bool((low > scene_low).any() or (high < scene_high).any())
@@ -165,12 +165,12 @@ class Walks:
 
     @property
     def wide_enough(self) -> bool:
-        """Whether the widest way suffices."""
+        """True if the widest way suffices."""
         way = self.direct[0]
         return way is not None and 2.0 * way.clearance >= self.relation.width - RASTER_NOISE
 
     def exists(self, carrier: Carrier, ignore: int = -1) -> bool:
-        """Whether the carrier has a way of half its width at least."""
+        """True if the carrier has a way of half its width at least."""
         floor = self._floor(carrier, ignore)
         stops = self.stops(floor)
         if not passable(floor, None, stops, 0.0):
@@ -179,7 +179,7 @@ class Walks:
         return passable(floor, obstacles, stops, 0.25 * carrier.width)
 
     def is_static(self, name: str) -> bool:
-        """Whether an entity or a landscape never moves."""
+        """True if an entity or a landscape never moves."""
         return name not in self.surfaces.entities or self.surfaces.is_static(name)
 
     def size(self, name: str) -> float:

@@ -55,7 +55,7 @@ def _components(floor: Floor, keep: NDArray[np.bool_]) -> Ints:
 
 
 def _joined(floor: Floor, keep: NDArray[np.bool_], stops: Sequence[Ints]) -> bool:
-    """Whether one connected piece of the kept nodes touches every stop."""
+    """True if one connected piece of the kept nodes touches every stop."""
     label = _components(floor, keep)
     common: set[int] | None = None
     for stop in stops:
@@ -67,7 +67,7 @@ def _joined(floor: Floor, keep: NDArray[np.bool_], stops: Sequence[Ints]) -> boo
 
 
 def passable(floor: Floor, obstacles: Obstacles | None, stops: Sequence[Ints], wanted: float) -> bool:
-    """Whether a way through all stops keeps at least `wanted` [m] from obstacles, to within half a cell.
+    """True if a way through all stops keeps at least `wanted` [m] from obstacles, to within half a cell.
 
     Without `obstacles`: whether there is a way of any width.
     """

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from ...worlds.errors import SpecError
+import numpy as np
+
+from ...worlds.arrays import pose_of, rotation_matrix
+from ...worlds.candidate import cache_digest
+from ...worlds.errors import EvidenceError, SpecError
 from ...worlds.groups import GROUPS
 from ...worlds.patch import apply_patch, weakenings
-from ...worlds.requirements import Correction, RowClass
+from ...worlds.requirements import Correction, Row, RowClass
+from ...worlds.settled import settling, unsettled
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -25,7 +31,10 @@ __all__ = [
     "double_iterations",
     "halve_any_step",
     "halve_step",
+    "let_settle",
+    "longer",
     "move_by",
+    "move_parts",
     "out_of_solids",
     "owning_up",
     "pointer",
@@ -35,6 +44,7 @@ __all__ = [
     "separate",
     "set_value",
     "thicken",
+    "without_again",
 ]
 
 EDIT_CLASS: Mapping[str, RowClass] = {name: group.edit_class for name, group in GROUPS.items()}
@@ -48,6 +58,8 @@ WEAKER = " (a weakening edit: give weakening_reason)"
 
 LEAST_STEP: Mapping[str, float] = {"step": 2e-5, "max_step": 1e-5, "step_share": 0.02}
 """Smallest value that the settings of an engine allow, by the name of its step: [s], [s], and [1] of the stable step."""
+
+_AGAIN = re.compile(r"bake(_sim)? again")
 
 MOST_ITERATIONS = 1000
 """Most iterations that the settings of an engine allow [1]."""
@@ -109,6 +121,14 @@ def double_iterations(candidate: Candidate, solver: str, cause: str, also: str =
     return correction(cause, "step", f"double the iterations from {now}{also}", pointers=(place,), patch=patch)
 
 
+def longer(spec: WorldSpec, frames: int) -> tuple[dict[str, Any], ...]:
+    """Patch that simulates so many frames; shots that ended with the sequence end with it again."""
+    last = spec.simulation.frames - 1
+    ends = [(n, s.frames[0]) for n, s in spec.shots.items() if s.frames[1] == last]
+    shots = [{"op": "replace", "path": pointer("shots", n, "frames"), "value": [first, frames - 1]} for n, first in ends]
+    return ({"op": "replace", "path": "/simulation/frames", "value": frames}, *shots)
+
+
 def couple_both_ways(one: str, other: str, cause: str, also: str = "") -> Correction:
     """Couple two solver instances, so that each feels the other; without a patch where an entity belongs to none ("")."""
     value = {"source": one, "target": other, "direction": "two_way", "variables": ["motion", "wrench"]}
@@ -123,11 +143,46 @@ def bake_again(cause: str = "the cache was edited or is of another run") -> Corr
     return correction(cause, "interval", "bake again; never edit cache files", pointers=("/simulation/frames",))
 
 
+def without_again(candidate: Candidate, row: Row) -> Row:
+    """The row without the advice to bake again, where its frames are those that the run recorded: another run gives the same."""
+    kept = tuple(c for c in row.corrections if c.patch or not _AGAIN.search(c.action))
+    if len(kept) == len(row.corrections) or not _as_recorded(candidate, row.first_failing_frame or 0):
+        return row
+    return row.model_copy(update={"corrections": kept})
+
+
+def _as_recorded(candidate: Candidate, frame: int) -> bool:
+    """Whether a frame and those beside it hold what their run wrote."""
+    try:
+        if not candidate.caches or candidate.digest != cache_digest(candidate.caches):
+            return False
+        for cache in candidate.caches.values():
+            recorded = cache.digests()
+            near = range(max(0, frame - 1), min(frame + 2, len(recorded)))
+            if any(cache.frame_digest(k) != recorded[k] for k in near):
+                return False
+    except EvidenceError:
+        return False
+    return True
+
+
 def resume() -> Correction:
     """Bake the frames that are missing."""
     return correction(
         "the bake stopped early", "interval", "call bake_sim, which resumes to the last frame", pointers=("/simulation/frames",)
     )
+
+
+def let_settle(candidate: Candidate, entity: str) -> tuple[Correction, ...]:
+    """Let an entity come to rest before frame 0; none where it settles already, without a patch where it cannot as it is."""
+    settle, place = candidate.spec.simulation.settle, "/simulation/settle"
+    if entity in settling(candidate.spec):
+        return ()
+    why = unsettled(candidate.spec, entity)
+    patch = set_value(place, {"entities": [entity]}) if settle is None else set_value(f"{place}/entities/-", entity)
+    action = f"Let {entity!r} come to rest by itself before frame 0: simulation.settle{f' (first: {why})' if why else ''}."
+    cause = "it is placed by hand where it would first have to come to rest"
+    return (correction(cause, "interval", action, pointers=(place,), patch=() if why else patch),)
 
 
 def separate(entity: str | None, frame: int = 0) -> Correction:
@@ -166,7 +221,7 @@ def move_by(candidate: Candidate, entity: str, offset: Iterable[float] | None, c
     Args:
         candidate: what is judged.
         entity: what to move.
-        offset: by which vector [m], rounded to 10 micrometres; None where the numbers do not determine one.
+        offset: by which vector [m], rounded to a nanometre, so that what touches does not overlap; None where the numbers do not determine one.
         cause: why it stands wrong.
         action: the sentence; default names the offset.
     """
@@ -175,10 +230,31 @@ def move_by(candidate: Candidate, entity: str, offset: Iterable[float] | None, c
         return correction(cause, "placement", action or f"Move {entity!r}.", pointers=(place,))
     way = [float(v) for v in offset]
     pose = candidate.spec.entities[entity].pose
-    position = tuple(round(float(a) + b, 5) for a, b in zip(pose.position, way, strict=True))
+    position = tuple(round(float(a) + b, 9) for a, b in zip(pose.position, way, strict=True))
     value = pose.model_copy(update={"position": position}).model_dump(mode="json", exclude_none=True)
     text = action or f"Move {entity!r} by ({', '.join(f'{v:+.5g}' for v in way)}) m."
     return correction(cause, "placement", text, pointers=(place,), patch=set_value(place, value))
+
+
+def move_parts(candidate: Candidate, entity: str, offsets: Mapping[str, Iterable[float]], cause: str, action: str) -> Correction:
+    """Move parts of an entity, the others stay.
+
+    Args:
+        candidate: what is judged.
+        entity: whose parts.
+        offsets: by which vector in the world [m], by part.
+        cause: why they stand wrong.
+        action: the sentence.
+    """
+    contract = candidate.spec.entities[entity]
+    turn = rotation_matrix(pose_of(contract.pose).quaternion)
+    patch: list[dict[str, Any]] = []
+    for name, offset in offsets.items():
+        pose, way = contract.parts[name].pose, np.asarray(list(offset), dtype=np.float64) @ turn
+        position = tuple(round(float(a) + float(b), 9) for a, b in zip(pose.position, way, strict=True))
+        value = pose.model_copy(update={"position": position}).model_dump(mode="json", exclude_none=True)
+        patch += set_value(pointer("entities", entity, "parts", name, "pose"), value)
+    return correction(cause, "shape", action, pointers=[str(o["path"]) for o in patch], patch=patch)
 
 
 def postponed(failing: str) -> str:

@@ -26,7 +26,7 @@ class Finding:
     """One sentence with numbers."""
     measured: float | None = None
     bound: float | None = None
-    """What `measured` is compared with."""
+    """Number that `measured` is compared with."""
     unit: str = ""
     """SI unit of both; empty takes that of the question."""
     entity: str | None = None
@@ -38,7 +38,7 @@ class Finding:
     evidence: dict[str, Any] | None = None
     """Further JSON-able measurements; a value that is not finite is named in it."""
     comparison: Comparison | None = None
-    """How `measured` compares with `bound`; None takes that of the question."""
+    """Comparison of `measured` with `bound`; None takes that of the question."""
     entities: tuple[str, ...] = ()
     """All that were looked at."""
     frames: tuple[int, int] | None = None

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 __all__ = ["GROUP_OF", "Comparison", "Question", "by_name"]
 
 Comparison = Literal["<=", ">=", "==", "in", ""]
-"""How the measured value must compare with the bound; empty where nothing is measured."""
+"""Comparison of the measured value with the bound; empty where nothing is measured."""
 
 GROUP_OF: Mapping[Check, Group] = {
     **dict.fromkeys(("terrain", "scale", "interpenetration", "support", "navigability", "relations"), "spatial"),
@@ -32,21 +32,21 @@ class Question:
     id: str
     """`support:rope`: the check, then the name of the question where the check has several."""
     predicate: str
-    """What is required. {0}, {1} stand for the names of the subject; a finding may repeat it with the numbers of its case."""
+    """Requirement in words. {0}, {1} stand for the names of the subject; a finding may repeat it with the numbers of its case."""
     measures: str = ""
-    """What `measured` is; empty where the answer has no number."""
+    """Meaning of `measured`; empty where the answer has no number."""
     unit: str = ""
     """SI unit of the measured value and its bound; `various` where each finding names its own."""
     comparison: Comparison = ""
-    """How the measured value must compare with the bound, unless a finding says otherwise."""
+    """Comparison of the measured value with the bound, unless a finding says otherwise."""
     bound: str = ""
     """Where the bound comes from: a field of the specification, a named constant, or words."""
     subject: tuple[str, ...] = ()
-    """What the names of the subject are: `entity`, `solver`, `relation`, `beat`, `shot`."""
+    """Kinds of the subject's names: `entity`, `solver`, `relation`, `beat`, `shot`."""
     order: str = ""
     """Pattern of the row id where it is not the question, then the subject: `terrain:{0}:tight`."""
     mandatory: bool = True
-    """Whether acceptance needs the row."""
+    """True if acceptance needs the row."""
     matrix_group: Group | None = None
     """Group of the matrix, where it is not that of the check."""
 

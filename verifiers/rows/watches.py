@@ -54,9 +54,9 @@ class Watching:
     numbers: type[Any]
     """The one whose questions are rows of the numerical check."""
     opened: Callable[[Candidate, str], Any]
-    """What is watched."""
+    """Function that opens the evidence of an instance."""
     frames: Callable[[Any], Iterable[tuple[Any, ...]]]
-    """Of it, what a watch's `see` takes of each frame."""
+    """Function that gives the arguments of a watch's `see`, frame by frame, from what `opened` gives."""
     unread: Callable[[type[Any], str, EvidenceError], Status] = _unread
     """Status of a watch's question that an error kept from being judged."""
 

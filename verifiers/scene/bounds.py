@@ -49,6 +49,8 @@ CORNERS = 2.0
 """[1] Opened along three faces at once a body moves by the root of three summed skins; the rest is for pushes that are not straight."""
 SETTLED = 0.1
 """[1] Own choice: of its own diagonal, what a body may move in a preroll that is declared to rest on something."""
+ASIDE = 2.0
+"""[1] Own choice: of its own declared diagonal, how far aside an entity may come to rest: a stone may roll over, not down the hill."""
 SPEED = 1e-4
 """[m/s] Own choice: velocities of bodies are set in double precision, half a step behind their places; those of vertices in single."""
 SPEED_SHARE = 1e-4

@@ -152,7 +152,7 @@ def _areas(triangles: F64) -> F64:
 
 
 def _borne_by_large(triangles: F64, area: F64, enough: float, box: Extent) -> bool:
-    """Whether triangles (or pieces) larger than a speck reach each side of the box: then dust cannot matter."""
+    """True if triangles (or pieces) larger than a speck reach each side of the box: then dust cannot matter."""
     large = triangles[area >= enough]
     return len(large) > 0 and bool((large.min(axis=(0, 1)) <= box.low).all() and (large.max(axis=(0, 1)) >= box.high).all())
 

@@ -86,7 +86,7 @@ def _share_inside(inner: Solid, around: list[Solid]) -> float:
 
 
 def hidden_finding(candidate: Candidate, name: str) -> Finding:
-    """Whether the parts of an entity that no camera sees weigh little beside those that can be seen."""
+    """Judge whether the parts of an entity that no camera sees weigh little beside those that can be seen."""
     weighed = _weighed(candidate, name)
     hidden = _hidden(weighed)
     inside = sum(w.mass for w in hidden)

@@ -22,6 +22,7 @@ import numpy as np
 
 from ...worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ...worlds.errors import EvidenceError
+from ...worlds.settled import settling
 from ...worlds.spec import PathDriver, ReleaseDriver, Supports
 from ..categories.questions import PLACED, STARTED
 from ..rows.corrections import bake_again, correction, separate
@@ -72,14 +73,14 @@ class Opened(NamedTuple):
 
 
 def held_at_start(candidate: Candidate, entity: str) -> bool:
-    """Whether an entity keeps its place during the preroll: held by a release, or because it starts with a velocity."""
+    """True if an entity keeps its place during the preroll: held by a release, or because it starts with a velocity."""
     plan, physics = candidate.spec.simulation, candidate.spec.entities[entity].physics
     fast = any((*getattr(physics, "linear_velocity", ()), *getattr(physics, "angular_velocity", ())))
     return fast or any(isinstance(d, ReleaseDriver) and d.entity == entity for d in plan.drivers.values())
 
 
 def _rests(candidate: Candidate, entity: str) -> bool:
-    """Whether something solid is declared to carry it at frame 0."""
+    """True if something solid is declared to carry it at frame 0."""
     spec = candidate.spec
     return any(
         isinstance(r, Supports) and r.b == entity and (r.frames is None or r.frames[0] == 0)
@@ -180,10 +181,10 @@ def opened(candidate: Candidate, solver: str, cache: Cache) -> list[Opened]:
         for moves in (True, False)
     )
     prerolled, pathed, found = spec.simulation.preroll > 0, _pathed(candidate), []
-    put = Declared(candidate)
+    put, settles = Declared(candidate), frozenset(settling(spec))
     for entity in dict.fromkeys(n.split("/", 1)[0] for n in (*cache.index.bodies, *cache.index.deformables)):
-        if entity not in spec.entities or entity in pathed:
-            continue  # what follows a path is judged by `category:rigid:driven`
+        if entity not in spec.entities or entity in pathed or entity in settles:
+            continue  # what follows a path is judged by `category:rigid:driven`, what settles by `numerical:settled`
         bound = CORNERS * ((2 * chains.get(entity, 1) - 1) * moving + max(moving, fixed)) + ROUNDING
         if spec.entities[entity].motion == "kinematic":
             bound = ROUNDING
@@ -230,7 +231,10 @@ def _placed_bodies(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 def of_places(found: list[Opened]) -> Finding:
     """Finding on distances from declared places."""
     if not found:
-        return Finding("not_applicable", "nothing in it moves but on paths, which category:rigid:driven judges")
+        return Finding(
+            "not_applicable",
+            "nothing in it moves but on paths, which category:rigid:driven judges, or settles, which numerical:settled judges",
+        )
     worst = max(found, key=lambda o: o.share)
     far = max(found, key=lambda o: o.moved)
     settled = sorted({o.entity for o in found if o.settled})

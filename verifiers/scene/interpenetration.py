@@ -7,6 +7,7 @@ rope. A surface that passes through itself gets a row of its own (`scene/self_cr
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -15,11 +16,12 @@ import numpy as np
 from ...geometry import apart
 from ...worlds.arrays import F64, RigidPose
 from ..rows.answers import guarded, row_of
-from ..rows.corrections import correction, move_by, pointer
+from ..rows.corrections import correction, move_by, move_parts, pointer
 from ..rows.findings import Finding
 from .bounds import MARGIN, SAME_MOVE, WIDEST
 from .own_bodies import own_gap, own_pairs
 from .questions import OVERLAP, OVERLAP_SCENE
+from .room import in_the_way, moves_alone
 from .self_crossing import self_rows
 from .surfaces import surfaces_of
 
@@ -31,8 +33,10 @@ if TYPE_CHECKING:
 
 __all__ = ["check", "correction_order", "separating_move"]
 
-HALVINGS = 8
-"""Bisections of a suggested move: short to within 1 %."""
+HALVINGS = 16
+"""Most bisections of a suggested move, which end where it is short to within `MARGIN`."""
+NAMED = 4
+"""Parts that a correction tells by name."""
 DETAILED = 20
 """Failing pairs whose separating move is computed; a pile of failures is mended one by one anyway."""
 
@@ -165,33 +169,44 @@ def correction_order(surfaces: Surfaces, a: str, b: str) -> tuple[str, str]:
 
 
 def separating_move(
-    surfaces: Surfaces, mover: str, other: str, frame: int, direction: F64, depth: float, *, most: float = np.inf
+    surfaces: Surfaces,
+    mover: str,
+    other: str,
+    frame: int,
+    direction: F64,
+    depth: float,
+    *,
+    most: float = np.inf,
+    parts: Sequence[int] | None = None,
 ) -> float | None:
-    """Distance along a unit `direction` after which `mover` clears `other` by `MARGIN` [m], short to within 1 %.
+    """Distance along a unit `direction` after which `mover`, or `parts` of it, clear `other` by `MARGIN` [m], short to within `MARGIN`.
 
     Starts at the measured `depth` [m], which no move can undercut, then doubles and bisects; None where it takes more
     than `most` [m], or four sizes of the mover.
     """
+    rows = surfaces.parts_of[mover] if parts is None else parts
 
     def clear(distance: float) -> bool:
-        return _apart(surfaces, mover, other, frame, distance * direction)
+        return _apart(surfaces, rows, other, frame, distance * direction)
 
-    low, high = 0.0, depth + 2.0 * MARGIN
+    low, high = 0.0, depth + 1.5 * MARGIN
     while not clear(high):
         low, high = high, 2.0 * high
         if low > most or high > WIDEST * surfaces.size(mover) + depth:
             return None
     for _ in range(HALVINGS if low > 0.0 else 0):
+        if high - low <= MARGIN:
+            break
         middle = 0.5 * (low + high)
         low, high = (low, middle) if clear(middle) else (middle, high)
     return high
 
 
-def _apart(surfaces: Surfaces, mover: str, other: str, frame: int, offset: F64) -> bool:
-    """Whether `mover`, displaced by `offset` [m], clears `other` by `MARGIN`."""
-    for i in surfaces.parts_of[mover]:
+def _apart(surfaces: Surfaces, rows: Sequence[int], other: str, frame: int, offset: F64) -> bool:
+    """True if parts, displaced by `offset` [m], clear `other` by `MARGIN`."""
+    for i in rows:
         one = surfaces.parts[i]
-        pose = surfaces.track(mover, one.body).at(frame)
+        pose = surfaces.track(one.entity, one.body).at(frame)
         moved = RigidPose(pose.position + offset, pose.quaternion)
         for j in surfaces.parts_of[other]:
             two = surfaces.parts[j]
@@ -201,29 +216,34 @@ def _apart(surfaces: Surfaces, mover: str, other: str, frame: int, offset: F64) 
     return True
 
 
-def _middle(surfaces: Surfaces, entity: str) -> F64:
-    """Middle of an entity's bounding box at frame 0 [m], shape (3,)."""
-    vertices = surfaces.candidate.vertices(entity, 0)
-    return np.asarray((vertices.min(0) + vertices.max(0)) / 2)
+def _middle(surfaces: Surfaces, rows: Sequence[int]) -> F64:
+    """Middle of the bounding box of parts at frame 0 [m], shape (3,)."""
+    low, high = (box[list(rows), 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
+    return np.asarray((low.min(0) + high.max(0)) / 2)
 
 
-def _struck(surfaces: Surfaces, mover: str, other: str, offset: F64) -> str | None:
-    """An entity that `mover` would overlap after moving by `offset`, `other` apart; None when the place is free."""
-    vertices = surfaces.candidate.vertices(mover, 0) + offset
-    low, high = vertices.min(0), vertices.max(0)
-    for name in surfaces.entities:
-        if name in (mover, other):
-            continue
-        there = surfaces.candidate.vertices(name, 0)
-        if (there.min(0) > high).any() or (there.max(0) < low).any() or surfaces.allowed_depth(mover, name) > 0.0:
-            continue
-        if surfaces.gap(mover, name, 0, offset=offset).distance < -surfaces.noise(mover, name):
-            return name
-    return None
+def _movers(surfaces: Surfaces, mover: str, other: str) -> tuple[int, ...]:
+    """The parts to move: those in `other` where they hang together with no further part of their entity, else all of it."""
+    rows = surfaces.parts_of[mover]
+    inside = tuple(i for i in rows if len(rows) > 1 and not _apart(surfaces, (i,), other, 0, np.zeros(3)))
+    return inside if inside and len(inside) < len(rows) and all(moves_alone(surfaces, i) for i in inside) else tuple(rows)
+
+
+def _stands_elsewhere(surfaces: Surfaces, mover: str, other: str) -> bool:
+    """Whether something else is said to carry an entity, which a lift would take it off."""
+    relations = surfaces.candidate.spec.graph.relations.values()
+    return any(r.kind == "supports" and r.b == mover and r.a != other for r in relations)
+
+
+def _up(surfaces: Surfaces) -> F64:
+    """Unit vector against gravity, along z without any, shape (3,)."""
+    gravity = np.array(surfaces.candidate.spec.simulation.gravity)
+    strength = float(np.linalg.norm(gravity))
+    return -gravity / strength if strength > 0 else np.array([0.0, 0.0, 1.0])
 
 
 def _fixed(surfaces: Surfaces, entity: str) -> bool:
-    """Whether an entity stays where it is placed: it is static, or pins hold it."""
+    """True if an entity stays where it is placed: it is static, or pins hold it."""
     return surfaces.is_static(entity) or bool(getattr(surfaces.candidate.spec.entities[entity].physics, "pins", None))
 
 
@@ -252,25 +272,23 @@ def _different(moves: dict[str, F64]) -> dict[str, F64]:
     return found
 
 
-def _moves(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool) -> dict[str, F64]:
-    """Moves of the first entity that clear the second [m], by the words for their direction."""
+def _moves(surfaces: Surfaces, names: tuple[str, str], rows: Sequence[int], gap: Gap, *, swapped: bool) -> dict[str, F64]:
+    """Moves of these parts of the first entity that clear the second [m], by the words for their direction."""
     mover, other = names
     out = gap.point_b - gap.point_a if not swapped else gap.point_a - gap.point_b
     length = float(np.linalg.norm(out))
-    gravity = np.array(surfaces.candidate.spec.simulation.gravity)
-    strength = float(np.linalg.norm(gravity))
-    up = -gravity / strength if strength > 0 else np.array([0.0, 0.0, 1.0])
+    up = _up(surfaces)
     directions = {"up": up}
     if length > 0.0:
         directions["out along the shortest way"] = out / length
     # The deepest point need not show the shortest way out: a neighbour is left sideways, away from its middle.
-    between = _middle(surfaces, mover) - _middle(surfaces, other)
+    between = _middle(surfaces, rows) - _middle(surfaces, surfaces.parts_of[other])
     level = between - float(between @ up) * up
     if float(np.linalg.norm(level)) > 0.0:
         directions["away from its neighbour"] = level / float(np.linalg.norm(level))
     moves = {}
     for name, direction in directions.items():
-        distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance)
+        distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance, parts=rows)
         if distance is not None:
             moves[name] = distance * direction
     if any(surfaces.candidate.spec.entities[n].physics.sheet_thickness for n in names):
@@ -278,26 +296,45 @@ def _moves(surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: boo
     return moves
 
 
+def _move(surfaces: Surfaces, names: tuple[str, str], rows: Sequence[int], name: str, offset: F64, either: str) -> Correction:
+    """Move these parts of the first entity out of the second, in the direction of that name."""
+    mover, other = names
+    text, length = ", ".join(f"{c:+.4g}" for c in offset), float(np.linalg.norm(offset)) * 1e3
+    way = f"{name} by {length:.4g} mm, that is ({text}) m."
+    if len(rows) == len(surfaces.parts_of[mover]):
+        cause = f"{mover!r} is placed inside {other!r}"
+        return move_by(surfaces.candidate, mover, offset, cause, f"Move {mover!r} {way}{either}")
+    parts = [surfaces.parts[i].part for i in rows]
+    told = ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
+    cause = f"part {told} of {mover!r} is placed inside {other!r}"
+    return move_parts(surfaces.candidate, mover, dict.fromkeys(parts, offset), cause, f"Move {told} of {mover!r} {way}{either}")
+
+
 def _corrections(
     surfaces: Surfaces, names: tuple[str, str], gap: Gap, *, swapped: bool, detailed: bool
 ) -> tuple[Correction, ...]:
     mover, other = names
-    moves = _moves(surfaces, names, gap, swapped=swapped) if detailed else {}
+    rows = _movers(surfaces, mover, other) if detailed else ()
+    moves = _moves(surfaces, names, rows, gap, swapped=swapped) if detailed else {}
     pose = pointer("entities", mover, "pose")
     either = f" Both are fixed: either may move, {other!r} the opposite way." if all(_fixed(surfaces, n) for n in names) else ""
-    found = []
-    hits = {name: _struck(surfaces, mover, other, offset) for name, offset in moves.items()}
-    for name, offset in sorted(moves.items(), key=lambda item: (hits[item[0]] is not None, float(np.linalg.norm(item[1])))):
-        text = ", ".join(f"{c:+.4g}" for c in offset)
+    lifted, up = _stands_elsewhere(surfaces, mover, other), _up(surfaces)
+    hits = {name: in_the_way(surfaces, rows, offset, (other,)) for name, offset in moves.items()}
+    found = [
+        _move(surfaces, names, rows, name, offset, either)
+        for name, offset in sorted(moves.items(), key=lambda item: float(np.linalg.norm(item[1])))
+        if hits[name] is None and not (lifted and float(offset @ up) > surfaces.contact_gap(mover, other))
+    ]
+    struck = {n: m for n, m in moves.items() if hits[n] is not None}
+    if struck and not found:
+        name, offset = min(struck.items(), key=lambda item: float(np.linalg.norm(item[1])))
+        text, length = ", ".join(f"{c:+.4g}" for c in offset), float(np.linalg.norm(offset)) * 1e3
         found.append(
-            move_by(
-                surfaces.candidate,
-                mover,
-                offset,
+            correction(
                 f"{mover!r} is placed inside {other!r}",
-                f"Move {mover!r} {name} by {float(np.linalg.norm(offset)) * 1e3:.4g} mm, that is ({text}) m."
-                + (f" It would then overlap {hits[name]!r}." if hits[name] else "")
-                + either,
+                "placement",
+                f"{name.capitalize()} by {length:.4g} mm, that is ({text}) m, {mover!r} would overlap {hits[name]!r}: move that too, or make room.",
+                pointers=(pose, pointer("entities", str(hits[name]), "pose")),
             )
         )
     if not found:

@@ -25,12 +25,12 @@ __all__ = ["declares_mass", "mass_finding"]
 
 
 def declares_mass(entity: Entity) -> bool:
-    """Whether an entity's mass is its own and not that of its material and volume; ropes are judged by the audit alone."""
+    """True if an entity's mass is its own and not that of its material and volume; ropes are judged by the audit alone."""
     return isinstance(entity.physics, RigidPhysics) and entity.physics.mass is not None and entity.generator is None
 
 
 def mass_finding(candidate: Candidate, name: str) -> Finding:
-    """Whether the declared mass of an entity is one that its substances allow.
+    """Judge whether the declared mass of an entity is one that its substances allow.
 
     Raises:
         EvidenceError: its surfaces bound no volume.

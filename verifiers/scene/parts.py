@@ -142,7 +142,7 @@ class Parts:
         return self._tracks[key]
 
     def is_static(self, entity: str) -> bool:
-        """Whether the contract says that it never moves."""
+        """True if the contract says that it never moves."""
         return self.candidate.spec.entities[entity].motion == "static"
 
     @cached_property

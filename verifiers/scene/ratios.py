@@ -11,6 +11,7 @@ from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
 from .bounds import SCENERY
 from .extents import region_diagonal
+from .rescaling import scaled
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["RATIOS", "Ratio", "default_ratio", "ratio_finding"]
 
+AMPLE = 1.01
+"""[1] Own choice: a suggested scale goes this far past what the ratio asks for."""
 LEAST = 1e-150
 """Stands for diagonals that underflow [m], so that ratios stay finite."""
 
@@ -40,14 +43,14 @@ RATIOS: dict[str, Ratio] = {
     "interacts": Ratio(None, None, "a marble strikes a wrecking ball, 1 : 100; a bird a ship is beyond what is resolved at once"),
     "fastened": Ratio(None, None, "a screw of 1 cm holds a beam of 5 m, 1 : 500"),
 }
-"""Own choices, the paper gives no numbers (S2). Static partners and regions are scenery; `ratio` of a relation overrides all."""
+"""Own choices, the paper gives no numbers (S2). Static entities and regions are scenery; `ratio` of a relation overrides all."""
 
 
 def default_ratio(candidate: Candidate, relation: Relation) -> tuple[float, float]:
     """Allowed [min, max] of specified diagonals a / b where the relation itself gives none.
 
     Bounds of the kind within `limits.scale_ratio`. A static entity, or a region beside an entity, is scenery and may be
-    `SCENERY` times larger than its partner.
+    `SCENERY` times larger than the other.
     """
     kind = RATIOS[relation.kind]
     low, high = candidate.spec.simulation.limits.scale_ratio
@@ -86,7 +89,7 @@ def _diagonal(candidate: Candidate, node: str) -> float:
 
 
 def ratio_finding(candidate: Candidate, relation: Relation) -> Finding:
-    """Whether the specified diagonals of a relation's nodes are in proportion."""
+    """Judge whether the specified diagonals of a relation's nodes are in proportion."""
     entities = candidate.spec.entities
     a, b = (_diagonal(candidate, n) for n in (relation.a, relation.b))
     low, high = relation.ratio or default_ratio(candidate, relation)
@@ -112,6 +115,9 @@ def ratio_finding(candidate: Candidate, relation: Relation) -> Finding:
                     pointer("entities", n, "dimensions", "size") if n in entities else pointer("graph", "regions", n)
                     for n in order
                 ),
+                patch=()
+                if ok or odd not in entities
+                else scaled(candidate, odd, AMPLE * factor if factor > 1 else factor / AMPLE),
             ),
         ),
         evidence={"diagonal_a_m": a, "diagonal_b_m": b, "allowed": [low, high], "relation": relation.kind},

@@ -27,6 +27,7 @@ from .hidden import hidden_finding, hidden_parts
 from .masses import declares_mass, mass_finding
 from .questions import HIDDEN, MASS, NOMINAL, RATIO, SCALE_SCENE, SIZE
 from .ratios import ratio_finding
+from .rescaling import scaled, scaled_parts
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -77,6 +78,7 @@ def _scene(candidate: Candidate) -> Finding:
                 "dimensions",
                 f"{'Divide' if shrink else 'Multiply'} all lengths of {wrong[0]!r} by 100 or 1000: metres are expected.",
                 pointers=(pointer("entities", wrong[0], "parts"), pointer("entities", wrong[0], "dimensions", "size")),
+                patch=scaled(candidate, wrong[0], MILLI if shrink else 1.0 / MILLI),
             ),
         )
     elif diagonals:
@@ -97,6 +99,10 @@ def _scene(candidate: Candidate) -> Finding:
         entities=tuple(ordered),
         frames=(0, 0),
     )
+
+
+MILLI = 1e-3
+"""[1] Millimetres taken for metres."""
 
 
 class _Deviation(NamedTuple):
@@ -210,7 +216,7 @@ def _size_corrections(candidate: Candidate, name: str, size: F64) -> tuple[Corre
             "shape",
             f"Scale the parts of {name!r} by {_lengths(factor)} along x, y, z so that they measure {_lengths(wanted)} m.",
             pointers=(path,),
-            patch=set_value(path + "/size", [round(float(s), 6) for s in wanted]) if box else (),
+            patch=set_value(path + "/size", [round(float(s), 6) for s in wanted]) if box else scaled_parts(name, entity, factor),
         ),
         correction(
             "the contract states a size that the prompt does not ask for",
@@ -240,6 +246,7 @@ def _nominal(candidate: Candidate, name: str) -> Finding:
                 "dimensions",
                 f"Scale parts and contract of {name!r} by {1 / ratio:.4g} to its usual diagonal of {nominal:.4g} m.",
                 pointers=(pointer("entities", name, "dimensions", "size"), pointer("entities", name, "parts")),
+                patch=() if ok else scaled(candidate, name, 1.0 / ratio),
             ),
         ),
         evidence={"diagonal_m": diagonal, "nominal_m": nominal},

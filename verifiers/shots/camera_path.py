@@ -49,7 +49,7 @@ def _cameras(sight: Sight, shot_id: str, shot: Shot, last: int) -> list[tuple[in
 
 
 def inside(sight: Sight, shot_id: str, shot: Shot) -> Finding:
-    """Whether the camera stays out of every body, at and between all frames, as seen from that body."""
+    """Judge whether the camera stays out of every body, at and between all frames, as seen from that body."""
     candidate, frames = sight.candidate, shot.frames
     last = min(frames[1], candidate.last_frame)
     if last >= frames[0]:
@@ -104,7 +104,7 @@ def _near_reach(camera: Camera) -> float:
 
 
 def _crosses(start: F64, end: F64, triangles: F64) -> bool:
-    """Whether a segment meets any of the triangles. Moeller and Trumbore (1997), doi:10.1080/10867651.1997.10487468."""
+    """True if a segment meets any of the triangles. Moeller and Trumbore (1997), doi:10.1080/10867651.1997.10487468."""
     way = end - start
     low, high = np.minimum(start, end), np.maximum(start, end)
     triangles = triangles[((triangles.min(axis=1) <= high) & (triangles.max(axis=1) >= low)).all(axis=1)]
@@ -122,7 +122,7 @@ def _crosses(start: F64, end: F64, triangles: F64) -> bool:
 
 
 class _Step(NamedTuple):
-    """How much a picture changes in one frame, in widths."""
+    """Change of a picture in one frame, in widths."""
 
     share: float
     what: str
@@ -149,7 +149,7 @@ def _steps(frame: int, one: Camera, two: Camera) -> list[_Step]:
 
 
 def moves(sight: Sight, shot_id: str, shot: Shot) -> Finding:
-    """Whether the picture, and the subjects on it, move slowly enough to be followed."""
+    """Judge whether the picture, and the subjects on it, move slowly enough to be followed."""
     candidate, frames = sight.candidate, shot.frames
     last = frames[1] if shot.follow is None else min(frames[1], candidate.last_frame)
     if last < frames[0]:

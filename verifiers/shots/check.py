@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..predicates.evaluators import beat_times
 from ..rows.corrections import correction
@@ -120,6 +120,11 @@ def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Finding:
         text += "" if first is None else f": {beat_id} comes true at frame {first}"
     pointer = f"/shots/{best}/frames" if best else "/shots"
     action = f"let a shot run over frames {list(frames)}"
+    patch: tuple[dict[str, Any], ...] = ()
+    running = max(shots, key=lambda n: _overlap(shots[n], frames), default=None)
+    if running is not None and running not in named and _overlap(shots[running], frames):
+        action = f"name {beat_id} in the covers of shot {running}, which runs then, or {action}"
+        pointer, patch = f"/shots/{running}/covers", _covering(running, beat_id)
     return Finding(
         "pass" if shown else "fail",
         text,
@@ -127,10 +132,15 @@ def _cover(candidate: Candidate, beat_id: str, beat: Beat) -> Finding:
         1.0,
         entity=beat.subject,
         frame=beat.frames[0] if first is None else first,
-        hints=(correction("no camera runs while it happens", "shots", action, pointers=(pointer,)),),
+        hints=(correction("no camera runs while it happens", "shots", action, pointers=(pointer,), patch=patch),),
         evidence={"named_by": named, "overlap": able},
         frames=frames,
     )
+
+
+def _covering(shot: str, beat_id: str) -> tuple[dict[str, Any], ...]:
+    """Patch that lets a shot cover a beat."""
+    return ({"op": "add", "path": f"/shots/{shot}/covers/-", "value": beat_id},)
 
 
 def _unobserved(candidate: Candidate) -> list[Row]:
@@ -142,12 +152,15 @@ def _unobserved(candidate: Candidate) -> list[Row]:
     told = "; ".join(unseen_text(n, b) for n, b in unseen.items())
     first, count = next(iter(unseen)), len(mandatory) - len(unseen)
     place = f"/story/beats/{first}/observe"
+    shots = candidate.spec.shots
+    running = max(shots, key=lambda n: _overlap(shots[n], unseen[first].frames), default=None)
+    covered = any(first in s.covers for s in shots.values())
     hint = correction(
         "no camera is asked to see anything that must happen",
         "story",
         f"observe {first}, in a shot that covers it",
         pointers=(place, "/shots"),
-        patch=({"op": "remove", "path": place},),
+        patch=({"op": "remove", "path": place}, *(() if covered or running is None else _covering(running, first))),
     )
     found = Finding(
         "pass" if count else "fail",

@@ -22,6 +22,10 @@ TURNS = (0, 30, -30, 60, -60, 90, -90, 135, -135, 180)
 """[degrees] from the present direction at which a clear view is looked for."""
 LIFTS = (0.0, 25.0, 55.0)
 """[degrees] above it."""
+WIDE = 2.0
+"""[m] Own choice: radius of a subject from which a camera need not have all of it in the picture."""
+LOW = 30.0
+"""[degrees] Own choice: such a one is not looked at more steeply than this, or than now."""
 
 
 def reframe(sight: Sight, subject: str, seen: Seen, frames: tuple[int, int], *, leaves: bool = False) -> list[Correction]:
@@ -68,12 +72,14 @@ def reframe(sight: Sight, subject: str, seen: Seen, frames: tuple[int, int], *, 
         return hints
     where = ", ".join(f"{c:.2f}" for c in key.position)
     action = f"put the camera at ({where}) m and aim at {subject}, which then fills about {FILL:.0%} of the height"
+    if key.position == shot.keys[key_id].position:
+        action = f"aim the camera at {subject} from where it is"
     patch = ({"op": "replace", "path": pointer, "value": key.model_dump(mode="json", exclude_none=True)},)
     return [correction(cause, "shots", action, pointers=(pointer,), patch=patch), *hints]
 
 
 def _better(sight: Sight, subject: str, old: CameraKey, frame: int) -> CameraKey | None:
-    """A key that sees the subject at `frame`: the present direction if it is clear, else the nearest that is."""
+    """A key that sees the subject at `frame`: from where the camera is if that is clear, else from its direction, else the nearest that is."""
     candidate, limits = sight.candidate, sight.candidate.spec.simulation.limits
     center = candidate.center(subject, frame)
     radius = float(np.linalg.norm(candidate.vertices(subject, frame) - center, axis=1).max())
@@ -81,10 +87,17 @@ def _better(sight: Sight, subject: str, old: CameraKey, frame: int) -> CameraKey
     away = np.array(old.position) - center
     flat = float(np.hypot(away[0], away[1]))
     azimuth, elevation = math.atan2(away[1], away[0]), math.atan2(away[2], flat) if flat > 0 else math.radians(30)
+    highest = math.radians(80)
+    if radius > WIDE:  # water or land is looked over from where the camera is, and not from far above
+        distance, highest = min(distance, float(np.linalg.norm(away))), max(elevation, math.radians(LOW))
     found: tuple[float, CameraKey] | None = None
+    aimed = old.model_copy(update={"target": tuple(round(float(c), 4) for c in center)})
+    seen = sight.try_camera(subject, aimed, frame)
+    if seen.unoccluded >= 0.9 and seen.share >= limits.visible_pixels and sight.inside(np.array(old.position), frame) is None:
+        return aimed
     for lift in LIFTS:
         for turn in TURNS:
-            up = min(max(elevation + math.radians(lift), math.radians(5)), math.radians(80))
+            up = min(max(elevation + math.radians(lift), math.radians(5)), highest)
             around = azimuth + math.radians(turn)
             direction: F64 = np.array([math.cos(up) * math.cos(around), math.cos(up) * math.sin(around), math.sin(up)])
             position = center + distance * direction

@@ -32,7 +32,7 @@ PALE, DEEP = 0.8, 0.05
 
 
 class Shade(NamedTuple):
-    """How light a subject is in a picture, and what is around it."""
+    """Lightness of a subject in a picture, and of what is around it."""
 
     luminance: float
     """Mean of the subject's pixels; white is 1."""

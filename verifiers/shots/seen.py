@@ -47,7 +47,7 @@ def seen_ids(spec: WorldSpec) -> frozenset[str]:
 
 
 def taken(candidate: Candidate) -> bool:
-    """Whether plates of a candidate's bake were made at all."""
+    """True if plates of a candidate's bake were made at all."""
     return candidate.stage == "full" and (plates_folder(candidate) / "index.json").exists()
 
 
@@ -102,7 +102,7 @@ class _Judge:
             return SEEN
 
     def seen(self, beat_id: str) -> Finding:
-        """Whether a beat's subject is seen at its best frame."""
+        """Judge whether a beat's subject is seen at its best frame."""
         beat, plates = self.candidate.spec.story.beats[beat_id], plates_now(self.candidate)
         subject, view = beat.subject, self.plan.of.get(beat_id)
         told = Finding("unverified", "", unit="1", entities=(subject,), frames=beat.frames, extra=[plates.digest])
@@ -191,7 +191,7 @@ class _Cause(NamedTuple):
 
 
 def _shade(plate: Plate, mask: Mask) -> Shade:
-    """How light a subject, what is behind it, and the whole picture are."""
+    """Lightness of a subject, of what is behind it, and of the whole picture."""
     shown, bare = (lab(p).mean(axis=0)[..., 0] for p in plate)
     return Shade(
         luminance=float((linear(plate.shown).mean(axis=0) @ Y)[mask.visible].mean()),

@@ -39,7 +39,7 @@ FINE_BELOW = 600
 FINE_PIXELS = 5000
 """Pixels that it then fills, about."""
 FINE, FINEST = 8, 32
-"""How much finer, per side, where no pixel centre hit it, and at most; of particles, whose many small errors level out, no finer than the first."""
+"""Factors by which pictures are finer, per side, where no pixel centre hit it, and at most; of particles, whose many small errors level out, no finer than the first."""
 DOUBT = 0.15
 """The same for one whose unoccluded share is within this of the bound."""
 GLASS = 0.5
@@ -51,18 +51,18 @@ COPLANAR = 2e-6
 
 @dataclass(frozen=True)
 class Seen:
-    """How one entity appears in one picture."""
+    """Appearance of one entity in one picture."""
 
     frame: int
     shot: str
     share: float
-    """Of the picture that shows the entity."""
+    """Share of the picture that shows the entity."""
     unoccluded: float
     """Pixels seen / pixels seen if nothing else were there; 0 where it is out of the picture."""
     hidden_by: str | None
     """Entity in front of most of the hidden pixels."""
     in_picture: bool
-    """Whether any pixel would show it if nothing else were there."""
+    """True if any pixel would show it if nothing else were there."""
 
 
 class Mask(NamedTuple):
@@ -85,8 +85,10 @@ class _Cast(NamedTuple):
     front: NDArray[np.int32]
 
 
+BEHIND = 1e-3
+"""What lies farther behind an entity than this share of its depth hides none of it, however depths are rounded."""
 STILL = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
-"""Of loose matter, whose meshes are in the world."""
+"""Pose of loose matter, whose meshes are in the world."""
 HELD_SHAPES = 16
 """Frames whose deformed solids are kept."""
 HELD_FACES = 4_000_000
@@ -150,11 +152,11 @@ class Sight:
 
     @cached_property
     def _veils(self) -> bool:
-        """Whether any liquid can hide what is behind it."""
+        """True if any liquid can hide what is behind it."""
         return any(not self._clear(self.candidate.spec.entities[n].material) for n in self._loose)
 
     def _flows(self, entity: str) -> bool:
-        """Whether pictures of an entity depend on where liquids are: it is one, or one can hide it."""
+        """True if pictures of an entity depend on where liquids are: it is one, or one can hide it."""
         return entity in self._loose or self._veils
 
     def _scene(self, frame: int, entity: str) -> _Scene:
@@ -233,7 +235,7 @@ class Sight:
         return found
 
     def seen(self, entity: str, shot_id: str, frame: int) -> Seen:
-        """How `entity` appears in the shot at the frame."""
+        """Appearance of `entity` in the shot at the frame."""
         key = (entity, shot_id, frame)
         if key not in self._seen:
             camera, poses = self.camera(shot_id, frame), self.poses(frame, entity)
@@ -250,7 +252,7 @@ class Sight:
         return self._seen[key]
 
     def try_camera(self, entity: str, key: CameraKey, frame: int) -> Seen:
-        """How `entity` would appear at a frame from another camera."""
+        """Appearance of `entity` at a frame from another camera."""
         camera = Camera(np.array(key.position), np.array(key.target, dtype=np.float64), key.fov_deg, self.width, self.height)
         return self._look(entity, "", frame, camera)
 
@@ -342,7 +344,9 @@ class Sight:
         farthest = float(alone.depth[hit].max())
         meets = (rectangle[:, 0] < right) & (rectangle[:, 2] > left) & (rectangle[:, 1] < bottom) & (rectangle[:, 3] > top)
         before = meets & ~own & ~scene.glass & (nearest <= farthest * (1.0 + COPLANAR))
-        front = scene.caster.cast(camera, poses, only=np.flatnonzero(before).tolist(), window=window)
+        front = scene.caster.cast(
+            camera, poses, only=np.flatnonzero(before).tolist(), window=window, until=farthest * (1.0 + BEHIND)
+        )
         visible = hit & (alone.depth.astype(np.float64) * (1.0 + COPLANAR) < front.depth)
         return _Cast(window, hit, visible, front.ids)
 

@@ -104,7 +104,7 @@ def _moment(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> float:
 
 
 def visible(sight: Sight, beat_id: str, beat: Beat) -> Finding:
-    """Whether a beat's subject is seen while it happens."""
+    """Judge whether a beat's subject is seen while it happens."""
     candidate, subject, frames = sight.candidate, beat.subject, beat.frames
     open_found = Finding("unverified", "", entities=(subject,), frames=frames)
     if candidate.stage == "static":
@@ -156,7 +156,7 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, shown: f
         bound,
         entity=subject,
         frame=first if missed[:1] == [3] else (bad_frames or [best.frame])[0],
-        hints=_nearer(sight, beat, best, leaves=seen_share < limits.beat_seen_frames) if missed else (),
+        hints=_nearer(sight, beat, best, leaves=0.0 < seen_share < limits.beat_seen_frames) if missed else (),
         evidence={
             "best_frame": best.frame,
             "best_share": best.share,
@@ -188,7 +188,7 @@ def _appearance(subject: str, seen: Seen) -> str:
 
 
 def framed(sight: Sight, shot_id: str, shot: Shot) -> Finding:
-    """Whether the subjects of a shot are in it at some frame, and what it follows at enough frames."""
+    """Judge whether the subjects of a shot are in it at some frame, and what it follows at enough frames."""
     candidate, limits = sight.candidate, sight.candidate.spec.simulation.limits
     names = list(dict.fromkeys([*subjects_of(candidate, shot), *([shot.follow] if shot.follow else [])]))
     if not names:

@@ -196,7 +196,7 @@ def _helpers(candidate: Candidate, books: Books, tale: _Tale) -> list[_Helper]:
 
 
 def _told(spec: WorldSpec, name: str, joint: SpringJoint, tale: _Tale) -> bool:
-    """Whether the story tells of a spring: a predicate asks about it, a driver that lets it act owns a beat, or it is part of an initial state."""
+    """True if the story tells of a spring: a predicate asks about it, a driver that lets it act owns a beat, or it is part of an initial state."""
     ends = {e for e in (joint.child, joint.parent) if e is not None and spec.entities[e].motion == "dynamic"}
     let_go = {
         n

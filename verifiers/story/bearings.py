@@ -55,7 +55,7 @@ def spared_by(candidate: Candidate, books: Books, joint: SlideJoint) -> Spared |
 
 
 def _touch(candidate: Candidate, a: str, b: str) -> bool:
-    """Whether two entities touch at frame 0."""
+    """True if two entities touch at frame 0."""
     surfaces = surfaces_of(candidate)
     gap = surfaces.first.get((a, b), surfaces.first.get((b, a), np.inf))
     return gap <= candidate.spec.simulation.limits.contact_gap

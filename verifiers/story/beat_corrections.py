@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..categories.fracture.corrections import breaking
 from ..categories.registry import judged
 from ..predicates.evaluators import evaluate
 from ..predicates.outcome import Outcome
-from ..rows.corrections import correction, halve_any_step, set_value
+from ..rows.corrections import correction, halve_any_step, longer, set_value
 from .bounds import MORE, SETTLING_FRAMES, STARTED
 from .offers import faster, let_meet, offered
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from ...worlds.spec import SpecModel
 
-__all__ = ["corrections_of", "happens_at"]
+__all__ = ["corrections_of", "happens_at", "still_moves"]
 
 LASTING = frozenset({"flutters"})
 """Kinds that an interval as a whole makes true, not one of its frames."""
@@ -31,7 +32,7 @@ LASTING = frozenset({"flutters"})
 def corrections_of(
     candidate: Candidate, predicate: SpecModel, outcome: Outcome, pointer: str, frames: tuple[int, int]
 ) -> list[Correction]:
-    """Ranked hints from what was measured.
+    """Ranked corrections from what was measured.
 
     Args:
         candidate: what was judged.
@@ -91,7 +92,7 @@ def _timing(
                 "interval",
                 f"simulate {more} more frames, to frame {total - 1}, and see whether it comes true",
                 pointers=("/simulation/frames", f"{pointer}/frames"),
-                patch=({"op": "replace", "path": "/simulation/frames", "value": total},),
+                patch=longer(candidate.spec, total),
             )
         )
     return found
@@ -112,7 +113,7 @@ def _longer(candidate: Candidate, outcome: Outcome, pointer: str) -> list[Correc
                 "interval",
                 f"simulate to frame {end}, and let the interval last as long",
                 pointers=("/simulation/frames", f"{pointer}/frames"),
-                patch=({"op": "replace", "path": "/simulation/frames", "value": end + 1},),
+                patch=(*longer(candidate.spec, end + 1), {"op": "replace", "path": f"{pointer}/frames", "value": [first, end]}),
             )
         ]
     frames = [first, end]
@@ -149,14 +150,23 @@ def _moved(frames: tuple[int, int], at: int) -> tuple[int, int]:
 
 
 def _under_way(candidate: Candidate, predicate: SpecModel, outcome: Outcome) -> bool:
-    """Whether an event came nearest where the run ends."""
+    """True if an event came nearest where the run ends."""
     nearest = outcome.details.get("largest_frame", outcome.details.get("frame"))
     if not isinstance(nearest, int) or outcome.comparison == "" or getattr(predicate, "when", "") == "end":
         return False
     angle = outcome.details.get("largest_angle")
     if isinstance(angle, float) and outcome.bound and angle < STARTED * outcome.bound:
         return False
-    return nearest >= candidate.last_frame - SETTLING_FRAMES
+    return nearest >= candidate.last_frame - SETTLING_FRAMES and still_moves(candidate, entities_of(predicate))
+
+
+def still_moves(candidate: Candidate, names: Iterable[str]) -> bool:
+    """Whether any of these bodies still comes on at the end; what is no body may."""
+    spec, last = candidate.spec, candidate.last_frame
+    bodies = [n for n in names if n in spec.entities and spec.entities[n].physics.shape == "solid"]
+    first, drift = max(0, last - SETTLING_FRAMES), spec.simulation.limits.support_drift
+    ways = [float(np.linalg.norm(candidate.center(n, last) - candidate.center(n, first))) for n in bodies]
+    return not ways or max(ways) > drift
 
 
 def _too_fast(candidate: Candidate, entity: str, after: int) -> Correction:

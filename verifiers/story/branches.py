@@ -44,7 +44,7 @@ class Branch:
     each: tuple[str, ...] = ()
     """Entities of the `count` around it."""
     at_a_frame: bool = False
-    """Whether truth at one frame is enough, as within `always`."""
+    """True if truth at one frame is enough, as within `always`."""
 
     @property
     def text(self) -> str:
@@ -84,12 +84,12 @@ def _within(node: Branch, *, wanted: bool) -> Iterator[Branch]:
 
 
 def _counts_frames(predicate: SpecModel) -> bool:
-    """Whether `frames` of a predicate is a number of frames, as that of `within`, and no interval."""
+    """True if `frames` of a predicate is a number of frames, as that of `within`, and no interval."""
     return isinstance(getattr(predicate, "frames", None), int)
 
 
 def comes_true(candidate: Candidate, branch: Branch) -> bool:
-    """Whether a motion makes a branch true.
+    """True if a motion makes a branch true.
 
     Raises:
         EvidenceError: it cannot be judged.

@@ -46,7 +46,7 @@ def check(candidate: Candidate) -> list[Row]:
 
 
 def _judge(edge: Edge) -> Finding:
-    """Whether the cause came first and a chain leads from it to the effect.
+    """Judge whether the cause came first and a chain leads from it to the effect.
 
     Raises:
         EvidenceError: one of the beats cannot be judged, or a log is missing.
@@ -122,7 +122,7 @@ def _sources(edge: Edge, start: Onset) -> tuple[str, ...]:
 
 
 def _linked(edge: Edge, start: Onset, last: int, reach: Reach) -> Finding:
-    """Whether the cause's chain brings the effect about."""
+    """Judge whether the cause's chain brings the effect about."""
     subject = edge.subject
     if subject in _sources(edge, start):
         return _same_subject(edge, start, last, reach)
@@ -277,7 +277,8 @@ def _absent(edge: Edge, beat_id: str, outcome: Outcome, reach: Reach | None = No
     root = first_absent(candidate, beat_id)
     text += f"; this row follows from beat:{root}{'' if root == beat_id else ', the first that leads to it and did not come true'}: mend that one first"
     evidence["follows"] = f"beat:{root}"
-    hints = (*_of_first(edge, root), *hints)
+    # A faster push is the business of the beat's own row, which tells by how much.
+    hints = (*_of_first(edge, root), *(h.model_copy(update={"patch": ()}) if h.group == "initial_state" else h for h in hints))
     return Finding("fail", text, entity=entity, frame=frame, hints=hints, evidence=evidence, frames=outcome.frames)
 
 
@@ -285,4 +286,5 @@ def _of_first(edge: Edge, beat_id: str) -> tuple[Correction, ...]:
     """Corrections of the first beat that did not come true: its row is the one to answer."""
     candidate, beat = edge.candidate, edge.candidate.spec.story.beats[beat_id]
     outcome, place = beat_times(candidate).outcome(beat_id), f"/story/beats/{beat_id}"
-    return tuple(corrections_of(candidate, beat.predicate, outcome, place, beat.frames))
+    found = corrections_of(candidate, beat.predicate, outcome, place, beat.frames)
+    return tuple(c.model_copy(update={"patch": ()}) if c.edit_class == "story" else c for c in found)

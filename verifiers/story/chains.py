@@ -95,7 +95,7 @@ class Reach:
         return None if np.isinf(self.arrival[at]) or self.alien[at] else float(self.arrival[at])
 
     def ever(self, entity: str) -> bool:
-        """Whether a chain arrived at the entity at all."""
+        """True if a chain arrived at the entity at all."""
         return bool(np.isfinite(self.arrival[self.names.index(entity)]))
 
     def chain(self, entity: str) -> list[Hop]:
@@ -109,7 +109,7 @@ class Reach:
 
     @property
     def negligible(self) -> bool:
-        """Whether others pushed the subject so much harder that the chain decided nothing."""
+        """True if others pushed the subject so much harder that the chain decided nothing."""
         return self.given < MOMENTUM_SHARE * sum(self.others.values())
 
 
@@ -169,7 +169,7 @@ class Chains:
                 self._freed[at] = max(self._freed[at], driver.time)
 
     def _motions(self) -> tuple[Flags, F64]:
-        """Whether each entity is not still, and the smallest impulse [N s] that carries a chain to it: (frames, entities)."""
+        """Flags of entities that are not still, and the smallest impulse [N s] that carries a chain to each: (frames, entities)."""
         shape = (self.candidate.frame_count, len(self.names))
         moving, floors = np.zeros(shape, dtype=bool), np.full(shape, MIN_IMPULSE)
         for i, name in enumerate(self.names):

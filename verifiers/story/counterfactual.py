@@ -88,7 +88,7 @@ class _Variants:
             self._ends |= {way: max(end, self._ends.get(way, 0)) for way in ways}
 
     def judge(self, edge: Edge) -> Finding:
-        """Whether the effect vanishes or changes without its cause.
+        """Judge whether the effect vanishes or changes without its cause.
 
         Raises:
             EvidenceError: the cause cannot be prevented, or the run not be repeated.

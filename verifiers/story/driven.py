@@ -47,7 +47,7 @@ __all__ = ["check_driven", "moves_by_declaration"]
 
 
 class _Start(NamedTuple):
-    """How a beat is brought about, or why nothing does."""
+    """Start of a beat: what brings it about, or why nothing does."""
 
     status: Status
     text: str
@@ -86,7 +86,7 @@ def check_driven(candidate: Candidate, beat_id: str) -> list[Row]:
 
 
 def moves_by_declaration(spec: WorldSpec, name: str) -> bool:
-    """Whether the specification gives the entity a velocity at frame 0."""
+    """True if the specification gives the entity a velocity at frame 0."""
     physics = spec.entities[name].physics
     speeds = [getattr(physics, n, ()) for n in ("linear_velocity", "angular_velocity")]
     return any(any(v) for v in speeds) or bool(getattr(physics, "currents", None))
@@ -223,7 +223,7 @@ def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
 
 
 def _goes_from_start(candidate: Candidate, name: str, frame: int) -> bool:
-    """Whether an entity moves from frame 0 on and does not rest, `PAUSE` long, before `frame`."""
+    """True if an entity moves from frame 0 on and does not rest, `PAUSE` long, before `frame`."""
     moves = judge_of(candidate.spec, name).moving(candidate, name)[: frame + 1]
     if not moves[:2].any():  # what is let go at frame 0 has no speed there yet
         return False

@@ -35,7 +35,7 @@ class Edge:
 
     @property
     def known(self) -> bool:
-        """Whether the cause is a beat of the story."""
+        """True if the cause is a beat of the story."""
         return self.cause_id in self.candidate.spec.story.beats
 
     @property
@@ -55,7 +55,7 @@ class Edge:
 
     @property
     def driven(self) -> bool:
-        """Whether a driver owns the cause."""
+        """True if a driver owns the cause."""
         return self.cause.owner in self.candidate.spec.simulation.drivers
 
     @property

@@ -121,7 +121,7 @@ def _out_of_touch(candidate: Candidate, mover: str, struck: str, frame: int) -> 
 
 
 def _acts_through(edge: Edge, struck: str, mover: str, frame: int) -> bool:
-    """Whether the contact acts on through what was struck, not only through what struck it."""
+    """True if the contact acts on through what was struck, not only through what struck it."""
     candidate = edge.candidate
     if edge.subject in (struck, mover):
         return edge.subject == struck

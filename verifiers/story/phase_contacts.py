@@ -37,7 +37,7 @@ class Meeting(NamedTuple):
     mover: str
     text: str
     pressed: bool = False
-    """Whether grains or cloth are in it."""
+    """True if grains or cloth are in it."""
 
 
 class _Promise(NamedTuple):
@@ -49,7 +49,7 @@ class _Promise(NamedTuple):
 
 
 def asks_for_contact(candidate: Candidate) -> bool:
-    """Whether a beat, a relation or a cause of the specification needs two bodies to meet; so does a world without beats."""
+    """True if a beat, a relation or a cause of the specification needs two bodies to meet; so does a world without beats."""
     return not candidate.spec.story.beats or bool(promises(candidate.spec))
 
 
@@ -130,7 +130,7 @@ def _of_matter(candidate: Candidate, activation: int) -> Meeting | None:
 
 
 def _keeps(spec: WorldSpec, promise: _Promise, touch: Touch) -> bool:
-    """Whether a touch is what was promised, or its beginning."""
+    """True if a touch is what was promised, or its beginning."""
     others = promise.entities - touch.matter - {"each"}
     if touch.body is None:
         # What presses a body that is coupled both ways is known by itself.

@@ -33,15 +33,15 @@ NAMED = 3
 
 
 class Ending(NamedTuple):
-    """How a run ends."""
+    """End of a run."""
 
     goes_on: bool
-    """Whether the motion at the end needs no source that is not there."""
+    """True if the motion at the end needs no source that is not there."""
     text: str
 
 
 def ending(candidate: Candidate, kinetic: F64, start: int) -> Ending | None:
-    """How the last third goes, `SPAN` seconds at least; None where the run is too short after `start`, a beat is still to come, or energy is not known.
+    """Motion of the last third, `SPAN` seconds at least; None where the run is too short after `start`, a beat is still to come, or energy is not known.
 
     Args:
         candidate: what was run.

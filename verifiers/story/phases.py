@@ -31,11 +31,13 @@ from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates.registry import is_invariant
 from ...worlds.requirements import Correction, Row
+from ...worlds.settled import settling
 from ..categories.registry import judge_of
 from ..ledgers import motion
 from ..rows.answers import guarded, row_of
-from ..rows.corrections import correction, halve_any_step, set_value
+from ..rows.corrections import correction, halve_any_step, longer, set_value
 from ..rows.findings import Finding
+from .beat_corrections import still_moves
 from .offers import let_meet
 from .phase_contacts import asks_for_contact, first_contact, promises
 from .phase_ends import SPAN, ending
@@ -83,15 +85,15 @@ class Phases:
     early_settling: int | None
     last_frame: int
     notes: dict[str, str] = field(default_factory=dict)
-    """How each was found, or why not."""
+    """Sentence on each phase: how it was found, or why not."""
     entities: dict[str, str] = field(default_factory=dict)
     """Who marks each phase."""
     start_speed: float = 0.0
     """[m/s] above which a body counts as active."""
     touchless: bool = False
-    """Whether first contact does not apply: nothing new touches, and nothing in the specification asks for it."""
+    """True if first contact does not apply: nothing new touches, and nothing in the specification asks for it."""
     course: Course | None = None
-    """How the response ends; None where the run does not show it."""
+    """Motion at the end of the response; None where the run does not show it."""
 
     def applicable(self) -> tuple[str, ...]:
         """Phases that such a run has, in order."""
@@ -192,10 +194,14 @@ def _preroll(
     if plan.preroll > 0:
         notes["preroll"] = f"{plan.preroll:g} s simulated before frame 0"
         return 0
+    if settled := [n for n in names if n in settling(candidate.spec)]:
+        notes["preroll"] = f"{len(settled)} settled before frame 0"
     stray = [n for n in names if not _speeds(candidate, n)[0] <= threshold and not _sent(candidate, n)]
     if stray:
         notes["preroll"] = f"{stray[0]} moves at frame 0 without being told to, and simulation.preroll is 0"
         return None
+    if settled:
+        return 0
     notes["preroll"] = (
         "quiet throughout" if activation is None else f"nothing but the specified start moves before frame {activation}"
     )
@@ -203,13 +209,13 @@ def _preroll(
 
 
 def _sent(candidate: Candidate, name: str) -> bool:
-    """Whether the specification gives the entity a velocity at frame 0 or a driver."""
+    """True if the specification gives the entity a velocity at frame 0 or a driver."""
     entity = candidate.spec.entities[name]
     return _thrown(entity) or any(name in acts_from(candidate.spec, d)[1] for d in candidate.spec.simulation.drivers)
 
 
 def _thrown(entity: Entity) -> bool:
-    """Whether the specification gives it a velocity at frame 0."""
+    """True if the specification gives it a velocity at frame 0."""
     speeds = [getattr(entity.physics, n, ()) for n in ("linear_velocity", "angular_velocity")]
     return any(any(v) for v in speeds) or bool(getattr(entity.physics, "currents", None))
 
@@ -331,7 +337,7 @@ def _finding(candidate: Candidate, phases: Phases) -> Finding:
 
 
 def _meant_to_rest(candidate: Candidate) -> bool:
-    """Whether the specification sets nothing in motion and asks for nothing but lasting states."""
+    """True if the specification sets nothing in motion and asks for nothing but lasting states."""
     spec = candidate.spec
     thrown = any(_thrown(e) for e in spec.entities.values())
     return not thrown and not spec.simulation.drivers and all(is_invariant(b.predicate) for b in spec.story.beats.values())
@@ -342,6 +348,15 @@ def _more_frames(candidate: Candidate, phases: Phases) -> int:
     end = max((b.frames[1] for b in candidate.spec.story.beats.values()), default=0)
     second = candidate.spec.simulation.fps
     return max(end - phases.last_frame, second if end <= phases.last_frame else 1)
+
+
+def _goes_on(candidate: Candidate) -> bool:
+    """Whether anything still moves at the end, or a driver or beat is yet to come; waiting brings nothing else."""
+    spec, last = candidate.spec, candidate.last_frame
+    bodies = [n for n, e in spec.entities.items() if e.motion != "static"]
+    due = any(b.frames[1] > last for b in spec.story.beats.values())
+    later = any(d.begins * spec.simulation.fps > last for d in spec.simulation.drivers.values())
+    return due or later or still_moves(candidate, bodies)
 
 
 def _blown_up() -> list[Correction]:
@@ -361,13 +376,13 @@ def _hints(candidate: Candidate, phase: str, more: int) -> list[Correction]:
             correction("bodies start in the air or overlap", "placement", "put them on their supports", pointers=("/entities",)),
         ]
     planned = candidate.spec.simulation.frames
-    longer = candidate.last_frame + 1 + more
+    total = candidate.last_frame + 1 + more
     wait = correction(
         "the run is too short" if phase != "activation" else "nothing acts within the run",
         "interval",
-        f"simulate {more} more frames, to frame {longer - 1}",
+        f"simulate {more} more frames, to frame {total - 1}",
         pointers=("/simulation/frames",),
-        patch=({"op": "replace", "path": "/simulation/frames", "value": longer},) if longer > planned else (),
+        patch=longer(candidate.spec, total) if total > planned and _goes_on(candidate) else (),
     )
     act = correction(
         "nothing sets the scene in motion",

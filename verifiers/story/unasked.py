@@ -29,7 +29,7 @@ __all__ = ["without_causes"]
 
 
 class _Way(NamedTuple):
-    """How far an entity gets from where it starts."""
+    """Way of an entity from where it starts."""
 
     entity: str
     frame: int
@@ -122,7 +122,7 @@ def _moves(candidate: Candidate) -> Finding:
 
 
 def _way(candidate: Candidate, entity: str) -> _Way:
-    """How far an entity gets from its place, by its centre of mass and the turning of its bodies.
+    """Way of an entity from its place, by its centre of mass and the turning of its bodies.
 
     Raises:
         EvidenceError: no cache holds its motion, or a number is not finite.

@@ -63,7 +63,7 @@ class Past(NamedTuple):
     told: str
     """Sentence about what was measured then."""
     event: bool
-    """Whether it happened, where else it lasted."""
+    """True if it happened, where else it lasted."""
 
 
 class _Past:
@@ -185,7 +185,7 @@ class _Past:
         return [(a, b) for a, b in runs if a > (1 if started else 0)]
 
     def _touch_at_start(self, predicate: SpecModel) -> bool:
-        """Whether two entities of a contact touch at frame 0, which no log of contacts tells."""
+        """True if two entities of a contact touch at frame 0, which no log of contacts tells."""
         if not isinstance(predicate, Contact):
             return False
         try:
@@ -196,7 +196,7 @@ class _Past:
         return apart.status == "pass"
 
     def _belongs(self, predicate: SpecModel, occurrence: Past) -> bool:
-        """Whether another beat that this one names owns an occurrence; each owns one."""
+        """True if another beat that this one names owns an occurrence; each owns one."""
         beats, named = self.candidate.spec.story.beats, behind(self.candidate.spec, self.beat_id)[1:]
         named += [v for _, v, target in _mentioned(self.beat) if target == "beat"]
         mine = _signature(predicate)

@@ -29,7 +29,7 @@ FLIPPED: Mapping[str, Comparison] = {">=": "<=", "<=": ">="}
 
 
 def compare(edge: Edge, prevention: Prevention, variant: Candidate) -> Finding:
-    """Whether the effect is another without its cause.
+    """Judge whether the effect is another without its cause.
 
     Args:
         edge: cause and effect, which both came true.
@@ -82,7 +82,7 @@ def _vanished(without: Outcome, *, came: bool) -> Finding:
 
 
 def _late(original: Outcome, without: Outcome, margin: CausalMargin) -> Finding:
-    """Whether an effect that comes without its cause too comes later by its margin."""
+    """Judge whether an effect that comes without its cause too comes later by its margin."""
     first, asked = original.first_true_frame, margin.frames
     assert first is not None
     assert asked is not None
@@ -94,7 +94,7 @@ def _late(original: Outcome, without: Outcome, margin: CausalMargin) -> Finding:
 
 
 def _weaker(edge: Edge, variant: Candidate, margin: CausalMargin) -> Finding:
-    """Whether an effect that comes without its cause too has another value by its margin."""
+    """Judge whether an effect that comes without its cause too has another value by its margin."""
     assert margin.value is not None
     predicate, first = edge.effect.predicate, edge.outcomes[1].first_true_frame
     assert first is not None

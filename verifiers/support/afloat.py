@@ -58,7 +58,7 @@ def lift(candidate: Candidate, entity: str, solver: str) -> F64:
 
 
 def _lies_in(candidate: Candidate, entity: str, liquid: str) -> bool:
-    """Whether the entity touches the liquid's initial volume, or comes within its resolution of it."""
+    """True if the entity touches the liquid's initial volume, or comes within its resolution of it."""
     spacing = candidate.spec.entities[liquid].physics.flow_cell
     for part in candidate.entity(liquid).parts:
         volume, at = Solid.from_mesh(part.render, closed=part.closed), candidate.pose(liquid, 0, part.body)

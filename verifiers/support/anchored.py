@@ -1,4 +1,4 @@
-"""Whether joints, springs and rope ends at a fixed point of space end at something (R92, R154).
+"""Judges whether joints, springs and rope ends at a fixed point of space end at something (R92, R154).
 
 A joint without a `parent` bears any load. In a drawn world something bears that load: a thing that never moves, on or in whose
 surface the point lies, or a landscape. A hinge needs it anywhere on its axis; a weld or a slide holds what it touches as well. A
@@ -37,19 +37,19 @@ class Anchor(NamedTuple):
     """A joint or rope end at a fixed point of space."""
 
     name: str
-    """Of the joint or rope."""
+    """Name of the joint or rope."""
     field: str
     """`anchor` or `parent_point` of a joint, `start` or `end` of a rope."""
     kind: str
     """Kind of the joint; `rope`."""
     entity: str
-    """What it holds."""
+    """Entity that it holds."""
     point: F64
     """[m]"""
     where: tuple[str | int, ...]
     """Steps of the pointer to the point."""
     axis: F64 | None = None
-    """Of a hinge."""
+    """Axis of a hinge."""
 
     @property
     def words(self) -> str:
@@ -70,7 +70,7 @@ class Footing(NamedTuple):
 
     @property
     def reached(self) -> bool:
-        """Whether the anchor lies on or in it."""
+        """True if the anchor lies on or in it."""
         return self.distance <= self.bound
 
 
@@ -148,7 +148,7 @@ def _footing(surfaces: Surfaces, anchor: Anchor) -> Footing | None:
 
 
 def _in_land(surfaces: Surfaces, anchor: Anchor) -> bool:
-    """Whether an anchor lies in or on the ground of a landscape."""
+    """True if an anchor lies in or on the ground of a landscape."""
     bound = surfaces.candidate.spec.simulation.limits.contact_gap
     try:
         heights = [land.heights_at(anchor.point[None])[0] for land in lands(surfaces.candidate)]

@@ -18,6 +18,7 @@ from ..ledgers import motion
 from ..rows.answers import row_of, rows_of
 from ..rows.corrections import correction, move_by, pointer
 from ..rows.findings import Finding
+from ..scene.room import in_the_way
 from .bounds import OUTSIDE
 from .equilibrium import Balance, Group, solve
 from .graph import gravity_direction
@@ -183,10 +184,11 @@ def _tips(pieces: _Pieces, group: Group, at: str, balance: Balance) -> Finding:
 def _corrections(pieces: _Pieces, at: str, on: Sequence[str], balance: Balance) -> Iterator[Correction]:
     carrier = on[0] if on else "the ground"
     length = balance.shift * 1e3
+    surfaces, way = pieces.surfaces, balance.way * (1.0 + OUTSIDE / balance.shift)
     yield move_by(
-        pieces.surfaces.candidate,
+        surfaces.candidate,
         at,
-        balance.way * (1.0 + OUTSIDE / balance.shift),
+        way if in_the_way(surfaces, surfaces.parts_of[at], way) is None else None,
         f"{at!r} stands on too little, and would tip",
         f"Move {at!r} at least {length:.4g} mm towards the middle of what it stands on, or put more under it.",
     )

@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from ...worlds.settled import settling
 from ...worlds.spec import Supports
 from ..rows.answers import guarded, row_of, rows_of
 from ..rows.findings import Finding
@@ -62,11 +63,24 @@ def check(candidate: Candidate) -> list[Row]:
         *stays_rows(surfaces),
         *kept_rows(surfaces),
     ]
+    rows = [_waiting(candidate, r) for r in rows]
     unique: dict[str, Row] = {}
     for found in rows:  # of two rows that names give one id, the one that does not pass
         if found.id not in unique or unique[found.id].status == "pass":
             unique[found.id] = found
     return [row_of(candidate, SUPPORT_SCENE, (), _scene(candidate, list(unique.values()))), *unique.values()]
+
+
+def _waiting(candidate: Candidate, found: Row) -> Row:
+    """The row, not applicable before any simulation where it is about what settles: the probe judges that where it came to rest."""
+    about = found.first_failing_entity or next(iter(found.entities), None)
+    if candidate.stage != "static" or found.status == "pass" or about not in settling(candidate.spec):
+        return found
+    text = f"{about!r} settles before frame 0; probe_sim judges it where it came to rest"
+    evidence = {"explanation": text, "as_declared": found.evidence.get("explanation", "")}
+    nothing = {"measured": None, "bound": None, "comparison": "", "unit": "", "corrections": ()}
+    nothing |= {"first_failing_entity": None, "first_failing_frame": None}
+    return found.model_copy(update={**nothing, "status": "not_applicable", "evidence": evidence})
 
 
 def _declared(candidate: Candidate) -> list[tuple[str, Supports, tuple[int, int]]]:

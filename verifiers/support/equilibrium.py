@@ -1,4 +1,4 @@
-"""Whether bodies that touch can rest: contact forces within friction cones that balance every weight.
+"""Judges whether bodies that touch can rest: contact forces within friction cones that balance every weight.
 
 One linear program per group of touching free bodies that rest, three where one does not. Friction pyramids enclose the cones, joints and held bodies give
 any force, so that a missing balance is a proof; a balance that exists says only that rest is possible. Rigid contact
@@ -41,7 +41,7 @@ class Balance(NamedTuple):
     """Lack of support of a body that is to rest."""
 
     shift: float
-    """How far its centre of mass must move, seen along gravity, so that it does not tip on the roughest contacts [m]."""
+    """Distance that its centre of mass must move, seen along gravity, so that it does not tip on the roughest contacts [m]."""
     way: F64
     """That move [m], shape (3,)."""
     missing: float

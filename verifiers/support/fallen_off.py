@@ -129,7 +129,7 @@ def _boxes(surfaces: Surfaces, names: list[str], frame: int, turn: F64) -> _Boxe
 
 
 def _over(beneath: _Boxes, low: F64, high: F64) -> bool:
-    """Whether something static reaches beneath a box."""
+    """True if something static reaches beneath a box."""
     overlaps = ((beneath.low[:, :2] <= high[:2]) & (beneath.high[:, :2] >= low[:2])).all(axis=1)
     return bool((overlaps & (beneath.low[:, 2] < low[2])).any())
 
@@ -143,7 +143,7 @@ def _speed(surfaces: Surfaces, name: str) -> float:
 
 
 def _touches(surfaces: Surfaces, name: str, frame: int) -> bool:
-    """Whether anything that stays touches it at a frame, or a joint or driver to the world holds it."""
+    """True if anything that stays touches it at a frame, or a joint or driver to the world holds it."""
     spec = surfaces.candidate.spec
     if any(name in (j.parent, j.child) for j in spec.simulation.joints.values()) or spec.entities[name].generator is not None:
         return True
@@ -164,7 +164,7 @@ def _since(surfaces: Surfaces, name: str, beneath: _Boxes, turn: F64) -> int:
 
 
 def _declared(surfaces: Surfaces, name: str, beneath: _Boxes, turn: F64) -> bool:
-    """Whether a beat asks the body to be where nothing static is beneath."""
+    """True if a beat asks the body to be where nothing static is beneath."""
     spec, start = surfaces.candidate.spec, surfaces.candidate.center(name, 0)
     for beat in spec.story.beats.values():
         for atom in atoms(beat.predicate.model_dump()):

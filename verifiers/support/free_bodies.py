@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...worlds.arrays import F64, pose_of
 from ...worlds.fields import fields_of
-from ...worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysics
+from ...worlds.spec import ElasticPhysics, ForceDriver, ReleaseDriver, RigidPhysics, SpringJoint
 from ..ledgers import motion
-from ..rows.corrections import correction, move_by, pointer
+from ..rows.corrections import correction, let_settle, move_by, pointer, set_value
 from ..rows.findings import Finding
+from ..scene.room import in_the_way
 from .afloat import afloat
 from .bounds import CARRIES, GRIP_TIME, LAUNCH_SPEED, LEFT
 from .graph import beside, drop, gravity_direction
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     from ..scene.surfaces import Surfaces
     from .graph import SupportGraph
 
-__all__ = ["along_up", "derived", "placement"]
+__all__ = ["along_up", "derived", "placement", "size_of"]
 
 
 def along_up(surfaces: Surfaces, distance: float) -> F64 | None:
@@ -33,16 +35,19 @@ def along_up(surfaces: Surfaces, distance: float) -> F64 | None:
 
 
 def placement(surfaces: Surfaces, entity: str, offset: F64 | None, cause: str) -> Correction:
-    """Correction that moves the entity by `offset` [m], or asks for a better place where no number determines it."""
+    """Correction that moves the entity by `offset` [m], or asks for a better place where no number determines it, or nothing has room there."""
     action = f"Place {entity!r} so that it rests on its support with a gap of {LEFT * 1e3:g} mm."
     if offset is not None:
         text = ", ".join(f"{c:+.5g}" for c in offset)
         action = f"Move {entity!r} by ({text}) m, which leaves a gap of {LEFT * 1e3:g} mm."
+        if (other := in_the_way(surfaces, surfaces.parts_of[entity], offset)) is not None:
+            action = f"{action[:-1]}; {other!r} is in the way there: move it first, or choose another place."
+            offset = None
     return move_by(surfaces.candidate, entity, offset, cause, action)
 
 
 def derived(graph: SupportGraph, entity: str) -> Finding:
-    """Whether something holds a free body at frame 0: the question that no edit of the scene graph removes (R154)."""
+    """Judge whether something holds a free body at frame 0: the question that no edit of the scene graph removes (R154)."""
     surfaces = graph.surfaces
     surfaces.require(entity)
     reason, evidence = _excuse(graph, entity)
@@ -52,17 +57,19 @@ def derived(graph: SupportGraph, entity: str) -> Finding:
     if reason:
         return Finding("pass", f"{entity!r} {reason}", evidence=evidence, frames=(0, 0), extra=declared)
     fall = drop(surfaces, entity, 0) if entity not in surfaces.broken else None
-    corrections: list[Correction] = []
+    corrections: list[Correction] = list(_tighter(surfaces, entity))
     if fall is None:
         text = f"{entity!r} floats: nothing lies beneath it, no joint or driver holds it and it has no initial velocity"
     elif fall[0] <= gap:
         text = f"{entity!r} touches {fall[1]!r}, which nothing holds up either"
         if graph.grounded(fall[1])[0]:
             text = f"{entity!r} touches {fall[1]!r}, which does not hold it: contact and friction there cannot bear its weight"
+            corrections += let_settle(surfaces.candidate, entity)
     else:
         text = f"{entity!r} floats {fall[0] * 1e3:.4g} mm above {fall[1]!r}; no joint or driver holds it"
         offset = along_up(surfaces, LEFT - fall[0])
-        corrections.append(placement(surfaces, entity, offset, f"{entity!r} is placed above its support"))
+        if not corrections:  # what hangs on a slack rope is not to be put down
+            corrections.append(placement(surfaces, entity, offset, f"{entity!r} is placed above its support"))
     text += _no_excuse(surfaces, entity)
     sides = [] if entity in surfaces.broken else [n for n in beside(surfaces, entity, 0) if graph.grounded(n)[0]]
     if sides:
@@ -78,8 +85,9 @@ def derived(graph: SupportGraph, entity: str) -> Finding:
         pointers=("/simulation/drivers", "/simulation/joints", pointer("entities", entity, "physics", "linear_velocity")),
     )
     # What hangs higher than it is large was put there on purpose more likely than by a slip.
-    hangs = fall is not None and fall[0] > _size(surfaces, entity)
-    corrections = [held, *corrections] if hangs else [*corrections, held]
+    hangs = fall is not None and fall[0] > size_of(surfaces, entity)
+    roped = any(c.group == "joints" for c in corrections)
+    corrections = [held, *corrections] if hangs and not roped else [*corrections, held]
     return Finding(
         "fail",
         text,
@@ -93,7 +101,19 @@ def derived(graph: SupportGraph, entity: str) -> Finding:
     )
 
 
-def _size(surfaces: Surfaces, entity: str) -> float:
+def _tighter(surfaces: Surfaces, entity: str) -> Iterator[Correction]:
+    """Corrections that draw tight the slack ropes on which a body is to hang."""
+    for name, joint in surfaces.candidate.spec.simulation.joints.items():
+        if isinstance(joint, SpringJoint) and joint.rope and entity in (joint.parent, joint.child):
+            way = float(np.linalg.norm(np.subtract(joint.parent_point, joint.child_point)))
+            if joint.rest_length is not None and joint.rest_length > way > 0.0:
+                place, length = pointer("simulation", "joints", name, "rest_length"), float(f"{way:.6g}")
+                told = f"Draw rope {name!r} tight: a rest_length of {length:g} m instead of {joint.rest_length:g} m."
+                cause = f"{entity!r} hangs on a slack rope"
+                yield correction(cause, "joints", told, pointers=(place,), patch=set_value(place, length))
+
+
+def size_of(surfaces: Surfaces, entity: str) -> float:
     """Diagonal of what the entity covers at frame 0 [m]."""
     return float(np.linalg.norm(np.ptp(surfaces.candidate.vertices(entity, 0), axis=0)))
 
@@ -172,7 +192,7 @@ def _no_excuse(surfaces: Surfaces, entity: str) -> str:
 
 
 def _slips_through(graph: SupportGraph, entity: str) -> bool:
-    """Whether a body that only friction from its sides could hold falls at once: rest was possible, but it is not pressed."""
+    """True if a body that only friction from its sides could hold falls at once: rest was possible, but it is not pressed."""
     surfaces = graph.surfaces
     if not graph.gripped(entity)[0] or entity in surfaces.broken:
         return False

@@ -80,7 +80,7 @@ class SupportGraph:
         return holds
 
     def jointed(self, entity: str, frame: int) -> bool:
-        """Whether any joint, pin or rope end that bears weight is attached to the entity at a frame."""
+        """True if any joint, pin or rope end that bears weight is attached to the entity at a frame."""
         return bool(self._pins(entity)) or any(entity in (link.a, link.b) and bool(link.holds[frame]) for link in self.links)
 
     def held(self, entity: str) -> NDArray[np.bool_]:
@@ -173,7 +173,7 @@ class SupportGraph:
         return self._gripped[entity]
 
     def rests(self, entity: str, frame: int, *, without: str = "") -> bool:
-        """Whether contact forces within friction can bear the entity, optionally as if it did not touch one other."""
+        """True if contact forces within friction can bear the entity, optionally as if it did not touch one other."""
         key = (entity, without, self._place(entity, frame))
         if key not in self._rests:
             group = group_of(self, entity, frame)
@@ -254,7 +254,7 @@ def touching(graph: SupportGraph, entity: str, frame: int) -> tuple[tuple[str, .
 
 
 def _fixed(graph: SupportGraph, entity: str, frame: int) -> bool:
-    """Whether something else than contact may hold the entity: it is then taken to give and bear any force."""
+    """True if something else than contact may hold the entity: it is then taken to give and bear any force."""
     return bool(graph.held(entity)[frame]) or graph.jointed(entity, frame) or entity in graph.surfaces.broken
 
 
@@ -266,7 +266,7 @@ def rolling(surfaces: Surfaces, entity: str) -> float:
 
 
 def _can_rest(surfaces: Surfaces, group: Group, entity: str) -> bool:
-    """Whether the entity can rest, on bodies of the group that can themselves."""
+    """True if the entity can rest, on bodies of the group that can themselves."""
     while entity in group.members:
         found = solve(group, claimed=(entity,), shift=OUTSIDE)
         fit = {m for m, b in found.items() if b.missing <= MISSING and b.shift <= OUTSIDE + rolling(surfaces, m)}

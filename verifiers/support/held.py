@@ -20,9 +20,10 @@ from ...geometry import signed_clearance
 from ...worlds.arrays import F64, RigidPose
 from ...worlds.spec import HeightField, WorldSpec
 from ..rows.answers import row_of, rows_of
-from ..rows.corrections import correction, pointer, say_afloat
+from ..rows.corrections import correction, move_parts, pointer, say_afloat
 from ..rows.findings import Finding, lacking
 from ..scene.bounds import ROUNDING
+from ..scene.room import in_the_way
 from .bounds import LEFT
 from .free_bodies import along_up, placement
 from .graph import DROP_STEPS, NEAR, gravity_direction
@@ -143,7 +144,7 @@ class Held:
         return tuple(sorted(piece))
 
     def is_ground(self, entity: str) -> bool:
-        """Whether every part of the entity is ground or stands on a landscape by itself."""
+        """True if every part of the entity is ground or stands on a landscape by itself."""
         return set(self.surfaces.parts_of[entity]) <= self.foundation
 
     def chain(self, entity: str) -> list[str]:
@@ -262,14 +263,13 @@ def _move(held: Held, name: str, loose: Sequence[int], way: Way, what: str) -> C
     surfaces = held.surfaces
     if len(loose) == len(surfaces.parts_of[name]):
         return placement(surfaces, name, way.offset, f"{name!r} is placed away from what holds it: {what}")
-    part = surfaces.parts[loose[0]].part
-    text = ", ".join(f"{c:+.5g}" for c in way.offset)
-    return correction(
-        f"part {part!r} of {name!r} touches none of its other parts",
-        "shape",
-        f"Move it by ({text}) m in the world ({what}), or add a part that joins it with the others.",
-        pointers=(pointer("entities", name, "parts", part, "pose"),),
-    )
+    parts = [surfaces.parts[i].part for i in loose]
+    text, cause = ", ".join(f"{c:+.5g}" for c in way.offset), f"part {parts[0]!r} of {name!r} touches none of its other parts"
+    action = f"Move it by ({text}) m in the world ({what}), or add a part that joins it with the others."
+    declared = surfaces.candidate.spec.entities[name].parts
+    if set(parts) <= set(declared) and in_the_way(surfaces, loose, way.offset) is None:
+        return move_parts(surfaces.candidate, name, dict.fromkeys(parts, way.offset), cause, action)
+    return correction(cause, "shape", action, pointers=(pointer("entities", name, "parts", parts[0], "pose"),))
 
 
 def _closer(name: str) -> Correction:

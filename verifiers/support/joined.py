@@ -1,4 +1,4 @@
-"""Whether joints, springs, rope ends and `fastened` relations reach what they join, on the visible surfaces (R92, R154).
+"""Judges whether joints, springs, rope ends and `fastened` relations reach what they join, on the visible surfaces (R92, R154).
 
 Whatever turns about a point needs that point at both bodies; a hinge has it anywhere on its axis. A weld or a slide has no
 such point: it joins what touches. What is joined with the world needs the body alone here; `support/anchored.py` asks what is
@@ -144,7 +144,7 @@ def _joint(surfaces: Surfaces, name: str, joint: Joint) -> Finding:
 
 
 def touch(surfaces: Surfaces, a: str, b: str) -> bool:
-    """Whether two entities touch at frame 0, static ones included."""
+    """True if two entities touch at frame 0, static ones included."""
     return surfaces.first.get((a, b), surfaces.first.get((b, a), np.inf)) <= surfaces.contact_gap(a, b)
 
 

@@ -105,11 +105,11 @@ class Ground:
         return self._known[rows]
 
     def over(self, entity: str) -> bool:
-        """Whether the entity is over a landscape."""
+        """True if the entity is over a landscape."""
         return bool(self.standing(entity))
 
     def touched(self, entity: str, parts: tuple[int, ...]) -> bool:
-        """Whether some parts of the entity reach a landscape."""
+        """True if some parts of the entity reach a landscape."""
         return any(float(np.nanmin(s.gap)) <= _tolerance(self.surfaces, s) for s in self.standing(entity, parts))
 
     def beneath(self, entity: str, parts: tuple[int, ...]) -> tuple[float, str] | None:

@@ -15,7 +15,7 @@ from ..ledgers import motion
 from ..rows.corrections import WEAKER, correction, halve_any_step, halve_step, pointer
 from ..rows.findings import Finding
 from .bounds import LEFT
-from .free_bodies import along_up, placement
+from .free_bodies import along_up, placement, size_of
 from .graph import drop
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ __all__ = ["carries"]
 
 
 def carries(graph: SupportGraph, relation: Supports, frames: tuple[int, int]) -> Finding:
-    """Whether a solid carries another over an interval: contact, no overlap, beneath it, no creep, and a chain to something static."""
+    """Judge whether a solid carries another over an interval: contact, no overlap, beneath it, no creep, and a chain to something static."""
     surfaces = graph.surfaces
     a, b = relation.a, relation.b
     surfaces.require(a, b)
@@ -123,7 +123,8 @@ def _faults(
     if k is not None:
         text = f"no chain of contacts, joints or drivers leads from {a!r} to something static at frame {begin + k}"
         fall = drop(surfaces, a, begin + k) if begin + k == 0 else None
-        offset = along_up(surfaces, LEFT - fall[0]) if fall else None
+        # What is far above the ground is there on purpose: what holds it is missing.
+        offset = along_up(surfaces, LEFT - fall[0]) if fall and fall[0] <= size_of(surfaces, a) else None
         yield _fault(begin + k, text, placement(surfaces, a, offset, f"{a!r} itself is not supported"), 0.0, "==", 1.0, unit="1")
 
 

@@ -1,4 +1,4 @@
-"""Whether a body that is to stay where it is at frame 0 can: it does not tip, and friction suffices."""
+"""Judges whether a body that is to stay where it is at frame 0 can: it does not tip, and friction suffices."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ..rows.answers import row_of
-from ..rows.corrections import correction, move_by, pointer
+from ..rows.corrections import correction, let_settle, move_by, pointer, set_value
 from ..rows.findings import Finding
 from .bounds import LEVEL_CONTACT, MISSING, OUTSIDE
 from .equilibrium import Balance, Group, solve
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from .graph import SupportGraph
 
 __all__ = ["outside", "rest_rows"]
+
+SPARE = 1.2
+"""[1] Own choice: a suggested friction is this much more than what would just do, and is looked for in steps of it."""
+LEAST_FRICTION, MOST_FRICTION = 0.1, 1.2
+"""[1] Own choice: where the search begins; rubber on a dry road, beyond which no friction is suggested."""
 
 
 def rest_rows(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> list[Row]:
@@ -45,7 +50,10 @@ def rest_rows(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> list[
         return []  # the relation's own row says that nothing carries it
     concerned = (entity, *touched)
     proof = {"carriers": touched, "group": list(group.members)[:20]}
-    answers = ((BALANCE, _tips(surfaces, concerned, balance.shift, way)), (GRIP, _grip(surfaces, concerned, balance.missing)))
+    answers = (
+        (BALANCE, _tips(surfaces, concerned, balance.shift, way)),
+        (GRIP, _grip(surfaces, concerned, balance.missing, _rougher(surfaces, group, entity, claimed, balance.missing))),
+    )
     candidate = surfaces.candidate
     return [row_of(candidate, q, (entity,), replace(f, evidence=proof, frames=(0, 0)), entities=concerned) for q, f in answers]
 
@@ -53,6 +61,8 @@ def rest_rows(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> list[
 def _tips(surfaces: Surfaces, concerned: tuple[str, ...], shift: float, way: F64) -> Finding:
     entity, *touched = concerned
     bound = OUTSIDE + max(rolling(surfaces, n) for n in concerned)
+    # Contact of what is sunk lies at its rim: only out of there it shows where it stands.
+    sunk = any(surfaces.first.get((a, b), 0.0) < -surfaces.noise(a, b) for t in touched for a, b in ((entity, t), (t, entity)))
     where = f"{abs(shift) * 1e3:.4g} mm {'outside' if shift > 0 else 'inside'}"
     return Finding(
         "pass" if shift <= bound else "fail",
@@ -63,18 +73,41 @@ def _tips(surfaces: Surfaces, concerned: tuple[str, ...], shift: float, way: F64
             move_by(
                 surfaces.candidate,
                 entity,
-                way,
+                None if sunk else way,
                 f"{entity!r} overhangs its support and tips over",
-                f"Move {entity!r} at least {shift * 1e3:.4g} mm towards the middle of its support, or widen that.",
+                f"Take {entity!r} out of its support first, which its row interpenetration tells of."
+                if sunk
+                else f"Move {entity!r} at least {shift * 1e3:.4g} mm towards the middle of its support, or widen that.",
             ),
+            *let_settle(surfaces.candidate, entity),
         ),
         predicate=f"the centre of mass of {entity}, seen along gravity, lies within {bound:g} m of where its contacts can hold it",
     )
 
 
-def _grip(surfaces: Surfaces, concerned: tuple[str, ...], missing: float) -> Finding:
+def _rougher(surfaces: Surfaces, group: Group, entity: str, claimed: Sequence[str], missing: float) -> float | None:
+    """Friction of its material with which a body that slips would rest, with some to spare; None where none does."""
+    spec = surfaces.candidate.spec
+    material = spec.materials.get(spec.entities[entity].material)
+    if missing <= MISSING or material is None:
+        return None
+    friction = max(LEAST_FRICTION, material.friction)
+    while friction < MOST_FRICTION:
+        friction = min(MOST_FRICTION, SPARE * friction)
+        tried = tuple(
+            (a, b, c._replace(friction=np.maximum(c.friction, friction)) if entity in (a, b) else c) for a, b, c in group.contacts
+        )
+        if solve(replace(group, contacts=tried), claimed=claimed, shift=OUTSIDE)[entity].missing <= MISSING:
+            return float(f"{min(MOST_FRICTION, SPARE * friction):.2g}")
+    return None
+
+
+def _grip(surfaces: Surfaces, concerned: tuple[str, ...], missing: float, enough: float | None) -> Finding:
+    """The finding about friction; `enough` of the body's material would hold it [1], None where no friction does."""
     spec, entity = surfaces.candidate.spec, concerned[0]
     materials = dict.fromkeys(spec.entities[n].material for n in concerned)
+    place = pointer("materials", spec.entities[entity].material, "friction")
+    raised = "or" if enough is None else f"to {enough:g}, or"
     return Finding(
         "pass" if missing <= MISSING else "fail",
         f"contact and friction lack {missing:.2%} of the weight of {entity!r}",
@@ -84,8 +117,9 @@ def _grip(surfaces: Surfaces, concerned: tuple[str, ...], missing: float) -> Fin
             correction(
                 f"{entity!r} slides: its support is too steep or too smooth",
                 "material",
-                f"Raise the friction of {' or '.join(map(repr, materials))}, or make the support less steep.",
+                f"Raise the friction of {' or '.join(map(repr, materials))} {raised} make the support less steep.",
                 pointers=tuple(pointer("materials", m, "friction") for m in materials),
+                patch=() if enough is None else set_value(place, enough),
             ),
         ),
         predicate=f"contact forces within friction bear {entity} at rest: at most {MISSING:g} of its weight is missing",

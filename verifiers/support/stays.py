@@ -23,7 +23,7 @@ from ...worlds.spec import DetachDriver, ForceDriver, MotorDriver, ReleaseDriver
 from ..ledgers import motion
 from ..ledgers.exchanged import CHANNEL
 from ..rows.answers import row_of, rows_of
-from ..rows.corrections import correction, pointer
+from ..rows.corrections import correction, let_settle, pointer
 from ..rows.findings import Finding
 from .bounds import STIRRED
 from .graph import gravity_direction
@@ -267,6 +267,7 @@ def _corrections(surfaces: Surfaces, name: str) -> Iterator[Correction]:
         f"Place {name!r} so that it rests, with its centre over what carries it; then declare what `supports` it.",
         pointers=(pointer("entities", name, "pose"),),
     )
+    yield from let_settle(surfaces.candidate, name)
     yield correction(
         "it is meant to move, and no beat says so",
         "story",

@@ -12,7 +12,7 @@ __all__ = ["is_still"]
 
 
 def is_still(spec: WorldSpec, name: str) -> bool:
-    """Whether an entity never moves: it is static, or kinematic and its path stays in one place."""
+    """True if an entity never moves: it is static, or kinematic and its path stays in one place."""
     entity = spec.entities[name]
     if entity.motion != "kinematic":
         return entity.motion == "static"

@@ -49,7 +49,7 @@ class _Side(NamedTuple):
     normals: F64
     """Outward, shape (m, 3)."""
     sided: bool
-    """Whether outward is known: the surface bounds a volume."""
+    """True if outward is known: the surface bounds a volume."""
 
 
 def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:

@@ -30,13 +30,13 @@ ENV_API, ENV_KEY_FILE = "WORLDAGENT_REVIEW_API", "WORLDAGENT_REVIEW_KEY_FILE"
 PATHS = {"openai": "/chat/completions", "anthropic": "/messages"}
 """By form of the API: what follows the base address, which ends in a version, as in https://api.example/v1."""
 VERSION = "2023-06-01"
-"""Of the Messages API (header `anthropic-version`)."""
+"""Version of the Messages API (header `anthropic-version`)."""
 TIMEOUT_S = 180.0
 """Own choice: longest that one request takes altogether [s]; local models on a CPU read six pictures in a minute or two."""
 PAUSES_S = (1.0, 4.0)
 """Own choice: pauses before a request is made again [s]; there are no more attempts than these and the first."""
 MOST_BYTES = 400_000
-"""Of a reply: an answer about 60 spans with reasons has some 20 kB."""
+"""Largest reply [bytes]: an answer about 60 spans with reasons has some 20 kB."""
 MOST_TOKENS = 6000
 MOST_KEY = 4096
 LOOPBACK = ("127.0.0.1", "::1", "localhost")

@@ -22,7 +22,7 @@ MOST_PICTURES = 6
 """Own choice: what a reader takes in at once, at the price of some thousand tokens."""
 SIZE = (640, 360)
 MOST_BYTES = 150_000
-"""Of each picture's file."""
+"""Largest file of one picture [bytes]."""
 
 
 class ReviewPicture(NamedTuple):

@@ -34,6 +34,7 @@ from .named_materials import row_problems
 from .ownership import ownership_problems
 from .pairs import surface_problems
 from .reach import reach_problems
+from .settling import settle_problems
 from .story import coverage_of, evidence_problems, graph_problems, shot_problems, story_problems, uncaused
 
 __all__ = ["AuditReport", "audit"]
@@ -59,7 +60,7 @@ class AuditReport:
 
     @property
     def passed(self) -> bool:
-        """Whether every mandatory row passes."""
+        """True if every mandatory row passes."""
         return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
 
     @property
@@ -190,6 +191,10 @@ class _Audit:
             self.add(
                 "couplings", "every coupling is one that the engines carry out", coupling_problems(self.spec), group="physical"
             )
+
+        if plan.settle is not None:
+            text = "what settles before frame 0 can come to rest, with the matter that carries it"
+            self.add("settle", text, settle_problems(self.spec), group="physical")
 
     def graph(self) -> None:
         """Support is acyclic and carried by something; relations lie in the sequence."""

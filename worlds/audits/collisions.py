@@ -1,4 +1,4 @@
-"""How surfaces meet, as far as the specification tells: skins that fit the bodies, and one entry per pair of contacts (R89, R154)."""
+"""Contacts of surfaces as far as the specification tells: skins that fit the bodies, and one entry per pair of contacts (R89, R154)."""
 
 from __future__ import annotations
 

@@ -105,7 +105,7 @@ def _beside_axis(spec: WorldSpec, entity: str, anchor: F64, axis: F64) -> float:
 
 
 def _apart(spec: WorldSpec, a: str, b: str) -> bool:
-    """Whether two entities can neither touch nor meet at one place of a joint, by the boxes that hold them."""
+    """True if two entities can neither touch nor meet at one place of a joint, by the boxes that hold them."""
     boxes = initial_box(spec.entities[a]), initial_box(spec.entities[b])
     if boxes[0] is None or boxes[1] is None:
         return False

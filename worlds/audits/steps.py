@@ -22,7 +22,7 @@ class Step(NamedTuple):
     later: str
     claim: str
     first: SpecModel | None = None
-    """What a requirement tells of the earlier event."""
+    """Predicate of the earlier event where a requirement tells it."""
     second: SpecModel | None = None
 
 

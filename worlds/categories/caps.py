@@ -32,7 +32,7 @@ LOOSE_CAPS = (
         "a larger /entities/<liquid>/physics/resolution or radius of grains, softer grains (young_modulus), fewer frames, or engine flip instead of dfsph",
     ),
 )
-"""Of liquids and particles."""
+"""Caps of liquids and particles."""
 CLOTH_CAPS = (
     Cap("vertices", 1_000_000, "vertices of cloth", "a larger /entities/<cloth>/parts/<part>/shape/resolution"),
     Cap(

@@ -29,7 +29,7 @@ class Audit:
     predicate: str
     problems: Callable[[WorldSpec], list[Problem]]
     also: Callable[[WorldSpec], bool] = lambda spec: False
-    """Whether the row is asked for where no entity and no instance is of the category."""
+    """Function of a specification: true if the row is asked for where no entity and no instance is of the category."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class CategorySpec:
     name: str
     shape: MatterShape
     covers: str = ""
-    """What its engines simulate, for the list of capabilities; empty where none does."""
+    """Matter that its engines simulate, for the list of capabilities; empty where none does."""
     physics: type[Matter] | None = None
     """Its member of the union `Physics`; None for what entities of other categories declare beside their physics."""
     contract: str = ""
@@ -59,7 +59,7 @@ class CategorySpec:
     parameters: tuple[Parameter, ...] = ()
     """Its fields, each with group and direction."""
     channels: Mapping[str, tuple[Channel, ...]] = field(default_factory=dict)
-    """What it writes into caches, by kind of writer: its name for all of its own instances, others as `writers` tells."""
+    """Channels that it writes into caches, by kind of writer: its name for all of its own instances, others as `writers` tells."""
     dimensions: Mapping[str, str] = field(default_factory=dict)
     """Named sizes of these channels that no other category has, and what their rows are."""
     changes: Callable[[WorldSpec, str], Iterable[str]] = lambda spec, name: ()
@@ -77,7 +77,9 @@ class CategorySpec:
     masses: Callable[[WorldSpec, str], Iterable[Problem]] = lambda spec, entity: ()
     """Problems of the declared mass of an entity of it."""
     bodies: Callable[[Entity], int] = lambda entity: 1
-    """How many bodies an entity of it becomes."""
+    """Number of bodies that an entity of it becomes."""
+    rest_way: Callable[[WorldSpec, str], float] = lambda spec, entity: 0.0
+    """Farthest that an entity of it at rest may move in half a second, by what its engine resolves [m]; 0 where none comes to rest by itself."""
     starts_alone: bool = False
     """An entity of it with a velocity at frame 0 moves without any cause, so that a beat has to tell of that."""
     coupling: Callable[[WorldSpec, str, Coupling], Iterable[Problem]] | None = None
@@ -101,7 +103,7 @@ class CategorySpec:
 
 
 def declares(category: CategorySpec, entity: Entity) -> bool:
-    """Whether an entity is of a category."""
+    """True if an entity is of a category."""
     if category.physics is None:
         return getattr(entity, category.contract) is not None
     return isinstance(entity.physics, category.physics)

@@ -29,9 +29,9 @@ class LooseEstimate(NamedTuple):
     particles: float
     """At most at one time."""
     steps: float
-    """Of the whole run, preroll included."""
+    """Steps of the whole run, preroll included."""
     cells: float = 0.0
-    """Of its grid; 0 for particles."""
+    """Cells of its grid; 0 for particles."""
 
 
 def domain_box(instance: GasInstance | LiquidInstance | ParticleInstance) -> tuple[F64, F64]:

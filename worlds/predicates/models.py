@@ -28,7 +28,7 @@ from ..categories.gas.predicates import (
     LightThrough,
     PlumeHeight,
 )
-from ..categories.liquid.events import BuoyancyEvent, SplashEvent
+from ..categories.liquid.events import FloatEvent, SinkEvent, SplashEvent
 from ..categories.liquid.predicates import (
     LiquidArrives,
     LiquidFluxThrough,
@@ -332,7 +332,8 @@ Atom = (
     | SplashHeight
     | LiquidSpeed
     | LiquidTemperature
-    | BuoyancyEvent
+    | FloatEvent
+    | SinkEvent
     | VesselEvent
     | SplashEvent
     | FlowEvent

@@ -90,7 +90,7 @@ PREDICATES: Mapping[str, PredicateInfo] = {
 
 
 def is_invariant(predicate: SpecModel) -> bool:
-    """Whether the predicate speaks of a state that lasts, not of an event."""
+    """True if the predicate speaks of a state that lasts, not of an event."""
     kind = getattr(predicate, "kind", "")
     if kind == "count":
         return is_invariant(predicate.predicate)  # type: ignore[attr-defined]
@@ -100,7 +100,7 @@ def is_invariant(predicate: SpecModel) -> bool:
 
 
 def is_event(predicate: SpecModel) -> bool:
-    """Whether the predicate is one atom that says that something happens; a band without `min` says only that no more does."""
+    """True if the predicate is one atom that says that something happens; a band without `min` says only that no more does."""
     info = PREDICATES.get(str(getattr(predicate, "kind", "")))
     if info is None or not info.event or getattr(predicate, "when", "eventually") != "eventually":
         return False

@@ -35,7 +35,7 @@ PREPOSITIONS = _words(
     "beyond against inside outside toward towards upon within among amid beneath underneath for about via per except like during upward downward next around"
 )
 PARTICLES = _words("off over up down out away apart through back into onto around loose along aside together on in")
-"""What makes a verb of two words, where the lexicon has the pair or the word stands before no noun phrase."""
+"""Words that make a verb of two words, where the lexicon has the pair or the word stands before no noun phrase."""
 REQUESTS = _words(
     "want wants wanted need needs show shows see make let make made making please like imagine picture create create render simulate give take try trying show-me think know "
     "compare wish love help suppose say tell ask happen happens happening explain teach keep begin begins start starts ought lot kind sort bit part "

@@ -144,7 +144,7 @@ class Reading(NamedTuple):
     end: int
     type: str
     kinds: Collection[str] = ()
-    """Of an event; empty where it is judged by none, or where that is not to be looked at."""
+    """Kinds of event that judge it; empty where none does, or where that is not to be looked at."""
 
 
 class Warned(NamedTuple):

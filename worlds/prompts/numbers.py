@@ -251,7 +251,7 @@ def _si(value: float, measure: Measure) -> float:
 
 
 def _hedge(plain: str) -> How:
-    """How the words around a number leave it open: the first of them, the longest where two begin together."""
+    """Sense in which words around a number leave it open: that of the first of them, the longest where two begin together."""
     hits = [
         (match.start(), -len(match.group()), how) for how, words in HEDGES.items() for match in _any_of(words).finditer(plain)
     ]
@@ -265,7 +265,7 @@ def hedge_spans(text: str) -> list[tuple[int, int]]:
 
 
 def hedge_beside(before: str, behind: str, language: str | None) -> How | None:
-    """How the words right before a quantity, or right behind it, leave it open; None where they say nothing of it.
+    """Sense in which the words right before a quantity, or right behind it, leave it open; None where they say nothing of it.
 
     Args:
         before: text of its clause before it.

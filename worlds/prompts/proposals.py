@@ -22,7 +22,7 @@ __all__ = ["Proposal", "proposal_text", "proposed"]
 LONGEST = 4
 """Words of a span."""
 LONGEST_EVENT = 8
-"""Of an event or quantity."""
+"""Words of an event or quantity."""
 LONGEST_UNIT = 5
 """Text units that are looked at behind a number for its unit of measure: own choice; `kilometres per hour` has three, `立方厘米` four."""
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["Part", "header", "irregular", "known", "known_kinds", "lemmas", "particle_verb", "type_shares", "verb_kinds", "votes"]
 
 Part = Literal["n", "v", "a", "r"]
-"""Of speech: noun, verb, adjective, adverb."""
+"""Part of speech: noun, verb, adjective, adverb."""
 DATA = Path(__file__).parent / "data" / "lexicon.txt.gz"
 TYPES = {
     "T": "thing",

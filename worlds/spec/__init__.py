@@ -64,6 +64,7 @@ from .simulation import (
     LiquidInstance,
     ParticleInstance,
     ReleaseDriver,
+    Settle,
     SimulationPlan,
     SolverInstance,
 )
@@ -182,6 +183,7 @@ __all__ = [
     "Robustness",
     "Rope",
     "SceneGraph",
+    "Settle",
     "Shape",
     "Sheet",
     "Shot",

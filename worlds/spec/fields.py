@@ -122,6 +122,7 @@ class FieldDriver(TimedDriver):
     """
 
     later: ClassVar[frozenset[str]] = frozenset({"field", "region", "fade", "start", "rise", "end", "seed"})
+    switched: ClassVar[bool] = True
     absent: ClassVar[frozenset[str]] = frozenset({"field", "region", "fade", "seed"})
     kind: Literal["field"] = "field"
     field: Annotated[

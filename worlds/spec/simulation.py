@@ -33,6 +33,7 @@ __all__ = [
     "LiquidInstance",
     "ParticleInstance",
     "ReleaseDriver",
+    "Settle",
     "SimulationPlan",
     "SolverInstance",
 ]
@@ -145,12 +146,26 @@ class Limits(SpecModel):
     )
 
 
+class Settle(SpecModel):
+    """Bodies and matter that come to rest before frame 0, in a run of their own in which no driver acts.
+
+    What is not listed is held where it is declared. The declared places are those from which things settle. It takes the place of
+    `preroll`.
+    """
+
+    entities: Annotated[list[EntityRef], Field(max_length=5000)] = Field(
+        default=[], description="what settles; empty: all dynamic entities that start without speed and that no release holds"
+    )
+    max_time: float = Field(default=5.0, gt=0, le=120, description="it ends at rest, or after this time [s]")
+
+
 class SimulationPlan(SpecModel):
     """Everything that decides the motion."""
 
     fps: int = Field(default=24, ge=1, le=240)
     frames: int = Field(ge=2, le=20000, description="number of frames; frame k is the state at k / fps seconds")
     preroll: float = Field(default=0.0, ge=0, le=60, description="simulated before frame 0, with held bodies held [s]")
+    settle: Settle | None = Field(default=None, description="what comes to rest before frame 0")
     gravity: Vec3 = (0.0, 0.0, -9.81)
     seed: int = Field(default=0, ge=0, lt=2**31)
     solvers: Annotated[dict[Id, SolverInstance], Field(max_length=16)] = {}
@@ -160,6 +175,11 @@ class SimulationPlan(SpecModel):
     contacts: Annotated[dict[Id, ContactPair], Field(max_length=5000)] = {}
     couplings: Annotated[dict[Id, Coupling], Field(max_length=64)] = {}
     limits: Limits = Limits()
+
+    @property
+    def lead(self) -> float:
+        """Longest time that is simulated before frame 0 [s]."""
+        return max(self.preroll, 0.0 if self.settle is None else self.settle.max_time)
 
     @property
     def cloth(self) -> dict[str, ClothInstance]:

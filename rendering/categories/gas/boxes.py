@@ -83,7 +83,7 @@ class Gas:
 
     @cached_property
     def look(self) -> GasLook:
-        """Of its material."""
+        """Look of its material."""
         return look_of(self.candidate.spec.materials[self.candidate.spec.entities[self.entity].material])
 
     def at(self, frame: int) -> GasBox | None:

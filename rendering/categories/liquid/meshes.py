@@ -22,13 +22,13 @@ from ..balls import joined_balls
 __all__ = ["Drawn", "Liquid", "LiquidLook", "liquids_of", "look_of"]
 
 GREY = Appearance().color
-"""Of a material without a declared look."""
+"""Colour of a material without a declared look, linear RGB."""
 WATER_AFTER_A_METRE = (0.70, 0.93, 0.975)
-"""What one metre of clear water leaves of white light. Source: Pope and Fry (1997), doi:10.1364/AO.36.008710, rounded."""
+"""Shares of white light that one metre of clear water leaves. Source: Pope and Fry (1997), doi:10.1364/AO.36.008710, rounded."""
 DROPS_PER_PARTICLE = 4
 """A particle of spray is drawn as so many drops of its volume together."""
 SCATTER = 2.0
-"""How far from the particle its drops may lie along each axis, in its radii."""
+"""Largest distance of drops from their particle along each axis, in its radii."""
 BUBBLE = 0.11
 """Radius of a bubble of foam in spacings."""
 MOST_BALLS = 60_000
@@ -54,7 +54,7 @@ class Drawn(NamedTuple):
 
 
 class LiquidLook(NamedTuple):
-    """How light fares in a liquid."""
+    """Passage of light through a liquid."""
 
     color: tuple[float, float, float]
     clear: bool
@@ -111,7 +111,7 @@ class Liquid:
 
     @cached_property
     def look(self) -> LiquidLook:
-        """Of its material."""
+        """Look of its material."""
         return look_of(self.candidate.spec.materials[self.candidate.spec.entities[self.entity].material])
 
     @cached_property

@@ -21,7 +21,7 @@ from .meshes import look_of
 __all__ = ["Link", "Wetness", "darkened", "film_at", "finely"]
 
 INDEX = 1.33
-"""Of the film; other liquids differ by less than 0.15."""
+"""Refractive index of the film; other liquids differ by less than 0.15."""
 NEAR = 4
 """Places of the wet map that a corner takes its film from."""
 REACH = 2.5

@@ -44,7 +44,7 @@ RATTLE = 0.3
 """Longest step in spacings over the square root of pressure by density: particles under pressure swing between their neighbours at about
 that rate, and swung up with 0.5 (measured on a column 80 spacings deep; with 0.3 it stands still)."""
 EASING = 0.9
-"""What that root falls to in one step at least: a first solve that stops early must not lengthen the next step."""
+"""Least factor on that root in one step: a first solve that stops early must not lengthen the next step."""
 PACKING_EVERY = 5
 """Steps between two looks at how the particles are packed."""
 PACKING_SAMPLES = 2000

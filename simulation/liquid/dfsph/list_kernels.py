@@ -12,7 +12,7 @@ import warp as wp
 __all__ = ["KINDS", "MOST_PACKED", "STEPS", "keep", "neighbour", "note", "toward"]
 
 KINDS = (wp.vec4, wp.vec2i)
-"""What one neighbour may be kept as: kernels over lists are made for both."""
+"""Types that a neighbour is kept as: kernels over lists are made for both."""
 MOST_PACKED = 1 << 22
 """Particles whose indices fit into a packed neighbour."""
 STEPS = 8191

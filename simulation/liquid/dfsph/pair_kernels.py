@@ -24,7 +24,7 @@ SHEET = wp.constant(5)
 FAINT = wp.constant(wp.float32(0.01))
 """Gradient of the fill by a solid along its nearest surface, in units of 1/h, below which nothing else of it is near."""
 DRAG = wp.constant(wp.float32(4.7))
-"""Of friction 1: 2 for the pairs, twice for the mirrored velocity, and what viscosity has; liquid then stands still at the surface,
+"""Drag of friction 1: 2 for the pairs, twice for the mirrored velocity, and what viscosity has; liquid then stands still at the surface,
 within a tenth of a spacing (measured, Couette and Poiseuille)."""
 Eight = wp.types.vector(length=8, dtype=wp.int32)
 
@@ -72,7 +72,7 @@ def count_pairs(
 
 @wp.func
 def gathered(s: Samples, xi: wp.vec3, h: wp.float32, body: wp.int32, lift: wp.vec3):
-    """Of one body near a place: sums of V W and drag; of V grad W; of V (r . lift) grad W, which makes the gradient of a linear field
+    """Sums over one body near a place: V W and drag; V grad W; V (r . lift) grad W, which makes the gradient of a linear field
     whole."""
     w = wp.float32(0.0)
     g = wp.vec3(0.0, 0.0, 0.0)

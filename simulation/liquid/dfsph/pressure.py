@@ -25,7 +25,7 @@ RECOVERY = 1.02
 
 @dataclass(frozen=True)
 class Solved:
-    """How one solve ended."""
+    """End of one solve."""
 
     iterations: int
     error: float

@@ -16,7 +16,7 @@ PRESSED_KIND = wp.constant(PRESSED)
 FELT_KIND = wp.constant(FELT)
 
 VERTICES = wp.constant(wp.float32(0.5))
-"""Of the sum of a row of A through vertices: what counts as its diagonal. Forces on one vertex hardly differ in direction."""
+"""Share of a row's sum of A through vertices that counts as its diagonal. Forces on one vertex hardly differ in direction."""
 
 __all__ = [
     "FELT",

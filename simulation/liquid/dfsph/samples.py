@@ -22,7 +22,7 @@ __all__ = ["Samples", "sampled_boundaries", "stays"]
 
 
 def stays(boundary: Any) -> bool:
-    """Whether a boundary never moves."""
+    """True if a boundary never moves."""
     return boundary.motion == "static" and not boundary.deforming
 
 

@@ -41,7 +41,7 @@ class _Last(NamedTuple):
     speed: F64
     """At its start (v, 3) [m/s]."""
     force: F64
-    """Of the liquid (v, 3) [N]."""
+    """Force of the liquid on the vertices (v, 3) [N]."""
     seconds: float
     pull: float
     """Acceleration that the liquid alone would give its vertices, mean over the force [m/s^2]."""

@@ -92,7 +92,7 @@ def attach(
 
 @wp.func
 def sheets_of(pairs: Pairs, surfaces: Surfaces, i: wp.int32):
-    """How many pairs of a particle are with sheets that deform."""
+    """Number of a particle's pairs with sheets that deform."""
     found = wp.int32(0)
     for k in range(pairs.start[i], pairs.start[i] + pairs.touched[i]):
         if surfaces.kind[pairs.body[k]] == SHEET:
@@ -165,7 +165,7 @@ def weigh(
     bound: wp.array(dtype=wp.float32),
     load: wp.array(dtype=wp.float32),
 ):
-    """Of each vertex: a bound of how much all its particles together move it, and the mass of liquid on it in units of its own."""
+    """Write for each vertex a bound of how much all its particles together move it, and the mass of liquid on it in units of its own."""
     v = first + wp.tid()
     span = spans[v]
     one = wp.float32(0.0)
@@ -209,7 +209,7 @@ def slow(
     ease: wp.array(dtype=wp.float32),
     load: wp.array(dtype=wp.float32),
 ):
-    """Of each vertex: rate of its friction with liquid that stands still, times the step."""
+    """Write for each vertex the rate of its friction with liquid that stands still, times the step."""
     v = first + wp.tid()
     span = spans[v]
     s = wp.float32(0.0)

@@ -208,7 +208,7 @@ def packing(
     fill: wp.array(dtype=wp.float32),
     out: wp.array(dtype=wp.vec3),
 ):
-    """Of every `step`-th particle: liquid per volume within twice the support (Wendland C2), how uneven it lies, and its fill."""
+    """Write for every `step`-th particle the liquid per volume within twice the support (Wendland C2), how uneven it lies, and its fill."""
     t = first + wp.tid()
     i = t * step
     xi = x[i]

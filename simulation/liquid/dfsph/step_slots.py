@@ -31,7 +31,7 @@ class Slot(IntEnum):
     FULL = 10
     """Fill of liquid at rest."""
     FRESH = 11
-    """Whether no iteration has been made."""
+    """Nonzero until an iteration has been made."""
     TOLERANCE = 12
     """Mean error to stop at."""
     MOST = 13
@@ -39,4 +39,4 @@ class Slot(IntEnum):
     DONE = 14
     """Iterations that were made."""
     MET = 15
-    """Whether they met what was asked."""
+    """Nonzero where they met what was asked."""

@@ -148,11 +148,11 @@ class Work:
         row, stride = (room, 1) if self.device == "cpu" else (1, self.capacity)
         near = wp.zeros(self.capacity * room, dtype=wp.vec2i if self._packed else wp.vec4, device=self.device)
         self.lists: list[Any] = [self.count, near, row, stride, self._unit]
-        """What kernels over lists take: lengths, neighbours, row, stride, unit of their gradients."""
+        """Arguments of kernels over lists: lengths, neighbours, row, stride, unit of their gradients."""
 
 
 def packs(device: str, capacity: int) -> bool:
-    """Whether lists of so many particles are packed (`list_kernels.py`)."""
+    """True if lists of so many particles are packed (`list_kernels.py`)."""
     from .list_kernels import MOST_PACKED
 
     return device != "cpu" and capacity <= MOST_PACKED

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 __all__ = ["Tension"]
 
 REACH = 2.0
-"""Of the attraction, in supports of the pressure's kernel: two cells of the grid."""
+"""Reach of the attraction, in supports of the pressure's kernel: two cells of the grid."""
 CORE_REACH = 1.25
-"""Of the push, in the same."""
+"""Reach of the push, in the same unit."""
 CORE = CORE_REACH / REACH
 """Strength of the push in that of the attraction: the pulls of half-spaces on their outermost particles are as 1 / reach, so none is left."""
 MEAN = 31.0 / 70.0
@@ -51,7 +51,7 @@ class Tension:
         gravity = float(np.linalg.norm(setup.gravity))
         felt = [f.surface_tension if is_felt(f.surface_tension, f.density, gravity, s) else 0.0 for f in setup.fluids]
         self.felt = max(felt) > 0.0
-        """Whether any fluid has a tension that is felt at this spacing."""
+        """True if any fluid has a tension that is felt at this spacing."""
         scale = 8.0 * CALIBRATION / (MEAN * 2.0 * (REACH - 1.0 - CORE * (CORE_REACH - 1.0)) * s)
         self._strength = wp.array(np.sqrt(np.array(felt) * scale), dtype=wp.float32, device=passes.device)
         self._adhesion = WETTING / (MEAN * s * scale)

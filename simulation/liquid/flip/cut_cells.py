@@ -71,7 +71,7 @@ class CutCells:
         self.sources = Sources(self.run, setup, self._origin)
         self.volume = 0.0
         self._dt = 0.0
-        """Of the present step [s]."""
+        """Length of the present step [s]."""
 
     def _faces(self, grid: Grid, *names: str) -> list[Any]:
         return [self.run.array(name, grid.cells, warp().vec3) for name in names]
@@ -83,7 +83,7 @@ class CutCells:
         return self.run.array("face_owner", grid.cells, warp().vec3i)
 
     def _cut(self, grid: Grid, mouths: Any) -> None:
-        """Open shares of faces and cells: the domain, boundaries, mouths of inflows."""
+        """Open shares of faces and cells: the domain, boundaries, openings of inflows."""
         wp, run, total = warp(), self.run, grid.cells
         (opening,), (room, spread, solid) = self._faces(grid, "opening"), self._of(grid, "room", "spread", "solid")
         box = [wp.vec3(*limits) for limits in self._walls]

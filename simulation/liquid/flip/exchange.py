@@ -34,7 +34,7 @@ class Exchange:
         self._grid, self._shut = grid, shut
         self.mouths = mouths
         self.mass = 0.0
-        """Of a full cell [kg]."""
+        """Mass of a full cell [kg]."""
         wp, rows = warp(), level.rows
         flags = [run.array(f"touch/{name}", rows + 1, wp.int32) for name in ("flag", "thin")]
         run(kernels.touching, rows, [shut, *flags])
@@ -176,7 +176,7 @@ class Exchange:
         return kick, spin
 
     def end(self, q: Any) -> F64:
-        """Impulse on each boundary, then on mouths and on the domain (last) [N s, N m s]; walls move as after it."""
+        """Impulse on each boundary, then on openings and on the domain (last) [N s, N m s]; walls move as after it."""
         many = self.solids.count + len(self.mouths)
         if not self.solids.count:
             return np.zeros((many + 1, 6))

@@ -50,7 +50,7 @@ def tent_inside(center: float, low: float, high: float):
 
 @wp.func
 def share_of(k: float, low: float, high: float):
-    """Of one axis: share of a cell inside [low, high], whether its lower face is, and the share of a tent around its centre."""
+    """On one axis: share of a cell inside [low, high], whether its lower face is, and the share of a tent around its centre."""
     full = float(0.0)
     if k > low and k < high:
         full = 1.0

@@ -1,6 +1,6 @@
 # mypy: ignore-errors
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
-"""Solids and liquid on faces: velocities that walls prescribe, friction, mouths and drains.
+"""Solids and liquid on faces: velocities that walls prescribe, friction, openings of inflows and outflows.
 
 Lengths are in cells. Owners are rows of boundaries, then of inflows; -1 is the domain.
 """
@@ -33,7 +33,7 @@ def open_mouths(
     half: wp.array(dtype=wp.vec3), near: wp.array(dtype=vec6i), lower: wp.vec3, upper: wp.vec3, solids: int,
     solid: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i),
 ):  # fmt: skip
-    """Faces in the mouth of an inflow have its speed, those of the domain's closed sides too where no solid is behind them.
+    """Faces in the opening of an inflow have its speed, those of the domain's closed sides too where no solid is behind them.
 
     The third component of `half` is 1 for a disc, -1 for one that is shut.
     """

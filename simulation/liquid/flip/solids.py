@@ -35,7 +35,7 @@ class Solids:
         for boundary in setup.boundaries:
             if boundary.deforming:
                 raise InputError(
-                    f"the grid engine takes no deforming boundary ({boundary.name!r}); use engine 'dfsph' beside cloth and soft bodies"
+                    f"the grid engine takes no deforming boundary ({boundary.name!r}); use engine 'dfsph' beside cloth and elastic bodies"
                 )
         self._moving = [n for n, b in enumerate(setup.boundaries) if b.motion != "static"]
         self._meshes: list[Any] = []
@@ -133,7 +133,7 @@ class Solids:
         self.moving.box_high = run.upload("body/box_high", high.astype(np.float32), wp.vec3)
 
     def walls(self, name: str, bodies: BodyState, velocity: F64, spin: F64, mouths: F64) -> Any:
-        """Motion of boundaries and mouths for kernels."""
+        """Motion of boundaries and openings for kernels."""
         wp, run = warp(), self.run
         many = self.count + len(mouths)
         rows = np.zeros((3, many, 3), np.float32)

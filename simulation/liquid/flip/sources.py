@@ -80,7 +80,7 @@ class Sources:
         self._losing = bool(setup.outflows) or "open" in setup.sides
 
     def clear_solids(self, distance: Any) -> None:
-        """Drop the points of mouths that lie in solids or outside the domain; `distance` maps world points to cells.
+        """Drop the points of openings that lie in solids or outside the domain; `distance` maps world points to cells.
 
         Raises:
             InputError: an inflow has no free point.
@@ -97,7 +97,7 @@ class Sources:
             mouth.points = mouth.points[free]
 
     def speeds(self, time: float, dt: float) -> tuple[F64, Any]:
-        """Velocities of the mouths [m/s], shape (k, 3), and their half sizes for the grid; shut ones are marked."""
+        """Velocities of the openings [m/s], shape (k, 3), and their half sizes for the grid; shut ones are marked."""
         half = np.array([(*m.inflow.half_size, 0.0) for m in self.mouths]).reshape(-1, 3) / self._cell
         velocity = np.zeros((len(self.mouths), 3))
         for n, mouth in enumerate(self.mouths):
@@ -108,11 +108,11 @@ class Sources:
         return velocity, self.run.upload("inflow/half", half.astype(np.float32), warp().vec3)
 
     def shape(self) -> list[Any]:
-        """Planes of the mouths on the device: centres and rotations."""
+        """Planes of the openings on the device: centres and rotations."""
         return self._planes
 
     def let_in(self, markers: Markers, time: float, dt: float) -> dict[str, float]:
-        """Append the layers that crossed the mouths in a step; mass by inflow [kg]."""
+        """Append the layers that crossed the openings in a step; mass by inflow [kg]."""
         added = {}
         for number, mouth in enumerate(self.mouths):
             inflow = mouth.inflow

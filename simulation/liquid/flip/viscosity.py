@@ -37,7 +37,7 @@ class Rubbed:
     """Result of a viscous step."""
 
     impulse: F64
-    """On boundaries, mouths and the domain (last), linear and about their centres [N s, N m s]."""
+    """On boundaries, openings and the domain (last), linear and about their centres [N s, N m s]."""
     kick: F64
     """Change of the boundaries' velocities (b, 3) [m/s]."""
     spin: F64
@@ -56,7 +56,7 @@ class Viscosity:
         self.friction = run.upload("viscous/friction", np.array([*friction, 0.0], np.float32), warp().float32)
         self._slots = -1
         self.least = self.most = 0.0
-        """Of the particles' viscosities [Pa s]."""
+        """Least and greatest viscosity of the particles [Pa s]."""
 
     def look(self, markers: Markers, dt: float) -> float | None:
         """Share of motion below a cell's size that survives viscosity in a step of `dt`; None where viscosity does not count."""
@@ -182,7 +182,7 @@ class Viscosity:
         return Rubbed(impulse, kick, spin, iterations, capped)
 
     def _impulse(self, kick: F64, spin: F64) -> F64:
-        """On every boundary, mouth and the domain, at the velocities found."""
+        """On every boundary, opening and the domain, at the velocities found."""
         exchange = self._exchange
         walls = exchange.moved(kick, spin)
         self._multiply(self._u, walls, self._ap)

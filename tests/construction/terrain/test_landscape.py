@@ -298,7 +298,7 @@ def test_a_trapezoid_is_one_in_its_middle_and_zero_outside() -> None:
 RELIEF_INPUTS = (
     "slope", "height", "curvature", "roughness", "peak", "sunlight", "wear", "deposit", "sediment", "filled", "basin_depth", "accumulation",
 )  # fmt: skip
-"""What R41 names as inputs of materials, and the Priority-Flood fields that it refers to and a rule may name."""
+"""Inputs of materials that R41 names, and the Priority-Flood fields that it refers to and a rule may name."""
 
 
 @pytest.mark.parametrize("field", RELIEF_INPUTS)

@@ -53,7 +53,7 @@ def _front(engine: Engine, spacing: float) -> float:
 
 
 def _wall_height(engine: Engine, spacing: float) -> float:
-    """Of the liquid in the two cells beside the wall x = 0 [m]."""
+    """Height of the liquid in the two cells beside the wall x = 0 [m]."""
     p = engine.particles()
     return float(p.volume[p.position[:, 0] < 2 * spacing].sum() / (2 * spacing * ACROSS * spacing))
 

@@ -13,7 +13,7 @@ __all__ = ["kleefsman"]
 
 TANK, DAM, DEPTH = (3.22, 1.0, 1.0), 1.992, 0.55
 PEAK, ARRIVAL = 8127.0, 0.411
-"""Of pressure P2 [Pa] and the time when it passes a quarter of that [s]."""
+"""Measured peak of pressure P2 [Pa] and the time when it passes a quarter of that [s]."""
 GAUGES = np.array([
     (0.40, 0.0464, 0.4595), (0.42, 0.0577, 0.4541), (0.44, 0.0746, 0.4469), (0.46, 0.0803, 0.4403), (0.48, 0.0875, 0.4339),
     (0.50, 0.0988, 0.4261), (0.70, 0.1314, 0.3628), (0.72, 0.1355, 0.3561), (0.74, 0.1395, 0.3501), (0.76, 0.1410, 0.3438),

@@ -12,7 +12,7 @@ from .world import Body, EngineName, Figure, advance, below, box_mesh, lattice, 
 __all__ = ["couette", "poiseuille"]
 
 LENGTH, ACROSS = 4, 4
-"""Of the slab: gaps along the flow, cells across it. Its ends are free: it moves by less than half a gap."""
+"""Length of the slab in gaps along the flow, and cells across it. Its ends are free: it moves by less than half a gap."""
 GATE = 0.12
 """Own choice: no gate is published. Viscosity of 30 neighbours depends by some 10 % on how they lie."""
 TERMS = np.arange(1, 60)

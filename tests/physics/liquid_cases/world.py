@@ -1,4 +1,4 @@
-"""What the cases share: boxes of liquid, tanks of boxes, bodies moved by the impulses that the engine reports, and figures."""
+"""Tools that the cases share: boxes of liquid, tanks of boxes, bodies moved by the impulses that the engine reports, and figures."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Figure:
 
     @property
     def passes(self) -> bool:
-        """Whether it lies within the bounds."""
+        """True if it lies within the bounds."""
         return bool(self.low <= self.measured <= self.high)
 
     @property
@@ -171,7 +171,7 @@ class Body:
 
     @property
     def free(self) -> bool:
-        """Whether it moves with what pushes it."""
+        """True if it moves with what pushes it."""
         return self.mass > 0.0 and not self.held
 
     def push(self, impulse: F64, dt: float) -> None:

@@ -16,7 +16,7 @@ from worldagent.worlds.categories.gas.facts import Grid
 GRID = Grid((16, 16, 16), 0.1, np.zeros(3))
 HERE = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 MIDDLE = (0.83, 0.77, 0.85)
-"""Of the bodies [m]: no face of theirs lies in one of the cells'."""
+"""Middle of the bodies [m]: no face of theirs lies in one of the cells'."""
 
 
 def obstacles(half: tuple[float, float, float], *, moves: bool) -> tuple[Obstacles, Surround]:

@@ -33,7 +33,7 @@ SMALL: dict[str, Any] = {"spacing": 0.04, "frames": FRAMES}
 
 
 class Stopped(Exception):
-    """What ends a run from outside."""
+    """Error that ends a run from outside."""
 
 
 def build(**options: Any) -> tuple[WorldSpec, dict[str, BuiltEntity]]:
@@ -83,7 +83,7 @@ def _bare(baked: Candidate, folder: Path) -> dict[str, Cache]:
 
 
 def _frames_made(baked: Candidate, caches: Mapping[str, Cache]) -> list[str]:
-    """What is told of the surfaces and wet maps that had to be made; the end equals that of the first run."""
+    """Progress texts of the surfaces and wet maps that had to be made; the end equals that of the first run."""
     told: list[str] = []
     for make in (mesh_liquids, map_wet_solids):
         make(baked.spec, baked.built, caches, progress=lambda done, total, text: told.append(text.split(": ")[1]))

@@ -111,7 +111,7 @@ def test_maps_are_resumed_and_those_of_other_particles_are_noticed(tmp_path: Pat
 
 
 def test_a_bundle_holds_them(tmp_path: Path) -> None:
-    """What they are made of is digested with the caches, so a bundle without them would be one of another run."""
+    """Their inputs are digested with the caches, so a bundle without them would be one of another run."""
     candidate = still().candidate(tmp_path)
     folder = made(candidate).files.folder
     held = {path for made in DERIVED for path in made(candidate.caches["water"]).present()}

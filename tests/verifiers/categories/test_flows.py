@@ -41,7 +41,7 @@ def still() -> Flow:
 
 
 def test_a_stream_that_falls_flows_down_and_not_up(tmp_path: Path) -> None:
-    """What the tap lets in passes below: its section times its speed."""
+    """The water that the tap lets in passes below: its section times its speed."""
     found = judged(stream(speed=1.0), tmp_path, flows((0, 0, 0.6), (0, 0, -1)))
     assert (found.status, found.unit) == ("pass", "m^3/s"), found.explanation
     assert found.value == pytest.approx(0.08**2 * 1.0, rel=0.1)

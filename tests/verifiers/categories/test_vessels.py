@@ -20,7 +20,7 @@ from worldagent.worlds.errors import EvidenceError
 Flags = NDArray[np.bool_]
 S = 0.02
 SIZE = (0.24, 0.2, 0.12)
-"""Of the water [m]; the tank is twice as deep."""
+"""Size of the water [m]; the tank is twice as deep."""
 FRAMES = 12
 KINDS = ("pours", "fills", "overflows", "leaks")
 UP = np.array([0.0, 0.0, 1.0])
@@ -95,7 +95,7 @@ def poured() -> Flow:
 
 
 def overflowed(*, full: bool = True) -> Flow:
-    """What stands uppermost runs over the rim of an upright tank."""
+    """Flow in which the uppermost liquid runs over the rim of an upright tank."""
     flow = pool(full=full)
     return leaves(flow, upper(flow), np.array([SIZE[0] / 2 + 0.035, -0.02, 2 * SIZE[2] - 0.004]))
 

@@ -10,7 +10,7 @@ from typing import Any, get_args
 import pytest
 from worldagent.testing.worlds.small_worlds import box, ground, make_candidate, world
 from worldagent.verifiers import acceptance
-from worldagent.verifiers.acceptance import acceptance_subject, find_candidate, judge_fresh, verdict_of
+from worldagent.verifiers.acceptance import WaitingJudge, acceptance_subject, find_candidate, judge_fresh, verdict_of
 from worldagent.verifiers.checks import CHECKS, names_of
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.worlds.canonical import spec_digest
@@ -167,7 +167,7 @@ def test_a_process_that_dies_is_an_engine_error(tmp_path: Path, monkeypatch: pyt
 
 
 def test_the_fresh_process_passes_its_progress_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What an engine prints between is no record; the last line is."""
+    """Lines that an engine prints between are no records; the last line is."""
     lines = ['{"progress": [0.1, 1.0, "checking causal", 0.4]}', "engine 1.0", '{"progress": "none"}', '{"verdict": "accepted"}']
     script = tmp_path / "python"
     script.write_text("#!/bin/sh\n" + "".join(f"echo '{line}'\n" for line in lines))
@@ -186,3 +186,11 @@ def test_a_process_that_takes_too_long_is_an_engine_error(tmp_path: Path, monkey
     monkeypatch.setattr(acceptance, "TIMEOUT_SECONDS", 0.5)
     with pytest.raises(EngineError, match="ended with code -9"):
         judge_fresh(tmp_path)
+
+
+def test_a_process_started_before_judges_once_it_is_told_and_ends_where_nobody_tells_it(tmp_path: Path) -> None:
+    with WaitingJudge() as waiting, pytest.raises(EvidenceError, match=r"world\.json"):
+        judge_fresh(tmp_path, waiting=waiting)
+    with pytest.raises(KeyError), WaitingJudge() as waiting:
+        raise KeyError
+    assert waiting._process.returncode == -9

@@ -1,4 +1,4 @@
-"""What counts as disagreement between a bundled verdict and an own one."""
+"""Differences that count as disagreement between a bundled verdict and an own one."""
 
 from __future__ import annotations
 

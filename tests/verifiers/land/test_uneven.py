@@ -1,4 +1,4 @@
-"""What a ball keeps of a hit is not told from the turn of facets under it; on even ground it is judged as ever."""
+"""On uneven ground the speed that a ball keeps of a hit is not told from the turn of facets under it; on even ground it is judged as ever."""
 
 from __future__ import annotations
 

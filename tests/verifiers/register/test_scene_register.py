@@ -1,4 +1,4 @@
-"""What a specification takes easier than usual stands in the register, even where no edit tells of it; so do hands and dressing."""
+"""Settings that a specification takes easier than usual stand in the register, even where no edit tells of it; so do hands and dressing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a question, its subject and a finding become a row, and what its corrections patch."""
+"""Rows from a question, its subject and a finding, and what their corrections patch."""
 
 from __future__ import annotations
 

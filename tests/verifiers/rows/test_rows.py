@@ -1,4 +1,4 @@
-"""How a row is made: its id names question and subject, numbers that are not finite never pass, and what a failing row names by itself."""
+"""Making of rows: the id names question and subject, numbers that are not finite never pass, and a failing row names things by itself."""
 
 from __future__ import annotations
 

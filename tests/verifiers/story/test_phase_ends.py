@@ -1,4 +1,4 @@
-"""What goes on when a run ends: by physics, or from nowhere (R77, S12)."""
+"""Motion that goes on when a run ends: by physics, or from nowhere (R77, S12)."""
 
 from __future__ import annotations
 

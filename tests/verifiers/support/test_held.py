@@ -375,7 +375,7 @@ def test_a_stack_whose_supports_were_left_out_may_not_fall_unnoticed(tmp_path: P
     row = rows_of(tmp_path / "b", things, {"b2": _slides(6, 0.5)})["support:stays:b2"]
     assert (row.status, row.first_failing_frame, row.bound) == ("fail", 7, 0.005)
     assert row.measured == pytest.approx(0.02)
-    assert [c.group for c in row.corrections] == ["placement", "story", "drivers"]
+    assert [c.group for c in row.corrections] == ["placement", "interval", "story", "drivers"]
 
 
 def test_supports_over_a_few_frames_do_not_hide_a_later_fall(tmp_path: Path) -> None:

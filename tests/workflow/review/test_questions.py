@@ -1,4 +1,4 @@
-"""What readers are asked, and the strict reading of their answers."""
+"""Questions to readers, and the strict reading of their answers."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def _schema() -> dict[str, Any]:
 
 
 def stands(pointer: str) -> bool:
-    """Whether a schema has something at a pointer, in any member of a union."""
+    """True if a schema has something at a pointer, in any member of a union."""
     schema = _schema()
     nodes = [schema]
     for token in pointer.split("/")[1:]:

@@ -17,7 +17,7 @@ def held(text: str, language: str) -> list[tuple[str, str]]:
 
 
 def test_the_language_of_the_strangers_is_told_and_never_mistaken() -> None:
-    """Of 500 prompts in twelve languages; short ones without function words are of none."""
+    """Measured on 500 prompts in twelve languages; short ones without function words are of none."""
     told = [(prompt.language, language_of(prompt.text)) for prompt in strangers()]
     assert len(told) == 500
     assert [pair for pair in told if pair[1] not in (None, pair[0])] == []

@@ -169,7 +169,7 @@ def test_what_states_no_one_quantity_is_none(text: str) -> None:
 
 
 def test_quantities_of_honest_prompts_with_digits_and_a_unit_are_read() -> None:
-    """Of 150 prompts; what is left states none with a unit (`half full`, `as big as a bus`)."""
+    """Measured on 150 prompts; what is left states none with a unit (`half full`, `as big as a bus`)."""
     spans = [(prompt.language, span.quote) for prompt in honest() for span in prompt.spans if span.type == "quantity"]
     unread = [quote for language, quote in spans if any(map(str.isdecimal, quote)) and quantity_in(quote, language) is None]
     assert len(spans) > 60

@@ -1,4 +1,4 @@
-"""Bounds of the questions about cloth: shape, tears, books of momentum, sides of sheets, fluttering."""
+"""Bounds of the questions about cloth: shape, tears, ledger of momentum, sides of sheets, fluttering."""
 
 LEAST_AREA = 0.1
 """[1] Own choice: a triangle of less than this share of its area at rest has collapsed; folds bend edges, they do not shrink faces."""
@@ -21,7 +21,7 @@ SINGLE = 4e-7
 ROUNDING = 1e-9
 """[1] Relative error of sums in float64 that two codes make in another order."""
 BOOKS = 1e-6
-"""[1] Own choice: share of the momentum that passed through the cloth by which its books may be off."""
+"""[1] Own choice: share of the momentum that passed through the cloth by which its ledger may be off."""
 CUT = 0.02
 """[1] Own choice: share of the momentum exchanged that cut ways may take."""
 

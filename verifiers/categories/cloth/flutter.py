@@ -28,7 +28,7 @@ class _Points:
     """Points of a sheet and how each goes to and fro along its own main direction."""
 
     rows: NDArray[np.intp]
-    """Of the channels `vertex/*`."""
+    """Rows of the channels `vertex/*`."""
     rest: F64
     """In the entity's frame (n, 3) [m]."""
     area: F64
@@ -61,12 +61,12 @@ class _Demand:
         return float(self.found[order[min(index, len(order) - 1)]])
 
     def kept_by(self, value: float) -> bool:
-        """Whether a number is as asked."""
+        """True if a number is as asked."""
         return value >= self.bound if self.comparison == ">=" else value <= self.bound
 
 
 def _cycles(signal: F64, noise: F64) -> F64:
-    """How often signals (frames, n) go to and fro: half their changes of side, those within the noise (n,) left out."""
+    """Number of times that signals (frames, n) go to and fro: half their changes of side, those within the noise (n,) left out."""
     sides = np.where(np.abs(signal) > noise, np.sign(signal), 0.0)
     last, changes = np.zeros(signal.shape[1]), np.zeros(signal.shape[1])
     for side in sides:

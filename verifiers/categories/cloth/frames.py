@@ -31,7 +31,7 @@ class Piece:
     entity: str
     part: str
     rows: slice
-    """Of the channels `vertex/*`."""
+    """Rows of the channels `vertex/*`."""
     vertices: F64
     """In the entity's frame (n, 3) [m]."""
     faces: I32
@@ -39,9 +39,9 @@ class Piece:
     edges: I32
     """The same."""
     length: F64
-    """Of the edges at rest [m]."""
+    """Lengths of the edges at rest [m]."""
     area: F64
-    """Of the triangles at rest [m^2]."""
+    """Areas of the triangles at rest [m^2]."""
     physics: ClothPhysics
 
 
@@ -112,7 +112,7 @@ class ClothRun:
 
     @cached_property
     def mass(self) -> F64:
-        """Of every vertex [kg], from area and area density."""
+        """Mass of every vertex [kg], from area and area density."""
         total = np.zeros(sum(self.cache.index.vertices))
         for piece in self.pieces:
             np.add.at(total, piece.faces.ravel(), np.repeat(piece.physics.area_density * piece.area / 3.0, 3))

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 __all__ = ["cloth_lines"]
 
 LOST = 0.05 * (2 * math.pi) ** 2
-"""Of a swing of 1 Hz per second and second of step: the theta rule at 0.55 takes 0.05 w^2 h."""
+"""Loss of a swing of 1 Hz per second and second of step: the theta rule at 0.55 takes 0.05 w^2 h."""
 
 
 PUSHED = 0.1, 0.2
-"""Of an overlap of two contact shells, what a step takes back; and with which speed at most [m/s]."""
+"""Share of an overlap of two contact shells that a step takes back; and the greatest speed with which it does [m/s]."""
 
 
 def cloth_lines(candidate: Candidate) -> list[dict[str, str]]:
@@ -91,7 +91,7 @@ def _forced(candidate: Candidate, name: str) -> Iterator[dict[str, str]]:
 
 
 def _cut(candidate: Candidate, name: str) -> str:
-    """How much momentum was lost so, as recorded, in words."""
+    """Sentence about the momentum lost so, as recorded."""
     cache = candidate.cloth_caches.get(name)
     if cache is None:
         return "how much is known after a probe"
@@ -136,7 +136,7 @@ def _contacts(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
 
 
 def _grains(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
-    """How other matter meets it."""
+    """Lines about other matter that meets it."""
     plan = spec.simulation
     for other, instance in plan.solvers.items():
         if other in plan.rigid or other == name:

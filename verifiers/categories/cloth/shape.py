@@ -82,7 +82,7 @@ def shaped(run: ClothRun) -> Finding:
 
 
 def pinned(run: ClothRun) -> Finding:
-    """How far held vertices are from where they ought to be."""
+    """Distance of held vertices from where they ought to be."""
     if not run.held:
         return Finding("not_applicable", "nothing holds the cloth")
     worst, name, entity, frame, open_pins = 0.0, "", None, 0, set()

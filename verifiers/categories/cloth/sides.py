@@ -37,9 +37,9 @@ class _Foot(NamedTuple):
     corners: NDArray[np.intp]
     """Vertices of the nearest triangle, shape (n, 3)."""
     weight: F64
-    """Of these, shape (n, 3)."""
+    """Weights of these vertices, shape (n, 3)."""
     rim: NDArray[np.bool_]
-    """Whether the point lies on the rim, shape (n,)."""
+    """True where the point lies on the rim, shape (n,)."""
     side: F64
     """Distance along the triangle's normal [m], shape (n,)."""
 
@@ -80,7 +80,7 @@ class SheetSides:
         return rows[passed], end.gap[passed]
 
     def _follow(self, first: F64, last: F64, before: F64, now: F64, radius: float) -> tuple[NDArray[np.bool_], _Foot, _Foot]:
-        """Whether particles end on the other side, and the nearest points of the sheet at both frames."""
+        """Flags of particles that end on the other side, and the nearest points of the sheet at both frames."""
         start, end = self._foot(first, before), self._foot(last, now)
         along = _at(first, start) - before - (_at(last, start) - now)
         count = np.ceil(np.linalg.norm(along, axis=1) / radius)
@@ -151,7 +151,7 @@ def _near(first: F64, last: F64, faces: I32, before: F64, now: F64, radius: F64)
 
 
 def _changes(one: _Foot, two: _Foot, surface: F64, place: F64) -> NDArray[np.bool_]:
-    """Whether particles change sides from one place to the next; `surface` and `place` are those of the latter."""
+    """True where particles change sides from one place to the next; `surface` and `place` are those of the latter."""
     corners = surface[one.corners]
     across = np.einsum("nd,nd->n", place - np.einsum("nk,nkd->nd", one.weight, corners), _normals(corners))
     front = one.side >= 0.0
@@ -172,7 +172,7 @@ def _at(surface: F64, foot: _Foot) -> F64:
 
 
 def _rim(faces: I32) -> NDArray[np.bool_]:
-    """Whether the edge opposite of every corner has no other triangle, shape (m, 3)."""
+    """True where the edge opposite of every corner has no other triangle, shape (m, 3)."""
     edges = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
     _, which, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
     return np.asarray((count[which.reshape(-1)] == 1).reshape(-1, 3))

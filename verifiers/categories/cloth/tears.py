@@ -41,7 +41,7 @@ class _Event(NamedTuple):
     tension: float
     cause: int
     sides: I32
-    """Of the part's corners (k, 2)."""
+    """Indices among the part's corners (k, 2)."""
     triangles: I32
     places: F64
 
@@ -230,7 +230,7 @@ def _uncaused(run: ClothRun, piece: TearingPiece, frame: int, event: _Event, ten
 
 
 def _far(run: ClothRun, piece: TearingPiece, frame: int, event: _Event) -> bool:
-    """Whether the places of a tear lie farther from those of the frames around it than the fastest vertex gets."""
+    """True if the places of a tear lie farther from those of the frames around it than the fastest vertex gets."""
     rows = (3 * event.triangles[:, None] + np.arange(3)).ravel()
     fps, speed = run.candidate.spec.simulation.fps, REACH * float(run.record("max_speed")[frame])
     places, passed = event.places.reshape(-1, 3), event.time - (frame - 1) / fps

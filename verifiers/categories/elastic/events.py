@@ -44,7 +44,7 @@ class _Line:
         return np.stack([np.average(x[self.slices == k], axis=0, weights=weight[self.slices == k]) for k in self.used])
 
     def sag(self, frame: int) -> F64:
-        """How far its points are off the straight line between its ends, in the body's own frame [m], shape (parts, 3)."""
+        """Distance of its points from the straight line between its ends, in the body's own frame [m], shape (parts, 3)."""
         points = self.at(frame)
         way = points[-1] - points[0]
         share = ((points - points[0]) @ way / max(float(way @ way), 1e-300))[:, None]

@@ -30,7 +30,7 @@ class Outside(NamedTuple):
 
     work: F64
     doubt: F64
-    """How much more it may be: of rigid bodies impulses over a frame are known, and velocities at its ends."""
+    """Uncertainty of it: of rigid bodies impulses over a frame are known, and velocities at its ends."""
 
 
 def soft_impulses(candidate: Candidate, cache: Cache) -> F64:
@@ -49,7 +49,7 @@ def soft_impulses(candidate: Candidate, cache: Cache) -> F64:
 
 
 def soft_work(candidate: Candidate, cache: Cache) -> F64:
-    """Work of partners on elastic members since frame 0 [J], shape (F,); zeros where nobody is coupled."""
+    """Work of coupled solvers on elastic members since frame 0 [J], shape (F,); zeros where nobody is coupled."""
     if not cache.index.deformables or not partners(candidate.spec, cache.index.solver):
         return np.zeros(cache.index.frames)
     return np.cumsum(np.asarray(cache.series("record/soft_exchange_work"), dtype=np.float64))
@@ -58,7 +58,7 @@ def soft_work(candidate: Candidate, cache: Cache) -> F64:
 def outside_work(candidate: Candidate, cache: Cache) -> Outside:
     """Work since frame 0 that others and force fields did on all that an instance moves.
 
-    Elastic and rigid members give energy to each other, so that both are one balance: what partners give to either comes from outside.
+    Elastic and rigid members give energy to each other, so that both are one balance: what coupled solvers give to either comes from outside.
     """
     if not cache.index.bodies:
         none = np.zeros(cache.index.frames)
@@ -68,7 +68,7 @@ def outside_work(candidate: Candidate, cache: Cache) -> Outside:
 
 
 def exchange(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Finding on the largest difference between what partners gave and members received in a frame, each side counted by itself."""
+    """Finding on the largest difference between what coupled solvers gave and members received in a frame, each side counted by itself."""
     others = partners(candidate.spec, solver)
     if not others:
         return Finding("not_applicable", "nobody is coupled both ways with it")

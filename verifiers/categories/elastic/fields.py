@@ -35,7 +35,7 @@ __all__ = ["field_impulses", "field_work", "fields"]
 
 
 def feels_fields(candidate: Candidate, cache: Cache) -> bool:
-    """Whether a field acts on an elastic member of the instance."""
+    """True if a field acts on an elastic member of the instance."""
     return any(fields_of(candidate.spec, n.split("/", 1)[0]) for n in cache.index.deformables)
 
 
@@ -123,7 +123,7 @@ def _states(soft: Deforming, frame: int, h: float) -> tuple[_State, _State, _Sta
 
 
 def _force(soft: Deforming, found: Fields, loose: NDArray[np.bool_], at: _State, time: float) -> F64:
-    """Of all fields on what of a body is `loose` from its pins, in a state at a time [s] [N], shape (3,)."""
+    """Force of all fields on what of a body is `loose` from its pins, in a state at a time [s] [N], shape (3,)."""
     total = (soft.masses * loose) @ found.acceleration(at.places, time)
     if found.has_medium:
         for part, mesh in soft.meshes.items():

@@ -112,7 +112,7 @@ def _edge(soft: Deforming) -> float:
 
 
 def _slip(candidate: Candidate, soft: Deforming, placed: F64, held: NDArray[np.bool_], to: str | None, frame: int) -> float:
-    """How far the middle of what is held is from where its carrier has it [m]."""
+    """Distance of the middle of what is held from where its carrier has it [m]."""
     wanted = placed.mean(axis=0)
     if to is not None:
         wanted = candidate.pose(to, frame).apply(candidate.pose(to, 0).inverse().apply(wanted[None]))[0]

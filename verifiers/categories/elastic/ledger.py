@@ -90,7 +90,7 @@ def judge_growth(
         energy: less all that was given from outside [J], shape (F,).
         scale: the energy in play [J].
         what: begins the sentence.
-        hints: corrections.
+        hints: corrections of its rows.
         more: ends the sentence.
         evidence: further evidence.
     """

@@ -85,7 +85,7 @@ ENTITY = (
 INSTANCE = (
     Question(
         "category:elastic:energy",
-        "energy of the instance less the work of drivers, coupled partners and fields never grows by more than limits.energy_growth "
+        "energy of the instance less the work of drivers, coupled solvers and fields never grows by more than limits.energy_growth "
         "of the energy in play",
         "largest growth over any interval, as share of the energy in play",
         "1",

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["elastic_lines"]
 
 LOST = 0.5 * (2 * math.pi) ** 2
-"""Of a swing of 1 Hz per second and second of step: what is implicit in position, of first order, takes w^2 h / 2 (measured:
+"""Loss of a swing of 1 Hz per second and second of step: implicit positions of first order take w^2 h / 2 (measured:
 tests/physics/test_elastic.py)."""
 CELLS_FOR_SELF = 3
 """Cells along an axis from which on parts of one body are kept apart."""

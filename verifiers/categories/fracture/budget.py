@@ -1,4 +1,4 @@
-"""Whether what a bond is said to have broken by had the impulse for it.
+"""Judges whether what a bond is said to have broken by had the impulse for it.
 
 The load on a piece is the contact force smoothed over the contact time tau: an impulse J makes it J / tau at most. What a step
 that is taken again would have given is not in the log of contacts; but nothing gives more than both sides' momenta, twice where

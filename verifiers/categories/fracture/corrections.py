@@ -23,7 +23,7 @@ __all__ = ["breaking"]
 def breaking(
     candidate: Candidate, predicate: SpecModel, entity: str, outcome: Outcome, details: dict[str, object], pointer: str
 ) -> list[Correction] | None:
-    """Hints for a breakable body that breaks or falls apart too little; None where something else is asked.
+    """Corrections for a breakable body that breaks or falls apart too little; None where something else is asked.
 
     Args:
         candidate: what was judged.
@@ -73,7 +73,7 @@ def _apart(
     pointer: str,
     asked: list[Broken | Breach | Debris],
 ) -> list[Correction]:
-    """Of debris: whether enough lumps came loose at all, and how far they went."""
+    """Corrections of debris: by whether enough lumps came loose at all, and how far they went."""
     one = asked[0]
     lumps, reached = details.get("lumps"), details.get("reached")
     if len(asked) > 1 or not isinstance(one, Debris) or not isinstance(lumps, int) or outcome.bound is None:

@@ -65,7 +65,7 @@ class Frames:
         if any(r is None for r in rows):
             raise EvidenceError(f"the cache of {solver!r} lacks pieces of {entity!r}; bake again")
         self.rows = np.array(rows, dtype=np.int64)
-        """Of the pieces among the instance's bodies."""
+        """Rows of the pieces among the instance's bodies."""
         pose = pose_of(candidate.spec.entities[entity].pose)
         self.rest_turn: F64 = rotation_matrix(pose.quaternion)
         self._rest = pose
@@ -148,7 +148,7 @@ class Frames:
         return np.asarray(position[piece] + turn[piece] @ (self.bonds.point[bond] - self.built.bodies[piece].pose.position))
 
     def reach(self, frame: int, bond: int) -> float:
-        """How far a piece may have gone within the frame before its bond broke [m]."""
+        """Way that a piece may have gone within the frame before its bond broke [m]."""
         piece = self.rows[int(self.bonds.pieces[bond, 0])]
         speed = self.cache.series("velocity")[[frame - 1, frame], piece]
         return float(np.linalg.norm(speed, axis=1).max()) / self.candidate.spec.simulation.fps
@@ -171,7 +171,7 @@ class Frames:
         return names[index] if 0 <= index < len(names) else "nothing"
 
     def pushed(self, event: Broken, frame: int) -> bool:
-        """Whether what an event names as its cause touched the entity then."""
+        """True if what an event names as its cause touched the entity then."""
         if event.cause < 0:
             return True
         own = self.cache.index.colliders.index(self.entity)

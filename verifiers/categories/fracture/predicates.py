@@ -114,7 +114,7 @@ def debris(scope: Scope, predicate: SpecModel) -> Outcome:
         return f"{lumps}{where} lay {p.min_distance:g} m {way} at frame {first + i}"
 
     def detail(i: int) -> dict[str, Any]:
-        """How many lumps are loose, and how far as many as asked for went from their places [m]: at any frame, where one decides."""
+        """Number of lumps that are loose, and the way of as many as asked for from their places [m]: at any frame, where one decides."""
         at = range(len(apart)) if p.when == "eventually" else [i]
         far = {k: float(apart[k][needed - 1]) for k in at if needed is not None and needed <= len(apart[k])}
         best = max(far, key=lambda k: far[k], default=None)

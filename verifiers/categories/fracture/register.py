@@ -122,5 +122,5 @@ def _blown(candidate: Candidate, name: str) -> list[dict[str, str]]:
 
 
 def _area(points: F64) -> float:
-    """Of the convex hull of points [m^2]: what bodies show to the flow is a quarter of it, as a mean over directions (Cauchy)."""
+    """Surface of the convex hull of points [m^2]: what bodies show to the flow is a quarter of it, as a mean over directions (Cauchy)."""
     return float(np.linalg.norm(area_vectors(points), axis=1).sum())

@@ -31,9 +31,9 @@ class Combustion:
     share: float
     """Mass of the fuel in a mass of the gas at its source."""
     temperature: float
-    """Of the gas at its source [K]."""
+    """Temperature of the gas at its source [K]."""
     ambient: float
-    """Of the air around [K]."""
+    """Temperature of the air around [K]."""
     air: float
     """Density of that air [kg/m^3]."""
 

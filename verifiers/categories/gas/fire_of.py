@@ -30,7 +30,7 @@ class Fire:
     box: GasBox
 
     def power(self, first: int, last: int) -> F64:
-        """Of all flames at frames first..last [W]."""
+        """Power of all flames at frames first..last [W]."""
         return np.array([self._power(k) for k in range(first, last + 1)])
 
     def hottest(self, last: int) -> str:

@@ -54,7 +54,7 @@ class GasBox:
         grid = grid_of(plan, self.cell)
         self.shape = grid.shape
         self.size: F64 = self.cell * np.array(grid.shape)
-        """Of the cells' box [m]."""
+        """Size of the cells' box [m]."""
         self.ambient = float(self.settings.ambient_temperature)
         material = candidate.spec.materials[candidate.spec.entities[self.members[0]].material]
         self.extinction = mass_extinction(material.substance)
@@ -65,7 +65,7 @@ class GasBox:
         own = self.physics(self.members[0])
         fuel = fuel_of(own)
         self.combustion = None if fuel is None else Combustion(fuel, own.fuel_share, own.temperature, self.ambient, self.air)
-        """What may burn."""
+        """Fuel that the gas may burn, with its source and air; None where nothing burns."""
         self._kept: dict[int, GasFrame] = {}
         self._room = KEPT_CELLS
 
@@ -96,7 +96,7 @@ class GasBox:
 
     @property
     def volume(self) -> float:
-        """Of a cell [m^3]."""
+        """Volume of a cell [m^3]."""
         return float(self.cell**3)
 
     @property
@@ -181,7 +181,7 @@ class GasBox:
         return self.record("escaped_fuel") + self.record("escaped_product") / self.combustion.product
 
     def density(self, frame: GasFrame) -> F64:
-        """Of the gas that moves [kg/m^3]."""
+        """Density of the gas that moves [kg/m^3]."""
         return self.air * (1.0 - self.lightness(frame)) if self.expands else np.full(frame.soot.shape, self.air)
 
     def read(self, index: int) -> GasFrame:

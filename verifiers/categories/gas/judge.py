@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["GasJudge"]
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=np.int64)
-"""Of the side of a cell along its third axis, counter-clockwise seen from beyond it."""
+"""Corners of a cell's side along its third axis, counter-clockwise seen from beyond it."""
 THIN = 0.02
 """Own choice: of the most soot in a column; the rest of the column is as good as clear."""
 

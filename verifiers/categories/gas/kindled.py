@@ -33,7 +33,7 @@ class KindledPart(NamedTuple):
     part: str
     kind: Flammable
     area: float
-    """Of its surface [m^2]."""
+    """Area of its surface [m^2]."""
     fuel: float
     """Mass that can become gas [kg]."""
 

@@ -1,4 +1,4 @@
-"""How far gas gets between two frames: no farther than the fastest gas nearby, by ways through open cells (R100)."""
+"""Reach of gas between two frames: no farther than the fastest gas nearby, by ways through open cells (R100)."""
 
 from __future__ import annotations
 

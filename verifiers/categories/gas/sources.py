@@ -33,7 +33,7 @@ class Source:
     parts: tuple[Solid, ...]
     """In the world."""
     drivers: tuple[Any, ...]
-    """Of kind `emission`."""
+    """Drivers of kind `emission`."""
     puffs: tuple[Puff, ...] = ()
     """Dust of impacts."""
 

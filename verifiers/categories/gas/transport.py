@@ -1,4 +1,4 @@
-"""Whether soot and heat go where the velocities carry them: to cells within reach alone, and in the middle by the right way (R100).
+"""Judges whether soot and heat go where the velocities carry them: to cells within reach alone, and in the middle by the right way (R100).
 
 Between two frames gas comes to a cell from no farther than the fastest gas nearby gets, by ways through open cells. So a cell holds no more
 soot than the most, and no less than the least, that was within that reach, where air beyond open sides and sources count. And over a frame the

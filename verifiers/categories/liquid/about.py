@@ -9,6 +9,7 @@ counts whole, its inside included; one that hangs over a wall counts on the wet 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -98,13 +99,21 @@ class Surroundings:
         found = np.zeros(len(start), dtype=bool)
         if not len(start):
             return found
-        low, high = np.minimum(start, end).min(axis=0), np.maximum(start, end).max(axis=0)
-        for wall in self.walls:
-            box_low, box_high = wall.box(self.index)
-            if (box_low <= high).all() and (box_high >= low).all():
-                rows = np.flatnonzero(~found)
-                found[rows] = wall.between(start[rows], end[rows], self.index)
+        for wall in self._meeting(np.minimum(start, end).min(axis=0), np.maximum(start, end).max(axis=0)):
+            rows = np.flatnonzero(~found)
+            found[rows] = wall.between(start[rows], end[rows], self.index)
         return found
+
+    @cached_property
+    def _boxes(self) -> tuple[F64, F64]:
+        """Corners of the boxes of all walls [m], each shape (walls, 3)."""
+        boxes = np.array([w.box(self.index) for w in self.walls]).reshape(-1, 2, 3)
+        return boxes[:, 0], boxes[:, 1]
+
+    def _meeting(self, low: F64, high: F64) -> list[Piece]:
+        """Walls whose boxes meet a box."""
+        lowest, highest = self._boxes
+        return [self.walls[k] for k in np.flatnonzero(((lowest <= high) & (highest >= low)).all(axis=1))]
 
     def in_sight(self, position: F64) -> NDArray[np.bool_]:
         """Which places no other solid hides from the nearest points that liquid touches, shape (n,)."""
@@ -154,9 +163,7 @@ class Surroundings:
         if not len(within) or not touched.any():
             return result
         points = np.concatenate([self.hull.inside[within], self.hull.skin[around]])
-        low, high = points.min(axis=0), points.max(axis=0)
-        boxes = (w.box(self.index) for w in self.walls)
-        if not any((a <= high).all() and (b >= low).all() for a, b in boxes):
+        if not self._meeting(points.min(axis=0), points.max(axis=0)):
             result[within] = True
             return result
         count = min(LINKS + 1, len(points))
@@ -172,7 +179,7 @@ class Surroundings:
 
 
 def _highest(flat: F64, height: F64, rows: NDArray[np.intp], width: float) -> NDArray[np.intp]:
-    """Of some particles, those that are the highest of their columns."""
+    """Rows of those particles that are the highest of their columns."""
     if not len(rows):
         return rows
     column = np.floor(flat[rows] / width).astype(np.int64)

@@ -1,4 +1,4 @@
-"""How many spacings a liquid body is across at frame 0, and what cannot be asked of one that is too thin (R58).
+"""Spacings across a liquid body at frame 0, and what cannot be asked of one that is too thin (R58).
 
 A body that is nowhere thicker than a few particles has no inside: its pressure is that of its surface, and its level is off by a share of
 its depth. What is asked of where its particles are (volume in a place, arrival) needs no thickness: each carries its exact volume.

@@ -106,7 +106,7 @@ class Barrier:
 
     @property
     def world(self) -> bool:
-        """Whether its frame is the world."""
+        """True if its frame is the world."""
         return self.pieces[0].still
 
     def pose(self, frame: int) -> tuple[F64, F64]:

@@ -38,7 +38,7 @@ class _Lift:
     """Mean push on one body over every window of frames; arrays have the shape (frames,) and are NaN where no window can be judged."""
 
     row: int
-    """Of the body among the boundaries."""
+    """Row of the body among the boundaries."""
     push: F64
     """Upward push [N]."""
     wanted: F64
@@ -109,7 +109,7 @@ class Buoyancy:
         return Hull(hull.inside @ turn + position[index], hull.skin @ turn + position[index])
 
     def finding(self, impulse: F64) -> Finding:
-        """Whether every push is that of the displaced liquid, after the last frame.
+        """Judge whether every push is that of the displaced liquid, after the last frame.
 
         Args:
             impulse: what the liquid gave to every boundary over each frame, shape (frames, b, 6) [N s, N m s].

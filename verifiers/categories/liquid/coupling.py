@@ -1,4 +1,4 @@
-"""Whether a liquid and bodies gave each other what each says it got (R66, R67, R102).
+"""Judges whether a liquid and bodies gave each other what each says it got (R66, R67, R102).
 
 - `exchange`: for every boundary and frame, what the liquid gave and what it lost itself add up to zero (`REACTION` of the scale).
 - `received`: what a two-way coupled rigid instance, or cloth, received is what the liquid gave.
@@ -60,7 +60,7 @@ class Coupling:
             if row in self.buoyancy.sheets and partners(self.liquid.candidate.spec, soft.cache.index.solver) == (
                 self.liquid.solver,
             ):
-                # A cloth's books have no moments: of these, the liquid's own stand.
+                # A cloth's ledger has no moments: of these, the liquid's own stand.
                 result[row] = self.impulse[-1][row]
                 result[row, :3] = _loads(soft.cache, index)
         for row, name in enumerate(self.bodies.names):
@@ -68,7 +68,7 @@ class Coupling:
             if held is None or not self.bodies.free[row] or self.bodies.coupled(row) != "two_way":
                 continue
             if len(partners(self.liquid.candidate.spec, held[0].index.solver)) > 1:
-                continue  # what it received is the sum over several partners
+                continue  # what it received is the sum over several coupled solvers
             cache, body = held
             given = cache.read(index, ("exchange/impulse",))["exchange/impulse"]
             if np.shape(given) != (len(cache.index.bodies), 6):

@@ -1,4 +1,4 @@
-"""How densely particles lie, by the judge's own count, beside what the engine says of it (R57, R99).
+"""Density of particles by the judge's own count, beside what the engine says of it (R57, R99).
 
 - `density`: particles fill no more space than there is: mean compression by an own sum over neighbours, and the recorded one.
 - `recorded_density`: what is recorded per particle is what its neighbours give.
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["Density", "crowding_of"]
 
 SUPPORT = {"dfsph": 2.0, "flip": 3.0}
-"""Of the sum over neighbours, in distances of particles; markers of a grid lie unevenly and need more."""
+"""Support of the sum over neighbours, in distances of particles; markers of a grid lie unevenly and need more."""
 MOST_CELLS = 1_000_000
 """Own choice: in larger spaces far cells share their places."""
 SLICE = 4096

@@ -136,7 +136,7 @@ class Flight:
         return found
 
     def findings(self) -> dict[str, Finding]:
-        """Whether all of them fell."""
+        """Judge whether all of them fell."""
         if not self.judged:
             return {"flight": Finding("not_applicable", "no cluster of liquid flies free of all else")}
         hints = (

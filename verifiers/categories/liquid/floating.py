@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....worlds.arrays import F64
-from ....worlds.categories.liquid.events import BuoyancyEvent
+from ....worlds.categories.liquid.events import FloatEvent, SinkEvent
 from ....worlds.errors import EvidenceError
 from ...ledgers.motion import centers, entity_mass
-from ...predicates.conditions import Condition, happens
+from ...predicates.conditions import Condition, happens, lasts
 from ..registry import judge_of
 from .bodies import Bodies, exchanged
 from .bounds import (
@@ -58,7 +58,7 @@ class _Carried:
             raise EvidenceError(f"no cache tells what acts on {entity!r}; make it dynamic and a member of a solver")
         self.up = {origin: one.impulse @ liquid.up for origin, one in given.items()}
         self.height = float(np.ptp(candidate.vertices(entity, 0) @ liquid.up))
-        """Of its box along up at frame 0 [m]."""
+        """Height of its box along up at frame 0 [m]."""
         self.place = centers(candidate, entity) @ liquid.up
         self._entity = entity
 
@@ -99,8 +99,12 @@ class _Carried:
         return self.weight / self.liquid.strength / (self.volume * float(self.liquid.rest_density[member]))
 
 
-def floats(scope: Scope, p: BuoyancyEvent) -> Outcome:
-    """Measured: share of the body's weight that the liquid carried over the last half second."""
+def floats(scope: Scope, p: FloatEvent) -> Outcome:
+    """Measured: share of the body's weight that the liquid carried over the last half second; the least of all where it is to last.
+
+    Raises:
+        EvidenceError: it is to last over an interval of no more than half a second.
+    """
     found = liquid_or_none(scope.candidate, p.other)
     if isinstance(found, str):
         return painted(scope, "1", p.other, found)
@@ -134,10 +138,16 @@ def floats(scope: Scope, p: BuoyancyEvent) -> Outcome:
         f = scope.frames[0] + i
         return {"span": [max(0, f - span), f], "liquid": p.other, "others": {n: float(v[i]) for n, v in by.items() if f >= span}}
 
+    if p.when == "always":
+        if scope.length <= span:
+            raise EvidenceError(
+                f"whether it floats always takes an interval of more than {FLOAT_SECONDS:g} s, {span} frames; give it more"
+            )
+        return lasts(scope, p.entity, shares, span, detail)
     return happens(scope, p.entity, shares, detail)
 
 
-def sinks(scope: Scope, p: BuoyancyEvent) -> Outcome:
+def sinks(scope: Scope, p: SinkEvent) -> Outcome:
     """Measured: way down in the liquid in own heights, by the share of the body that is under the surface, since the interval began."""
     found = liquid_or_none(scope.candidate, p.other)
     if isinstance(found, str):

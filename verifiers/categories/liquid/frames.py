@@ -35,7 +35,7 @@ Rows = NDArray[np.intp]
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
 """Order of `settings.domain.sides`."""
 CHANNELS = ("origin", "particle/position", "particle/velocity", "particle/id", "particle/fluid", "particle/volume")
-"""What every row needs."""
+"""Channels that every row needs."""
 
 
 KEPT_BYTES = 200_000_000
@@ -86,7 +86,7 @@ class Frame:
 
     @property
     def fastest(self) -> float:
-        """Of all [m/s]; 0 where there is none."""
+        """Speed of the fastest particle [m/s]; 0 where there is none."""
         return float(np.sqrt(self.squared.max(initial=0.0)))
 
 
@@ -158,7 +158,7 @@ class Liquid:
         return physics
 
     def switches(self, index: int) -> bool:
-        """Whether a field begins, reaches its strength or ends within the interval that ends at a frame."""
+        """True if a field begins, reaches its strength or ends within the interval that ends at a frame."""
         last, now = (index - 1) * self.duration, index * self.duration
         times = [t for f in self.fields for d in f.drivers for t in (d.start, d.start + d.rise, d.end) if t is not None]
         return any(last + 1e-9 < t < now - 1e-9 for t in times)
@@ -189,12 +189,12 @@ class Liquid:
 
     @property
     def attracted(self) -> bool:
-        """Whether a field of the plan accelerates any of it."""
+        """True if a field of the plan accelerates any of it."""
         return any(d.field.kind == "attraction" for f in self.fields for d in f.drivers)
 
     @cached_property
     def strength(self) -> float:
-        """Of gravity [m/s^2]."""
+        """Strength of gravity [m/s^2]."""
         return float(np.linalg.norm(self.gravity))
 
     @cached_property
@@ -315,7 +315,7 @@ class Liquid:
         return found
 
     def active(self, name: str, frame: int) -> bool:
-        """Whether an inflow may have let liquid in during the frame interval that ends at `frame`."""
+        """True if an inflow may have let liquid in during the frame interval that ends at `frame`."""
         driver, end = self.inflows[name], frame * self.duration
         return driver.start < end and (driver.end is None or driver.end > end - self.duration)
 

@@ -147,7 +147,7 @@ class Leaks:
             self.leaks.append((index, len(bad), barrier, middle, identity[bad]))
 
     def _connected(self, number: int, barrier: Barrier, a: F64, b: F64) -> bool:
-        """Whether open cubes lead from one point to the other nearby; ways between the same cubes are searched once."""
+        """True if open cubes lead from one point to the other nearby; ways between the same cubes are searched once."""
         ends, _ = barrier.cells(np.stack([a, b]))
         key = (number, *ends.ravel().tolist())
         if key not in self.known:
@@ -157,7 +157,7 @@ class Leaks:
         return self.known[key]
 
     def findings(self) -> dict[str, Finding]:
-        """How many particles leaked, and where most did."""
+        """Findings on the number of particles that leaked, and where most did."""
         if not self.barriers and not soft_walls(self.liquid.candidate, self.liquid.solver):
             return {"leak": Finding("not_applicable", "no solid reaches to where the liquid is")}
         bound = max(1.0, np.floor(LEAKED * self.particles))

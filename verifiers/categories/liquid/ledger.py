@@ -1,4 +1,4 @@
-"""Books of a liquid: mass against what came in and went out, records against the particles, energy against its sources (R99).
+"""Ledger of a liquid: mass against what came in and went out, records against the particles, energy against its sources (R99).
 
 - `mass`: particles' mass + outflow - inflow is that of frame 0 at every frame (`LEDGER`, relative).
 - `start`: the volume of the particles at frame 0 is that of the members' parts less solids in them (`DRIFT`).

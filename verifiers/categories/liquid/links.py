@@ -22,7 +22,7 @@ SOME = 4000
 
 
 def shares(candidate: Candidate, cache: Cache, frame: int, rows: list[int]) -> list[dict[str, float]]:
-    """Of the particles within reach of each boundary, the share of every liquid; where none is seen there, all alike.
+    """Share of every liquid among the particles within reach of each boundary; where none is seen there, all alike.
 
     Args:
         candidate: what is judged.

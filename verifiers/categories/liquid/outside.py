@@ -21,7 +21,7 @@ ROUNDING = 1e-4
 
 
 class OutsideCells:
-    """How far outside a solid the middles of its box's cells lie, worked out for a cell when a point first comes to lie in it.
+    """Distance outside a solid of the middles of its box's cells, worked out for a cell when a point first comes to lie in it.
 
     Args:
         solid: in its body's frame.

@@ -262,8 +262,8 @@ TRAPPED_PARTICLES = by_name(
 RESOLVED = by_name(
     _asked(
         "openings",
-        f"mouths of inflows are at least {LEAST_MOUTH['dfsph']:g} spacings ({LEAST_MOUTH['flip']:g} cells) wide, outflows {LEAST_OPENING:g}",
-        "width of the narrowest mouth",
+        f"openings of inflows are at least {LEAST_MOUTH['dfsph']:g} spacings ({LEAST_MOUTH['flip']:g} cells) wide, outflows {LEAST_OPENING:g}",
+        "width of the narrowest opening",
         "spacings",
         ">=",
         "LEAST_MOUTH of inflows, LEAST_OPENING of outflows",

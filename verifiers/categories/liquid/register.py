@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["liquid_lines"]
 
 MENDED = 0.02
-"""Of their volume: what the second solve of the particle engine asks of places in one step, at most."""
+"""Compression that the second solve of the particle engine takes back in one step, as a share of the volume, at most."""
 MEASURED_EVERY = 5
 """Steps after which that engine looks how particles are packed."""
 FULL = (0.9, 1.02)

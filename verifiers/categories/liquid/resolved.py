@@ -1,6 +1,6 @@
-"""Whether the spacing of a liquid resolves where it comes in and goes out, what stands in it and the ways it takes (R58).
+"""Judges whether the spacing of a liquid resolves where it comes in and goes out, what stands in it and the ways it takes (R58).
 
-- `openings`: mouths of inflows and outflows are wide enough.
+- `openings`: those of inflows and outflows are wide enough.
 - `obstacles`: fixed solids are thick enough wherever they are wet.
 - `passages`: no way between fixed solids that liquid gets to is narrower than what is resolved, where no wider one is beside it.
 
@@ -132,7 +132,7 @@ class Resolved:
         return None
 
     def _thickness(self, points: F64, inward: F64, frame: int) -> F64:
-        """How far solids reach behind places of a surface [spacings], at most twice what is needed, shape (n,)."""
+        """Distance that solids reach behind places of a surface [spacings], at most twice what is needed, shape (n,)."""
         s, bound = self.liquid.spacing, LEAST_WALL[self.liquid.plan.engine]
         reach = np.zeros(len(points))
         going = np.arange(len(points))

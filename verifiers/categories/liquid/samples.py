@@ -108,5 +108,5 @@ def sample_inside(liquid: Liquid, name: str) -> F64:
 
 
 def shares_under(heights: F64, level: F64 | float, step: float) -> F64:
-    """Of cubes of edge `step` [m] about points at some heights [m], the share of each that lies under a level."""
+    """Share of cubes of edge `step` [m] about points at some heights [m] that lies under a level."""
     return np.asarray(np.clip((level - heights) / step + 0.5, 0.0, 1.0))

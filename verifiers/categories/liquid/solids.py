@@ -39,13 +39,13 @@ class Piece:
     part: str
     solid: Solid
     position: F64
-    """Of its body's frame [m], shape (frames, 3)."""
+    """Position of its body's frame [m], shape (frames, 3)."""
     turn: F64
     """Shape (frames, 3, 3)."""
     still: bool
-    """Whether it never moves."""
+    """True if it never moves."""
     solid_through: bool
-    """Whether its surface bounds a volume."""
+    """True if its surface bounds a volume."""
 
     def local(self, points: F64, frame: int) -> F64:
         """World points in the body's frame."""
@@ -183,7 +183,7 @@ class Depth:
     rows: Rows
     """Which points."""
     value: F64
-    """How deep [m]."""
+    """Depths of the points [m]."""
 
 
 def deepest(pieces: tuple[Piece, ...], points: F64, frame: int, least: float) -> list[Depth]:

@@ -37,11 +37,11 @@ class _Impact(NamedTuple):
 
     frame: int
     place: F64
-    """Of the body's middle [m], shape (3,)."""
+    """Position of the body's middle [m], shape (3,)."""
     speed: float
     """Against the liquid about it [m/s]."""
     level: float
-    """Of the surface about it at the frame before, along up [m]."""
+    """Level of the surface about it at the frame before, along up [m]."""
     below: frozenset[int]
     """Ids of what was then about it, not above the surface."""
 
@@ -63,12 +63,12 @@ class _Body:
         self.speed = fastest_points(candidate, entity)
 
     def pressed(self, frame: int) -> bool:
-        """Whether the liquid pushed it in a frame."""
+        """True if the liquid pushed it in a frame."""
         given = exchanged(self.liquid.read(frame), "impulse", self.count)[self.rows, :3]
         return float(np.linalg.norm(given.sum(axis=0))) > FELT * self.weight * self.liquid.duration
 
     def impact(self, frame: int, least: float) -> _Impact | None:
-        """How it strikes the liquid within a frame, at a speed of at least `least` [m/s]."""
+        """Impact on the liquid within a frame, at a speed of at least `least` [m/s]; None where there is none."""
         speed = float(self.speed[frame - 1 : frame + 1].max())
         if speed < least or not self.pressed(frame):
             return None

@@ -53,7 +53,7 @@ class Sticking:
         self.first: tuple[int, int, list[float], str] | None = None
 
     def _falls(self, member: int) -> bool:
-        """Whether drops of a spacing fall off: larger ones than surface tension holds do."""
+        """True if drops of a spacing fall off: larger ones than surface tension holds do."""
         liquid = self.liquid
         if liquid.fields and liquid.fields[member]:  # it may be drawn to where it is, or blown
             return False
@@ -155,7 +155,7 @@ class Sticking:
         return best if best and gaps[best] <= BEARING * self.liquid.spacing else ""
 
     def findings(self) -> dict[str, Finding]:
-        """How many stick, and where the first do."""
+        """Findings on the number of particles that stick, and where the first do."""
         liquid, seconds = self.liquid, (self.liquid.frames - 1) * self.liquid.duration
         if liquid.strength == 0.0:
             return {"sticks": Finding("not_applicable", "nothing falls without gravity")}

@@ -89,7 +89,7 @@ class Visited:
         return np.asarray(maximum_filter(self.grid, size=3, mode="constant"))
 
     def at(self, points: F64) -> Grid:
-        """Whether particles were within a cube of points, shape (n,)."""
+        """True where particles were within a cube of points, shape (n,)."""
         cell = np.floor((points - self.low) / self.cube).astype(np.intp)
         found = np.zeros(len(points), dtype=bool)
         inside = ((cell >= 0) & (cell < np.array(self.grid.shape))).all(axis=1)
@@ -106,7 +106,7 @@ class Way:
     width: float
     """[m]"""
     between: tuple[Piece, ...]
-    """What it lies between, the nearest first."""
+    """Pieces that it lies between, the nearest first."""
 
 
 def narrow_ways(visited: Visited, still: tuple[Piece, ...], least: float) -> list[Way] | None:

@@ -77,7 +77,7 @@ class Carried:
         return piece.world(self._texels.position[rows], frame)
 
     def _given(self, mine: Piece, places: F64, film: F64, source: F64, frame: int) -> NDArray[np.bool_]:
-        """Whether another surface with at least that film was near, at the frame or on the way to it."""
+        """True where another surface with at least that film was near, at the frame or on the way to it."""
         from scipy.spatial import cKDTree
 
         found = np.zeros(len(places), dtype=bool)

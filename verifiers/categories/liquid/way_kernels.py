@@ -20,7 +20,7 @@ THROUGH = wp.constant(2)
 
 @wp.func
 def is_closed(point: wp.vec3d, low: wp.vec3d, cube: wp.float64, grid: wp.array3d(dtype=wp.uint8)) -> bool:
-    """Whether a point lies in a closed cube; outside of the space nothing is closed."""
+    """True if a point lies in a closed cube; outside of the space nothing is closed."""
     x = (point[0] - low[0]) / cube
     y = (point[1] - low[1]) / cube
     z = (point[2] - low[2]) / cube
@@ -34,7 +34,7 @@ def is_closed(point: wp.vec3d, low: wp.vec3d, cube: wp.float64, grid: wp.array3d
 
 @wp.func
 def leads_through(start: wp.vec3d, end: wp.vec3d, low: wp.vec3d, cube: wp.float64, grid: wp.array3d(dtype=wp.uint8)) -> bool:
-    """Whether points at most half a cube apart on a straight way, its ends left out, lie in closed cubes."""
+    """True if points at most half a cube apart on a straight way, its ends left out, lie in closed cubes."""
     way = end - start
     steps = wp.ceil(wp.length(way) / (wp.float64(0.5) * cube)) + wp.float64(1.0)
     if not steps < wp.float64(65536.0):

@@ -186,7 +186,7 @@ class Wetted:
                 self.bare.add(float(bare.mean()), frame.index, entity, place(world[wet][int(np.argmax(gap))]))
 
     def findings(self) -> dict[str, Finding]:
-        """Whether the maps are right."""
+        """Judge whether the maps are right."""
         if not self.count:
             return {"wet": Finding("not_applicable", "no wet map was made: no solid meets the domain, or it is of an older bake")}
         off = self._off()

@@ -29,7 +29,7 @@ def particle_names(spec: WorldSpec, entity: str, row: Row) -> dict[str, Any]:
 
 
 def _stay_behind(row: Row) -> bool:
-    """Whether grains that are lacking in a region lie above what is in it, and hardly any come; so it may be where the row does not tell."""
+    """True if grains that are lacking in a region lie above what is in it, and hardly any come; so it may be where the row does not tell."""
     above, gained = row.evidence.get("above"), row.evidence.get("gained")
     if above is None or gained is None or row.bound is None or row.measured is None:
         return True

@@ -67,7 +67,7 @@ class Flight:
             self.first = (now.index, int((off > FLIGHT).sum()), float(off.max()))
 
     def _clear(self, path: F64, index: int) -> NDArray[np.bool_]:
-        """Whether ways (k, n, 3) stay clear of the boxes of all solids at both frames."""
+        """True where ways (k, n, 3) stay clear of the boxes of all solids at both frames."""
         margin = 4.0 * self.swarm.radius
         low, high = path.min(axis=0) - margin, path.max(axis=0) + margin
         clear = np.ones(path.shape[1], dtype=bool)

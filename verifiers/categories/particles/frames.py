@@ -47,7 +47,7 @@ class SwarmFrame:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of particles."""
         return len(self.radius)
 
 
@@ -79,7 +79,7 @@ class Swarm:
 
     @property
     def granular(self) -> bool:
-        """Whether its particles touch each other."""
+        """True if its particles touch each other."""
         return self.plan.engine == "dem"
 
     def physics(self, row: int) -> ParticlePhysics:

@@ -114,7 +114,7 @@ class Identity:
         )  # fmt: skip
 
     def _declared(self) -> tuple[F64, int]:
-        """How many emitters are to have let out by every frame, and how many emitters there are: each may be off by one."""
+        """Number that emitters are to have let out by every frame, and number of emitters: each may be off by one."""
         s = self.swarm
         time = s.duration * np.arange(len(self.number))
         total, emitters = np.zeros(len(time)), 0

@@ -1,4 +1,4 @@
-"""How densely grains lie, up to the walls and the surface of a bed (R65, R103).
+"""Density of grains, up to the walls and the surface of a bed (R65, R103).
 
 The space that counts is that of the tetrahedra between middles of neighbours (Delaunay's), and what fills it the part of every
 grain that lies in them: the sum of r^3 / 3 times the solid angles at their corners. So what a wall or the air takes of a ball about
@@ -38,7 +38,7 @@ ONWARD = 0.6180339887498949
 HOLE = 2.0
 """[largest radii] Radius of the spheres about tetrahedra: 1.22 to 1.41 in dense packings, up to 1.9 in loose ones."""
 FLAT = 1e-9
-"""Of the cube of the largest radius: six times the volume of tetrahedra without any."""
+"""Six times the volume up to which a tetrahedron counts as flat, in cubes of the largest radius."""
 
 
 def chosen(frame: SwarmFrame) -> NDArray[np.intp]:

@@ -1,4 +1,4 @@
-"""How balls bounce, on the ledgers of a rigid instance.
+"""Bounces of balls, on the ledgers of a rigid instance.
 
 - `restitution`: a ball that hits once in a frame, and nothing else, leaves with the declared share of its closing speed; not where it goes
   on over ground whose facets turn it.
@@ -137,7 +137,7 @@ def _hits(books: Books) -> list[_Hit]:
 
 
 def _even(books: Books, ball: str, other: str, point: F64, velocity: F64, normal: F64, rest: float, closing: float) -> bool:
-    """Whether a hit on ground of facets can be told from rolling: neither facets nor a step's travel turn the normal by too much."""
+    """True if a hit on ground of facets can be told from rolling: neither facets nor a step's travel turn the normal by too much."""
     contract = books.candidate.spec.entities[other]
     if contract.motion != "static" or not any(isinstance(p.shape, HeightField) for p in contract.parts.values()):
         return True

@@ -109,7 +109,7 @@ def friction(books: Books) -> Finding:
 
 
 def _struck(books: Books) -> Flags:
-    """Whether a contact of an entity begins in an interval or in the one before, shape (F - 1, E)."""
+    """True where a contact of an entity begins in an interval or in the one before, shape (F - 1, E)."""
     began = np.zeros((books.frames, len(books.entities)), dtype=bool)
     for frame, log in enumerate(books.ragged("event/pair")[1 : books.frames], start=1):
         rows = books.collider_row[log["event/pair"].reshape(-1).astype(np.int64)]
@@ -118,7 +118,7 @@ def _struck(books: Books) -> Flags:
 
 
 def moves(books: Books, rows: NDArray[np.int64], interval: NDArray[np.int64]) -> Flags:
-    """Whether a contact's partner moves at either end of the interval; static ones (row -1) do not."""
+    """True where the other body of a contact moves at either end of the interval; static ones (row -1) do not."""
     fastest = surface_speeds(books)
     known = np.maximum(rows, 0)
     return np.asarray((rows >= 0) & (np.maximum(fastest[interval, known], fastest[interval + 1, known]) > 1e-3))

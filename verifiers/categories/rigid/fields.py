@@ -1,4 +1,4 @@
-"""Whether what force fields gave to rigid bodies is what the declared fields say (R18, R63).
+"""Judges whether what force fields gave to rigid bodies is what the declared fields say (R18, R63).
 
 `fields` asks the declared fields again at the poses and velocities of the frames: Simpson's rule over each
 interval, with the state in its middle from both ends. Where contacts, joints, cloth or liquids may have turned a body's way between two
@@ -83,7 +83,7 @@ def _excess(books: Books, body: int, found: Fields, given: F64) -> F64:
 
 
 def _astray(books: Books, body: int) -> F64:
-    """How far a body's velocity between two frames may be off the straight line between theirs [m/s], shape (F - 1,).
+    """Largest deviation of a body's velocity between two frames from the straight line between theirs [m/s], shape (F - 1,).
 
     By all that contacts and coupled engines gave it, at whatever moments, and by its turn about a joint; but no farther than what
     the fastest recorded speed leaves.

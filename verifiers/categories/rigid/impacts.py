@@ -4,7 +4,7 @@ A contact can only take energy from the bodies that it joins. Two things are hel
 
 - the record `contact_gain`: the most that the contacts of one set of touching bodies gave in any single step of the frame, which
   a later loss cannot hide;
-- the judge's own books: bodies that touch each other, and feel nothing else but gravity and what stands still, have no more energy
+- the judge's own ledger: bodies that touch each other, and feel nothing else but gravity and what stands still, have no more energy
   at the end of a frame than at its start. This needs none of the solver's numbers.
 
 Both are shares of the energy that took part: what the bodies of a group of touching bodies had at most, in this frame and while

@@ -26,7 +26,7 @@ __all__ = ["Opening", "joints", "openings", "stored"]
 
 
 class Opening(NamedTuple):
-    """How far a joint is open over the frames."""
+    """Opening of a joint over the frames."""
 
     name: str
     child: str
@@ -155,7 +155,7 @@ def _turned(relative: F64, axis: F64) -> F64:
 
 
 def _beyond(books: Books, limits: tuple[float, float] | None, value: F64, lever: float) -> F64:
-    """How far a coordinate is out of its range [m], less what a soft limit is overrun by at the coordinate's speed."""
+    """Distance of a coordinate outside its range [m], less what a soft limit is overrun by at the coordinate's speed."""
     if limits is None:
         return np.zeros(books.frames)
     rate = np.abs(np.gradient(value, books.duration)) if books.frames > 1 else np.zeros(1)

@@ -134,7 +134,7 @@ def _drift(books: Books) -> tuple[F64, Flags]:
 
 
 def _uneven(books: Books) -> F64:
-    """How much the known forces may change within an interval, as an impulse [N s], shape (F - 1, E)."""
+    """Largest change of the known forces within an interval, as an impulse [N s], shape (F - 1, E)."""
     drag = books.drag * np.linalg.norm(np.diff(books.velocities, axis=0), axis=2) * books.duration / 3.0
     spring = np.linalg.norm(books.spring_impulse[0], axis=2)
     force = np.linalg.norm(books.driver_wrench[0], axis=2)

@@ -183,7 +183,7 @@ def resting(candidate: Candidate, solver: str, cache: Cache) -> Finding:
 
 
 def _aloft(books: Books, asleep: np.ndarray[tuple[int, ...], np.dtype[np.bool_]], creep: float) -> Finding:
-    """Whether something touches every sleeping entity when it falls asleep and at the end of its sleep."""
+    """Judge whether something touches every sleeping entity when it falls asleep and at the end of its sleep."""
     candidate = books.candidate
     naps = 0
     if np.linalg.norm(books.gravity) > 0:

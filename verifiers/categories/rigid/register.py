@@ -21,7 +21,7 @@ SLOWEST_BOUNCE = 0.01
 GRAVITY_STEPS = 4.0
 """Nor do those that close slower than gravity makes them in so many steps."""
 PASSED = 0.03 / 0.97
-"""What constraints let pass of what pushes them, over what they stop."""
+"""Push that constraints let pass, over the push that they stop."""
 SOFTEST = 200.0
 """A contact is as soft as that of a body so many times lighter than the heaviest one, at most."""
 JERK_STEPS = 0.8
@@ -87,7 +87,7 @@ def _materials(spec: WorldSpec, instance: RigidInstance) -> dict[str, Material]:
 
 
 def _bounces(spec: WorldSpec, instance: RigidInstance) -> bool:
-    """Whether any two members bounce off each other: with the smaller restitution, or with one of their own."""
+    """True if any two members bounce off each other: with the smaller restitution, or with one of their own."""
     lively = 0
     for member in instance.members:
         lively += any(n in spec.materials and spec.materials[n].restitution > 0 for n in _touching(spec, member))
@@ -96,7 +96,7 @@ def _bounces(spec: WorldSpec, instance: RigidInstance) -> bool:
 
 
 def _mixed(spec: WorldSpec, name: str, instance: RigidInstance, used: dict[str, Material]) -> list[dict[str, str]]:
-    """How contacts of different materials are combined, with the pair of materials that it changes most."""
+    """Line about the way contacts of different materials are combined, with the pair of materials that it changes most."""
     pairs = list(combinations(used, 2))
     if not pairs:
         return []

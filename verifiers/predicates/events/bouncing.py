@@ -28,7 +28,7 @@ class _Rebound(NamedTuple):
     closing: float
     leaving: float
     off: F64
-    """How far it has come off at the end of each later interval, until they touch again [m]."""
+    """Distance that it has come off at the end of each later interval, until they touch again [m]."""
 
 
 def bounces(scope: Scope, p: TouchEvent) -> Outcome:
@@ -148,7 +148,7 @@ def _outside(course: Course, first: int, last: int) -> str:
 
 
 def _moving(course: Course, other: str, first: int, last: int) -> bool:
-    """Whether another entity moves over some intervals."""
+    """True if another entity moves over some intervals."""
     if course.candidate.spec.entities[other].motion == "static":
         return False
     partner = course_of(course.candidate, other)

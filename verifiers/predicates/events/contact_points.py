@@ -27,7 +27,7 @@ class Meeting:
     """One entity in contact with another, per interval between frames; zero where they do not touch at both ends."""
 
     touching: NDArray[np.bool_]
-    """Whether they touch at both ends of the interval, shape (F - 1,)."""
+    """True where they touch at both ends of the interval, shape (F - 1,)."""
     slip: F64
     """Velocity of the entity's point of contact past the other's [m/s], mean of both ends, shape (F - 1, 3)."""
     way: F64
@@ -143,7 +143,7 @@ def _own_frame(course: Course, points: F64, at: slice) -> F64:
 
 
 def _carried_at(partner: Course, points: F64, at: slice) -> F64:
-    """Velocity of the partner's matter at some points [m/s], shape (f, 3)."""
+    """Velocity of the other body's matter at some points [m/s], shape (f, 3)."""
     if partner.candidate.spec.entities[partner.entity].motion == "static":
         return np.zeros_like(points)
     result: F64 = partner.velocities[at] + np.cross(partner.spins[at], points - partner.centers[at])
@@ -151,7 +151,7 @@ def _carried_at(partner: Course, points: F64, at: slice) -> F64:
 
 
 def _around(course: Course, patches: list[F64 | None], turned: F64, at: slice) -> F64:
-    """How far the middle of each patch lies beyond the patch before it on the body, across the axis of turning [m], shape (f - 1,).
+    """Distance of the middle of each patch beyond the patch before it on the body, across the axis of turning [m], shape (f - 1,).
 
     An edge of the face on which a body stood is no way; the next face of a die is half a side.
     """

@@ -35,7 +35,7 @@ class Between(NamedTuple):
     impulse: F64
     """On the other, friction included [N s], shape (F - 1, 3)."""
     touched: NDArray[np.bool_]
-    """Whether a contact was logged, shape (F - 1,)."""
+    """True where a contact was logged, shape (F - 1,)."""
 
 
 class Course:
@@ -81,7 +81,7 @@ class Course:
 
     @cached_property
     def stirs(self) -> NDArray[np.bool_]:
-        """Whether it moves itself at either end of an interval between frames, and not only what touches it, shape (F - 1,)."""
+        """True where it moves itself at either end of an interval between frames, and not only what touches it, shape (F - 1,)."""
         moving = self.judge.moving(self.candidate, self.entity)
         return np.asarray(moving[:-1] | moving[1:])
 

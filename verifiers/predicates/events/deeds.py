@@ -29,7 +29,7 @@ class Deed(NamedTuple):
 
 
 def tied(spec: WorldSpec, one: str, two: str) -> bool:
-    """Whether joints or rope entities lead from one to the other, and no joint holds the second to anything else."""
+    """True if joints or rope entities lead from one to the other, and no joint holds the second to anything else."""
     links = _links(spec)
     if any(j.parent is None and j.child == two for j in spec.simulation.joints.values()):
         return False

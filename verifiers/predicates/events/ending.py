@@ -79,7 +79,7 @@ def slows(scope: Scope, p: BodyEvent) -> Outcome:
 
 
 def _still(course: Course, span: slice) -> NDArray[np.bool_]:
-    """Whether it is still at both ends of each interval."""
+    """True where it is still at both ends of each interval."""
     moving = course.judge.moving(course.candidate, course.entity)[span.start : span.stop + 1]
     return np.asarray(~moving[:-1] & ~moving[1:])
 

@@ -58,7 +58,7 @@ def _drops(course: Course, span: slice) -> F64:
 
 
 def _uncarried(course: Course, span: slice) -> tuple[F64, NDArray[np.bool_]]:
-    """How far it has gone down uncarried since that began [m], and where it does; the interval in which it meets something counts to it."""
+    """Way that it has gone down uncarried since that began [m], and where it does; the interval in which it meets something counts to it."""
     drops, light = _drops(course, span), course.carried[span] < CARRIED
     run = light & (drops > 0.0)
     meets = np.concatenate([[False], run[:-1]])[: len(run)] & ~run & (drops > 0.0)
@@ -69,7 +69,7 @@ def _uncarried(course: Course, span: slice) -> tuple[F64, NDArray[np.bool_]]:
 
 
 def _over_edge(course: Course, span: slice) -> tuple[F64, str | None]:
-    """How far it has gone down while it turned over an edge, where that became motion [m]; and on whom."""
+    """Way that it has gone down while it turned over an edge, where that became motion [m]; and on whom."""
     best, on = np.zeros(span.stop - span.start), None
     if course.books is None or len(course.candidate.entity(course.entity).bodies) != 1 or course.strength == 0.0:
         return best, on

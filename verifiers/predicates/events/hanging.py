@@ -112,7 +112,7 @@ def _turning_points(course: Course, pivot: F64, span: slice) -> F64:
 
 
 def _struck(course: Course) -> F64:
-    """Whether contacts of others changed its momentum more than by `SWING_BLOW` of the change, shape (F - 1,)."""
+    """1 where contacts of others changed its momentum more than by `SWING_BLOW` of the change, else 0, shape (F - 1,)."""
     count = course.candidate.frame_count - 1
     given = np.zeros((count, 3))
     for origin, found in course.origins.items():
@@ -197,7 +197,7 @@ def closes(scope: Scope, p: TouchEvent) -> Outcome:
 
 
 def _hung(scope: Scope, p: TouchEvent) -> bool:
-    """Whether it turns on a hinge or runs on a slide."""
+    """True if it turns on a hinge or runs on a slide."""
     course_of(scope.candidate, p.entity)
     joints = scope.candidate.spec.simulation.joints.values()
     return any(isinstance(j, HingeJoint | SlideJoint) and j.child == p.entity for j in joints)

@@ -1,4 +1,4 @@
-"""Whether a body at rest needs another one to stay where it is: the balance of its contacts with it and without it."""
+"""Judges whether a body at rest needs another one to stay where it is: the balance of its contacts with it and without it."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def held_by(course: Course, other: str, frame: int) -> str | None:
 
 
 def _stays(group: Group, entity: str) -> bool:
-    """Whether contacts and friction hold the body at rest."""
+    """True if contacts and friction hold the body at rest."""
     if not any(len(c.points) for _, _, c in group.contacts):
         return False
     found = solve(group, shift=OUTSIDE)[entity]

@@ -39,7 +39,7 @@ __all__ = ["Tip", "rolls", "slides", "spins", "tips", "tips_of"]
 
 
 class _Best(NamedTuple):
-    """The measure against one partner."""
+    """The measure against one other body."""
 
     other: str
     value: F64
@@ -53,7 +53,7 @@ def _partners(course: Course, asked: str | None) -> tuple[str, ...]:
 
 
 def _bears(course: Course, other: str, asked: str | None, span: slice) -> NDArray[np.bool_]:
-    """Where a partner counts: everywhere where it is asked about, else where no other gives more than `1 - BEARS` of what contacts bear it with."""
+    """Where another body counts: everywhere where it is asked about, else where no other gives more than `1 - BEARS` of what contacts bear it with."""
     if asked is not None or course.strength == 0.0:
         return np.ones(span.stop - span.start, dtype=bool)
     up = {n: between(course.candidate, n, course.entity).impulse[span] @ course.up for n in course.partners}
@@ -62,7 +62,7 @@ def _bears(course: Course, other: str, asked: str | None, span: slice) -> NDArra
 
 
 def _outcome(scope: Scope, p: TouchEvent, found: list[_Best], least: float, unit: str, verb: str) -> Outcome:
-    """The outcome against the partner with which most is reached."""
+    """The outcome against the body with which most is reached."""
     span = span_of(scope)
     count = span.stop - span.start
     none = _Best("", np.zeros(count), np.zeros(count, dtype=bool), np.zeros(count, dtype=bool))
@@ -120,20 +120,20 @@ def slides(scope: Scope, p: TouchEvent) -> Outcome:
 
 
 class Tip(NamedTuple):
-    """Turning over an edge on one partner, per interval of a span."""
+    """Turning over an edge on one other body, per interval of a span."""
 
     other: str
     run: NDArray[np.bool_]
     angle: F64
     """Turned through since the run began [rad]."""
     drop: F64
-    """How far the centre has come down from its highest place in the run [m]."""
+    """Height that the centre has come down from its highest place in the run [m]."""
     climbed: F64
-    """How far the centre went up before that [m]."""
+    """Height that the centre went up before that [m]."""
     freely: NDArray[np.bool_]
-    """Whether the energy that it lost since the highest place became motion."""
+    """True where the energy that it lost since the highest place became motion."""
     edge: NDArray[np.bool_]
-    """Whether the point of contact stayed on the body since the run began."""
+    """True where the point of contact stayed on the body since the run began."""
 
 
 def tips_of(course: Course, other: str, span: slice) -> Tip:
@@ -162,7 +162,7 @@ def tips_of(course: Course, other: str, span: slice) -> Tip:
 
 
 def _stays(met: Meeting, run: NDArray[np.bool_], same: NDArray[np.bool_], angle: F64) -> NDArray[np.bool_]:
-    """Whether the point of contact stays on the body over the last radian of its turning, or since the interval in which that began.
+    """True where the point of contact stays on the body over the last radian of its turning, or since the interval in which that began.
 
     In that first interval it goes from the middle of a face to an edge of it.
     """

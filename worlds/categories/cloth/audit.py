@@ -49,7 +49,7 @@ def cloth_problems(spec: WorldSpec) -> list[Problem]:
 
 
 def has_sheets(spec: WorldSpec) -> bool:
-    """Whether a part of any entity is a sheet."""
+    """True if a part of any entity is a sheet."""
     return any(p.shape.kind == "sheet" for e in spec.entities.values() for p in e.parts.values())
 
 

@@ -13,7 +13,7 @@ from .channels import CHANNELS, DIMENSIONS, writers
 from .contacts import unrecorded
 from .couplings import coupling_problems
 from .events import EVENTS
-from .facts import cloth_counts
+from .facts import cloth_counts, rest_way
 from .models import ClothInstance, ClothPhysics
 from .predicates import PREDICATES
 from .weakened import weakenings
@@ -77,5 +77,6 @@ CLOTH = CategorySpec(
     masses=mass_problems,
     coupling=coupling_problems,
     unrecorded=unrecorded,
+    rest_way=rest_way,
     weakenings=weakenings,
 )

@@ -59,6 +59,6 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
 
 
 def writers(spec: WorldSpec, name: str) -> Iterator[str]:
-    """Whether a cloth instance has a member that can tear."""
+    """Further kind of writer: a cloth instance with a member that can tear."""
     if name in spec.simulation.cloth and any(tears(spec, m) for m in spec.simulation.solvers[name].members):
         yield "tearing"

@@ -23,6 +23,7 @@ __all__ = [
     "held_by",
     "pins_of",
     "release_time",
+    "rest_way",
     "sheet_grid",
     "stiffest_step",
     "tears",
@@ -51,7 +52,7 @@ class ClothEstimate(NamedTuple):
 
     vertices: float
     steps: float
-    """Of the whole run, preroll included."""
+    """Steps of the whole run, preroll included."""
     written: float
     """Vertices of its frames: those of sheets that can tear are corners of triangles."""
 
@@ -90,7 +91,7 @@ def pins_of(entity: Entity) -> dict[str, ClothPin]:
 
 
 def tears(spec: WorldSpec, name: str) -> bool:
-    """Whether an entity is cloth that can tear."""
+    """True if an entity is cloth that can tear."""
     entity = spec.entities.get(name)
     return entity is not None and entity.physics.category == "cloth" and entity.physics.tear is not None
 
@@ -137,7 +138,7 @@ def stiffest_step(physics: ClothPhysics, edge: float) -> float:
 def cloth_estimate(spec: WorldSpec, name: str) -> ClothEstimate:
     """Vertices and steps that an instance will take; meshes in files are counted when they are read."""
     plan, instance = spec.simulation, spec.simulation.cloth[name]
-    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    seconds = plan.lead + (plan.frames - 1) / plan.fps
     vertices, written, step = 0.0, 0.0, instance.settings.max_step
     for member in instance.members:
         entity = spec.entities.get(member)
@@ -190,3 +191,11 @@ def vertices_of(entity: Entity) -> F64 | None:
             return None
         found.append(pose_of(part.pose).apply(points))
     return np.concatenate(found) if found else None
+
+
+def rest_way(spec: WorldSpec, name: str) -> float:
+    """Farthest that a sheet at rest may move in half a second [m]: the distance at which its layers touch, of a file its thickness."""
+    entity = spec.entities[name]
+    margin = next((i.settings.margin for i in spec.simulation.cloth.values() if name in i.members), None)
+    shortest = min((edge for _, edge in grids_of(entity)), default=0.0)
+    return touching_distance(entity.physics.sheet_thickness, shortest, margin)

@@ -21,7 +21,7 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Seams:
-    """How the corners of a whole sheet hang together."""
+    """Joins of the corners of a whole sheet."""
 
     kin: I32
     """Vertex of the whole sheet at each corner, shape (3 t,)."""
@@ -40,10 +40,10 @@ def following(corner: I32) -> I32:
 
 
 def seams_of(corners: F64) -> Seams:
-    """How corners (3 t, 3) [m] hang together at rest: those at the same place are one.
+    """Joins of corners (3 t, 3) [m] at rest: those at the same place are one.
 
     Raises:
-        InputError: a side has more than one partner, triangles face different ways, or meet in a point alone.
+        InputError: a side meets more than one other side, triangles face different ways, or meet in a point alone.
     """
     _, first, place_of = np.unique(corners, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(np.argsort(first, kind="stable"), kind="stable")

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from ...parameters import PHYSICS, GroupInfo, parameters
 from ..category import Audit, CategorySpec
+from ..resting import two_skins
 from ..shared import DAMPING, ELASTIC_MODULI, LINEAR_VELOCITY, PINS, RESOLUTION
 from .audit import elastic_problems
 from .channels import CHANNELS, DIMENSIONS, writers
@@ -42,5 +43,6 @@ ELASTIC = CategorySpec(
         elastic_problems,
     ),
     warnings=unmet_warnings,
+    rest_way=two_skins,
     starts_alone=True,
 )

@@ -49,7 +49,7 @@ def crumble_limit(entity: Entity) -> float:
 
 
 def usual_crumble(entity: Entity) -> float:
-    """How far faces crumble by default [m], as far as the specification tells the size of pieces."""
+    """Depth to which faces crumble by default [m], as far as the specification tells the size of pieces."""
     assert entity.breakable is not None
     pattern = entity.breakable.pattern
     return pattern.joint / 2 if pattern.kind == "bricks" else CRUMBLE * least_piece(entity, entity.breakable)

@@ -44,7 +44,7 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
 
 
 def writers(spec: WorldSpec, name: str) -> Iterator[str]:
-    """Whether a rigid instance has a breakable member."""
+    """Further kind of writer: a rigid instance with a breakable member."""
     members = [m for m in spec.simulation.solvers[name].members if m in spec.entities]
     if name in spec.simulation.rigid and any(spec.entities[m].breakable is not None for m in members):
         yield "fracture"

@@ -28,7 +28,7 @@ def middle_size(built: BuiltEntity) -> float:
 
 
 def crumble_of(breakable: Breakable, built: BuiltEntity) -> float:
-    """How far two pieces may close over a face that they shared [m]."""
+    """Distance that two pieces may close over a face that they shared [m]."""
     declared = breakable.bond.crumble
     if declared is not None:
         return declared
@@ -38,7 +38,7 @@ def crumble_of(breakable: Breakable, built: BuiltEntity) -> float:
 
 
 def piece_overlap(breakable: Breakable, built: BuiltEntity) -> float:
-    """How deep two pieces may lie in one another [m]: what crumbled, and `TIGHT` of a piece."""
+    """Depth that two pieces may lie in one another [m]: what crumbled, and `TIGHT` of a piece."""
     return crumble_of(breakable, built) + TIGHT * middle_size(built)
 
 

@@ -205,7 +205,7 @@ def _blown(spec: WorldSpec, member: str, instance: GasInstance) -> Iterator[Prob
 
 
 def _arrives(spec: WorldSpec, driver: FieldDriver, instance: GasInstance) -> bool:
-    """Whether a field moves the air at an open side of a box, at some of a few times."""
+    """True if a field moves the air at an open side of a box, at some of a few times."""
     fields, (low, high) = Fields({"field": driver}), domain_box(instance)
     axes = [np.linspace(low[k], high[k], SEEN) for k in range(3)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)

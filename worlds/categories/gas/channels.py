@@ -73,7 +73,7 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
 
 
 def writers(spec: WorldSpec, name: str) -> Iterator[str]:
-    """Whether the gas of an instance burns, and solids in it."""
+    """Further kinds of writer: a gas that burns, and solids that burn in it."""
     held = gas_of(spec, name) if name in spec.simulation.gas else None
     if held is not None and held[2].fuel is not None:
         yield "gas fire"

@@ -64,7 +64,7 @@ class Grid(NamedTuple):
 
     @property
     def cells(self) -> int:
-        """How many."""
+        """Number of cells."""
         return math.prod(self.shape)
 
 

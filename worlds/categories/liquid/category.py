@@ -6,6 +6,7 @@ from ...parameters import DRIVER, PHYSICS, SETTINGS, GroupInfo, parameters
 from ..caps import LOOSE_CAPS
 from ..category import Audit, CategorySpec
 from ..loose import counts
+from ..resting import LOOSE_SHARE
 from ..shared import DOMAIN, LINEAR_VELOCITY, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import liquid_problems, liquid_warnings
 from .channels import CHANNELS, DIMENSIONS, writers
@@ -78,5 +79,6 @@ LIQUID = CategorySpec(
     ),
     warnings=liquid_warnings,
     recipes=liquid_recipes,
+    rest_way=lambda spec, name: LOOSE_SHARE * spec.entities[name].physics.flow_cell,
     seconds=liquid_seconds,
 )

@@ -90,6 +90,6 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
 
 
 def writers(spec: WorldSpec, name: str) -> Iterator[str]:
-    """Whether a liquid instance tells temperatures."""
+    """Further kind of writer: a liquid instance that tells temperatures."""
     if name in spec.simulation.liquid and declares_heat(spec, name):
         yield "liquid heat"

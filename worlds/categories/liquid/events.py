@@ -9,13 +9,23 @@ from pydantic import Field
 from ...predicate_base import PredicateInfo, Subject
 from ..event import MatterEvent
 
-__all__ = ["EVENTS", "BuoyancyEvent", "SplashEvent"]
+__all__ = ["EVENTS", "FloatEvent", "SinkEvent", "SplashEvent"]
 
 
-class BuoyancyEvent(MatterEvent):
-    """A body floats or sinks in a liquid, by what the liquid's push does to its weight."""
+class FloatEvent(MatterEvent):
+    """A body floats in a liquid, by what the liquid's push does to its weight: it comes to float, or floats all the while."""
 
-    kind: Literal["floats", "sinks"]
+    kind: Literal["floats"]
+    other: Subject = Field(description="the liquid")
+    when: Literal["eventually", "always"] = Field(
+        default="eventually", description="always: over every half second of the interval, which is longer than that"
+    )
+
+
+class SinkEvent(MatterEvent):
+    """A body sinks in a liquid."""
+
+    kind: Literal["sinks"]
     other: Subject = Field(description="the liquid")
 
 
@@ -42,13 +52,12 @@ EVENTS = (
         "1",
         _PUSHES,
         {"min": "up"},
-        frames="narrower",
         bodily=True,
         matter="other",
         event=True,
         directed=True,
         gloss="For half a second the push of `other` carries at least 0.8 of its weight, in 0.9 of the time some of it, and nothing else more than 0.2, while part of it is "
-        "above the surface or it goes down by no more than 0.1 of its height.",
+        "above the surface or it goes down by no more than 0.1 of its height; with `when` always, every half second of the interval.",
         source="Archimedes, On Floating Bodies I, 5: what floats is borne by the liquid that it displaces; shares and span are own choice",
     ),
     PredicateInfo(

@@ -55,7 +55,7 @@ def spacing_of(spec: WorldSpec, name: str) -> float:
 
 
 def declares_heat(spec: WorldSpec, name: str) -> bool:
-    """Whether a member of an instance says anything about its temperature."""
+    """True if a member of an instance says anything about its temperature."""
     physics = [spec.entities[m].physics for m in spec.simulation.liquid[name].members if m in spec.entities]
     return any(
         p.category == "liquid" and (p.conductivity > 0 or p.activation > 0 or p.temperature != USUAL_TEMPERATURE) for p in physics
@@ -81,7 +81,7 @@ def liquid_estimate(spec: WorldSpec, name: str) -> LooseEstimate:
     spacing = spacing_of(spec, name)
     if not math.isfinite(spacing):
         return LooseEstimate(0.0, 0.0, 0.0)
-    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    seconds = plan.lead + (plan.frames - 1) / plan.fps
     members = [spec.entities[m] for m in instance.members if m in spec.entities]
     volume = sum(initial_volume(m) for m in members)
     swiftest = max((fastest(m) for m in members), default=0.0)

@@ -118,7 +118,7 @@ class InflowDriver(TimedDriver):
 
     @property
     def area(self) -> float:
-        """Of the opening [m^2]."""
+        """Area of the opening [m^2]."""
         return self.size[0] * self.size[1] * (0.7853981633974483 if self.round else 1.0)
 
     @property

@@ -44,7 +44,7 @@ class _Solid(NamedTuple):
     block: bool
     """True of one that stands still and fills its box."""
     path: bool
-    """Whether it moves on a path, and may come anywhere."""
+    """True if it moves on a path, and may come anywhere."""
 
 
 def own_reach(spec: WorldSpec, name: str) -> float:
@@ -180,7 +180,7 @@ def _solids(spec: WorldSpec, instance: LiquidInstance) -> Iterator[_Solid]:
 
 
 def _turn(quaternion: F64) -> float:
-    """How far from lying along the axes: the second largest share of a quaternion, 0 for none."""
+    """Deviation from lying along the axes: the second largest share of a quaternion, 0 for none."""
     return float(np.sort(np.abs(quaternion))[-2])
 
 

@@ -28,7 +28,7 @@ SIDES = ("-x", "+x", "-y", "+y")
 ENTERS = 0.17
 """Cosine of direction and inward normal, 10 degrees off the side."""
 PERIODS = 1.5
-"""Of full waves that a run must hold, so that they can be judged."""
+"""Full waves that a run must hold, so that they can be judged."""
 
 
 def wave_problems(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[Problem]:

@@ -72,9 +72,9 @@ class WetState:
     depth: F64
     """At the frame [m]; NaN where dry then."""
     fluid: I32
-    """Of the last liquid that it touched, or had a film of; -1 where none."""
+    """Index of the last liquid that it touched, or had a film of; -1 where none."""
     amount: F64
-    """Of the film at `since`: 1 under liquid, less where contact carried it."""
+    """Amount of film at `since`: 1 under liquid, less where contact carried it."""
     since: F64
     """When the film was left or carried there; NaN where there is none."""
 

@@ -10,7 +10,7 @@ from ..shared import DOMAIN, ELASTIC_MODULI, LINEAR_VELOCITY, OPENING, STEPS
 from .audit import particle_problems, particle_warnings
 from .channels import CHANNELS
 from .events import EVENTS
-from .facts import particle_estimate
+from .facts import particle_estimate, rest_way
 from .models import BallisticInstance, DemInstance, EmitterDriver, ParticlePhysics
 from .predicates import PREDICATES
 
@@ -45,6 +45,7 @@ PARTICLES = CategorySpec(
     caps=LOOSE_CAPS,
     estimate=lambda spec: counts(spec, (particle_estimate(spec, name) for name in spec.simulation.particles)),
     warnings=particle_warnings,
+    rest_way=rest_way,
     audit=Audit(
         "particles", "particles are members of an engine of their law, which holds them in its domain", particle_problems
     ),

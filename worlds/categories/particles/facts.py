@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 from ....physics.grains import rayleigh_time
 from ...extents import initial_volume
 from ..loose import LooseEstimate
+from ..resting import LOOSE_SHARE
+from .models import ParticlePhysics
 
 if TYPE_CHECKING:
-    from ...spec import ParticlePhysics, WorldSpec
+    from ...spec import WorldSpec
 
-__all__ = ["grain_step", "particle_estimate"]
+__all__ = ["grain_step", "particle_estimate", "rest_way"]
 
 
 def grain_step(physics: ParticlePhysics, density: float, share: float) -> float:
@@ -24,7 +26,7 @@ def grain_step(physics: ParticlePhysics, density: float, share: float) -> float:
 def particle_estimate(spec: WorldSpec, name: str) -> LooseEstimate:
     """Particles and steps that an instance will take."""
     plan, instance = spec.simulation, spec.simulation.particles[name]
-    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    seconds = plan.lead + (plan.frames - 1) / plan.fps
     count, step = 0.0, math.inf
     for member in instance.members:
         entity = spec.entities.get(member)
@@ -45,3 +47,11 @@ def particle_estimate(spec: WorldSpec, name: str) -> LooseEstimate:
                 lasts = max(0.0, min(driver.end or seconds, seconds) - driver.start)
                 count += driver.rate * min(lasts, lasting)
     return LooseEstimate(count, seconds / step if math.isfinite(step) else 0.0)
+
+
+def rest_way(spec: WorldSpec, name: str) -> float:
+    """Farthest that grains at rest may move in half a second [m]; 0 for particles that fly alone."""
+    physics = spec.entities[name].physics
+    if isinstance(physics, ParticlePhysics) and physics.law == "granular":
+        return LOOSE_SHARE * physics.radius
+    return 0.0

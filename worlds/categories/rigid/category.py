@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ...parameters import DRIVER, PHYSICS, POSE, SETTINGS, parameters
 from ..category import CategorySpec
+from ..resting import two_skins
 from ..shared import LINEAR_VELOCITY, STEPS
 from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import body_count, rigid_counts
@@ -43,5 +44,6 @@ RIGID = CategorySpec(
     estimate=rigid_counts,
     masses=mass_problems,
     bodies=body_count,
+    rest_way=two_skins,
     starts_alone=True,
 )

@@ -22,7 +22,7 @@ def body_count(entity: Entity) -> int:
 def rigid_counts(spec: WorldSpec) -> dict[str, float]:
     """Steps and body steps that the rigid instances of a specification take, by name of the cap."""
     plan = spec.simulation
-    seconds = plan.preroll + (plan.frames - 1) / plan.fps
+    seconds = plan.lead + (plan.frames - 1) / plan.fps
     moving = {name: body_count(entity) for name, entity in spec.entities.items() if entity.motion != "static"}
     body_seconds = sum(sum(moving.get(m, 0) for m in solver.members) / solver.settings.step for solver in plan.rigid.values())
     return {
@@ -47,5 +47,5 @@ def _rerun_seconds(spec: WorldSpec) -> float:
     for item in spec.story.robustness.values():
         last = max((beats[b].frames[1] for b in item.beats if b in beats), default=0)
         runs = item.samples if item.kind == "perturbed" else item.factor
-        frames += runs * (last + plan.preroll * plan.fps)
+        frames += runs * (last + plan.lead * plan.fps)
     return frames / plan.fps

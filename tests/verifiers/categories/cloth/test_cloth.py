@@ -236,7 +236,7 @@ def test_a_corner_that_shakes_is_no_flutter_and_one_still_corner_stops_none(wave
 
 
 def test_a_flutter_that_is_too_seldom_asks_for_more_frames(waved: Waves) -> None:
-    """Of the run where it ends with the interval, else of the interval; a ball or friction is never to blame."""
+    """More frames of the run where it ends with the interval, else of the interval; a ball or friction is never to blame."""
     waving = waved("seldom", lambda place, t: place[:, 0] * 0.2 * float(np.sin(2 * np.pi * 2.9 * t + 0.4)))
 
     def row(cycles: float, frames: tuple[int, int]) -> Row:

@@ -367,7 +367,7 @@ def _pressed(run: Candidate, folder: Path, depth: float) -> Row:
 
 
 def test_pieces_that_are_pressed_together_are_told_how_far_faces_may_crumble(run: Candidate, tmp_path: Path) -> None:
-    """What is proposed is what the audit takes; of an overlap that no face may crumble, none is."""
+    """The audit takes what is proposed; for an overlap that no face may crumble, nothing is proposed."""
     limit = crumble_limit(run.spec.entities["wall"])
     row = _pressed(run, tmp_path / "some", 0.85 * limit)
     assert row.status == "fail"

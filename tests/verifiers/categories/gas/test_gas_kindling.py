@@ -56,7 +56,7 @@ def test_a_sheet_far_from_the_fire_warms_and_does_not_burn() -> None:
 
 
 def test_mass_and_heat_are_kept_between_solid_and_gas() -> None:
-    """What the sheet lost is fuel of the gas; what the gas and the flames gave it is in it or has made gas."""
+    """The mass that the sheet lost is fuel of the gas; the heat that gas and flames gave it is in it or has made gas."""
     box = box_of(scene("kindled"), SOLVER)
     surfaces = box.surfaces
     assert surfaces is not None

@@ -10,16 +10,18 @@ from worldagent.testing.worlds.bodies_in_liquid import EDGE, crate_in_tank
 from worldagent.testing.worlds.liquid_worlds import Flow, G
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.predicates.outcome import Outcome
-from worldagent.worlds.categories.liquid.events import BuoyancyEvent
+from worldagent.worlds.categories.liquid.events import FloatEvent, SinkEvent
+from worldagent.worlds.predicates.registry import is_invariant
 
 FRAMES = 18
 AFLOAT = 0.2
 """Height of the middle of a crate of half the water's density: that of the surface [m]."""
-FLOATS = BuoyancyEvent(kind="floats", entity="crate", other="pool")
-SINKS = BuoyancyEvent(kind="sinks", entity="crate", other="pool")
+FLOATS = FloatEvent(kind="floats", entity="crate", other="pool")
+LASTS = FloatEvent(kind="floats", entity="crate", other="pool", when="always")
+SINKS = SinkEvent(kind="sinks", entity="crate", other="pool")
 
 
-def judged(flow: Flow, folder: Path, event: BuoyancyEvent) -> Outcome:
+def judged(flow: Flow, folder: Path, event: FloatEvent | SinkEvent) -> Outcome:
     return evaluate(flow.candidate(folder), event, (0, flow.frames - 1))
 
 
@@ -59,6 +61,27 @@ def test_a_stone_that_falls_in_and_comes_to_a_shallow_bottom_sinks(tmp_path: Pat
 def test_a_crate_that_bobs_floats(tmp_path: Path) -> None:
     z = AFLOAT + 0.01 * np.sin(2 * np.pi * np.arange(FRAMES) / 12)
     assert judged(crate_in_tank(z), tmp_path, FLOATS).status == "pass"
+
+
+def test_a_crate_floats_always_where_it_floats_over_every_half_second(tmp_path: Path) -> None:
+    found = judged(crate_in_tank(still(AFLOAT)), tmp_path, LASTS)
+    assert (found.status, found.first_true_frame, found.value) == ("pass", 0, pytest.approx(1.0, abs=0.02)), found.explanation
+    assert is_invariant(LASTS)
+    assert not is_invariant(FLOATS)
+
+
+def test_a_crate_that_falls_in_and_then_floats_does_so_in_the_end_and_not_always(tmp_path: Path) -> None:
+    k = np.arange(36)
+    z = np.where(k < 6, AFLOAT + 0.5 * G * ((6 / 24) ** 2 - (k / 24) ** 2), AFLOAT)
+    assert judged(crate_in_tank(z), tmp_path, FLOATS).status == "pass"
+    found = judged(crate_in_tank(z), tmp_path / "b", LASTS)
+    assert (found.status, found.first_failing_frame) == ("fail", 12), found.explanation
+
+
+def test_whether_it_lasts_takes_more_than_half_a_second(tmp_path: Path) -> None:
+    found = judged(crate_in_tank(still(AFLOAT, 12)), tmp_path, LASTS)
+    assert found.status == "unverified"
+    assert "more than 0.5 s" in found.explanation
 
 
 def test_a_crate_that_stands_on_the_bottom_does_not_float(tmp_path: Path) -> None:
@@ -123,11 +146,11 @@ def test_a_stone_that_a_rope_lets_down_does_not_sink(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["floats", "sinks"])
 def test_a_crate_at_rest_on_the_bottom_throughout_neither_floats_nor_sinks(kind: str, tmp_path: Path) -> None:
     flow = crate_in_tank(still(EDGE / 2), density=2000.0, depth=0.2, tank_share=0.5)
-    assert judged(flow, tmp_path, SINKS.model_copy(update={"kind": kind})).status == "fail"
+    assert judged(flow, tmp_path, {"floats": FLOATS, "sinks": SINKS}[kind]).status == "fail"
 
 
 @pytest.mark.parametrize("kind", ["floats", "sinks"])
 def test_nothing_floats_or_sinks_in_painted_water(kind: str, tmp_path: Path) -> None:
-    painted = SINKS.model_copy(update={"kind": kind, "other": "tank"})
+    painted = {"floats": FLOATS, "sinks": SINKS}[kind].model_copy(update={"other": "tank"})
     found = judged(crate_in_tank(still(AFLOAT)), tmp_path, painted)
     assert (found.status, found.details.get("painted")) == ("fail", True)

@@ -1,4 +1,4 @@
-"""What counts as under water: liquid must be there, not only near by and higher."""
+"""A body counts as under water where liquid is there, not only near by and higher."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a spacing resolves, and what stays where nothing bears it: measured widths and thicknesses, and worlds that only look wrong."""
+"""Widths and thicknesses that a spacing resolves, liquid that stays where nothing bears it, and worlds that only look wrong."""
 
 from __future__ import annotations
 

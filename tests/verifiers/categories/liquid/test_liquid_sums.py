@@ -1,4 +1,4 @@
-"""What the judge of liquids computes by kernels and grids, against brute force and formulas."""
+"""Sums of the judge of liquids, by kernels and grids, against brute force and formulas."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a spacing cannot resolve is unverified, never passed: slots that particles cannot enter, bodies that have no inside."""
+"""A case that a spacing cannot resolve is unverified, never passed: slots that particles cannot enter, bodies that have no inside."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def test_points_in_a_cup_are_as_deep_with_cells_as_without(seed: int, monkeypatc
 
 
 def test_most_points_far_from_the_surface_are_not_asked_about(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a point cloud in the cup's inner space, which cells away from its wall, only few reach the query again."""
+    """Few points of a cloud in the cup's inner space, which cells away from its wall, reach the query again."""
     asked: list[int] = []
     measured = Piece._measured
 

@@ -1,4 +1,4 @@
-"""What the audit says about cloth, what an instance will take, and which vertices a pin holds."""
+"""Audit of cloth, the cost of an instance, and the vertices that a pin holds."""
 
 from __future__ import annotations
 

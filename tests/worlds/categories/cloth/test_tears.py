@@ -1,4 +1,4 @@
-"""How the corners of a sheet that can tear hang together, and which meshes cannot."""
+"""Corners of a sheet that can tear are joined where they lie at one place, and some meshes cannot tear."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the audit says of elastic bodies: each problem with its place, and the edit that mends it."""
+"""Audit of elastic bodies: each problem with its place, and the edit that mends it."""
 
 from __future__ import annotations
 

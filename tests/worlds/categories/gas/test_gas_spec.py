@@ -1,4 +1,4 @@
-"""What the audit says of gases, what they are estimated to cost, and how a probe coarsens them."""
+"""Audit of gases, their estimated cost, and how a probe coarsens them."""
 
 from __future__ import annotations
 

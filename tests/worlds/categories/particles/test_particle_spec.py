@@ -1,4 +1,4 @@
-"""What the audit says of particles, and what they are estimated to cost."""
+"""Audit of particles, and their estimated cost."""
 
 from __future__ import annotations
 

@@ -273,9 +273,7 @@ def flaw(name: str, folder: Path) -> Broken:
     """A flawed world of `skills/repair`, its magnitude drawn by a fixed seed."""
     data = cases()
     spec = flawed(data, name, random.Random(f"{name} {SEED}"))
-    return probed(
-        f"repair/{name}", parse_spec({**spec, "prompt": data["worlds"][data["flaws"][name]["world"]]["prompt"]}), folder
-    )
+    return probed(f"flaws/{name}", parse_spec({**spec, "prompt": data["worlds"][data["flaws"][name]["world"]]["prompt"]}), folder)
 
 
 def wrong_edit(edit: WrongEdit, folder: Path) -> Broken:

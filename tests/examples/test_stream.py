@@ -30,7 +30,7 @@ from worldagent.worlds.prompts.marks import parse_marks
 
 SPACING = 0.8
 RECORDED = json.loads((SKILLS / "coupled-systems" / "stream.json").read_text())
-"""What the example sends, as the skill shows it."""
+"""Calls of the example, as the skill shows them."""
 SIZE = (230.0, 52.0)
 
 

@@ -1,4 +1,4 @@
-"""Where entities are and how they move, at a frame and over frames, for `inspect_world(part='state')`."""
+"""Places and motion of entities at a frame and over frames, for `inspect_world(part='state')`."""
 
 from __future__ import annotations
 

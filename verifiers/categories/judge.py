@@ -212,7 +212,7 @@ class Judge:
         return None
 
     def stretch(self, candidate: Candidate, entity: str, frame: int) -> Stretch | None:
-        """Where a sheet is stretched how much at a frame; None of what is no sheet.
+        """Stretch of a sheet at a frame, by place; None of what is no sheet.
 
         Raises:
             EvidenceError: no cache holds it, or a channel is missing or damaged.

@@ -70,7 +70,7 @@ def region_offset(region: Region, points: F64) -> tuple[F64, F64]:
 
 
 def points_in_region(candidate: Candidate, region_id: str | None, points: F64, frame: int) -> NDArray[np.bool_]:
-    """Which points in the world, shape (n, 3), lie in a region at a frame; all where none is asked for.
+    """True of points in the world, shape (n, 3), that lie in a region at a frame; all where none is asked for.
 
     Raises:
         EvidenceError: there is no such region.

@@ -78,7 +78,7 @@ class ClothJudge(Judge):
         return sheet_impulse(candidate, entity, other)
 
     def stretch(self, candidate: Candidate, entity: str, frame: int) -> Stretch:
-        """Where it is stretched how much at a frame."""
+        """Its stretch at a frame, by place."""
         for solver in self.caches(candidate):
             run = cloth_run(candidate, solver)
             if any(piece.entity == entity for piece in run.pieces):

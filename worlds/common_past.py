@@ -17,7 +17,6 @@ from .drivers import acts_from
 from .errors import EvidenceError
 from .settled import settling_terms
 from .slices import motion_slice
-from .spec import Fastened
 
 if TYPE_CHECKING:
     from .spec import WorldSpec
@@ -82,12 +81,7 @@ def settings_until(spec: WorldSpec, seconds: float, without: frozenset[str] = fr
         unread = driver.absent if key in without else frozenset()
         drivers[key] = driver.model_dump(mode="json", exclude=set(later | unread))
     plan = {k: v for k, v in whole["plan"].items() if k not in ("frames", "drivers")}
-    return {**whole, "plan": {**plan, "drivers": drivers}, "fastened": _fastened(spec), "settling": settling_terms(spec)}
-
-
-def _fastened(spec: WorldSpec) -> list[list[str]]:
-    """Pairs of bodies that are fastened to one another: the engine opens no skins between them."""
-    return sorted(sorted((r.a, r.b)) for r in spec.graph.relations.values() if isinstance(r, Fastened))
+    return {**whole, "plan": {**plan, "drivers": drivers}, "settling": settling_terms(spec)}
 
 
 def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -> dict[str, Any]:
@@ -104,7 +98,7 @@ def _fixed(settings: Settings, names: tuple[str, ...], reads: tuple[str, ...]) -
         "entities": {n: e for n, e in whole["entities"].items() if n in met},
         "contents": {n: settings.contents.get(n) for n in met},
         "materials": {k: m for k, m in whole["materials"].items() if k in used},
-        "fastened": _fastened(spec),
+        "fastened": whole.get("fastened"),
         "settling": settling_terms(spec),
     }
 

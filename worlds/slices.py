@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from .documents import document_of
+from .spec import Fastened
 
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["MOTION_VERSION", "geometry_slice", "motion_slice", "physical_materials"]
+__all__ = ["MOTION_VERSION", "fastened_pairs", "geometry_slice", "motion_slice", "physical_materials"]
 
 MOTION_VERSION = "1"
 """Version of what decides geometry and motion, in their digests: that of the specification is no part of them."""
@@ -39,6 +40,13 @@ def geometry_slice(spec: WorldSpec, name: str) -> dict[str, Any]:
     }
 
 
+def fastened_pairs(spec: WorldSpec) -> list[list[str]]:
+    """Pairs of entities that are declared to overlap and of which one moves, sorted: the rigid engine opens no skins between them."""
+    moving = {n for n, e in spec.entities.items() if e.motion != "static"}
+    pairs = {frozenset((r.a, r.b)) for r in spec.graph.relations.values() if isinstance(r, Fastened)}
+    return sorted(sorted(p) for p in pairs if p & moving)
+
+
 def motion_slice(spec: WorldSpec, geometries: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Everything that decides the motion: entities' physics and places, materials, the plan without its limits.
 
@@ -51,8 +59,10 @@ def motion_slice(spec: WorldSpec, geometries: Mapping[str, Any] | None = None) -
     used = {e.material for e in spec.entities.values()} | {
         p.material for e in spec.entities.values() for p in e.parts.values() if p.material
     }
+    fastened = fastened_pairs(spec)
     return {
         "spec_version": MOTION_VERSION,
+        **({"fastened": fastened} if fastened else {}),
         "entities": {
             k: {
                 "geometry": geometry_slice(spec, k) if geometries is None else geometries[k],

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...worlds.errors import EngineError
-from ...worlds.spec import Fastened, RigidSettings, WorldSpec
+from ...worlds.spec import RigidSettings
 from .contact_law import set_contact_law
 from .flex_relax import freeze_flexes, lift_flexes
 from .model import RigidModel
 from .sides import sides_of
 
-__all__ = ["fastened_pairs", "open_skins"]
+__all__ = ["open_skins"]
 
 RELAX_STEPS = 400
 """Most steps."""
@@ -37,11 +37,6 @@ class _Overlap(NamedTuple):
     """[m]"""
     skins: float
     """Summed [m]."""
-
-
-def fastened_pairs(spec: WorldSpec) -> frozenset[frozenset[str]]:
-    """Pairs that are declared to overlap."""
-    return frozenset(frozenset((r.a, r.b)) for r in spec.graph.relations.values() if isinstance(r, Fastened))
 
 
 def _overlaps(rigid: RigidModel, data: Any, fastened: frozenset[frozenset[str]]) -> list[_Overlap]:

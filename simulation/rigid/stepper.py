@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...worlds.built import BuiltEntity
+from ...worlds.slices import fastened_pairs
 from ...worlds.spec import RigidSettings, WorldSpec
 from ..fracture import Breakage, Fate
 from ..protocol import Intervention
@@ -23,7 +24,7 @@ from .flex_loads import SoftLoads
 from .impact_friction import stop_slides
 from .parts import Parts, carry_over, make_parts
 from .records import velocities
-from .relax import fastened_pairs, open_skins
+from .relax import open_skins
 
 __all__ = ["Stepper"]
 
@@ -82,7 +83,9 @@ class Stepper:
         self.drivers.plan_paths(start, self.settings.step, 0)
         self.drivers.follow_paths(self.data, 0, self.settings.step)
         if self.settled is None:
-            self.relaxation = open_skins(self.rigid, self.data, self.settings, fastened_pairs(self.spec))
+            self.relaxation = open_skins(
+                self.rigid, self.data, self.settings, frozenset(map(frozenset, fastened_pairs(self.spec)))
+            )
         else:
             self.relaxation = lay_down(self.model, self.data, self.settled)
         self.drivers.remember_poses(self.data)

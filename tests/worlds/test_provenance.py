@@ -36,7 +36,7 @@ EDITS: dict[str, tuple[str, Any, set[str]]] = {
     "a relation": ("/graph/relations/hits", {"kind": "interacts", "a": "ball", "b": "b2"},
                    {"static:ball", "static:b1", "static:b2", "story", "acceptance", "final"}),
     "declared overlap": ("/graph/relations/glue", {"kind": "fastened", "a": "b1", "b": "b2", "max_depth": 0.1, "reason": "glued fast"},
-                         {"static:b1", "static:b2", "story", "contact", "acceptance", "final"}),
+                         MOTION | {"static:b1", "static:b2"}),
     "a region": ("/graph/regions/r", {"kind": "sphere", "center": [0, 0, 0], "radius": 1}, {"story", "acceptance", "final"}),
     "a step": ("/simulation/solvers/rigid/settings/step", 0.0002, MOTION),
     "gravity": ("/simulation/gravity", [0, 0, -3.7], MOTION),
@@ -80,6 +80,16 @@ def test_the_motion_does_not_read_the_story_or_the_look() -> None:
     for name in ("a beat", "a camera", "a colour", "light", "a limit", "a relation", "a title"):
         pointer, value, _ = EDITS[name]
         assert motion_slice(edited(pointer, value)) == motion_slice(base()), name
+
+
+def test_the_motion_reads_what_is_fastened_to_a_body_that_moves() -> None:
+    """The engine opens no skins between them, so that a bake without the relation is another one."""
+    assert "fastened" not in motion_slice(base())
+    still = next(n for n, e in base().entities.items() if e.motion == "static")
+    relation = {"kind": "fastened", "a": "b1", "b": still, "max_depth": 0.01, "reason": "glued to its base"}
+    assert motion_slice(edited("/graph/relations/glued", relation))["fastened"] == [sorted(("b1", still))]
+    loose = motion_slice(edited("/graph/relations/glued", {**relation, "a": still, "b": still}))
+    assert "fastened" not in loose, "what does not move is not opened"
 
 
 def test_defaults_written_out_change_no_geometry() -> None:

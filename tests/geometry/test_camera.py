@@ -156,7 +156,7 @@ def test_a_turned_camera_shows_the_same_turned() -> None:
 def sheets(rng, count: int) -> TriangleMesh:
     """Large triangles all about a camera at the origin: before it, behind it, and through the plane of its eye."""
     corners = rng.normal(size=(count, 3, 3)) * 10.0 ** rng.uniform(-1.0, 2.0, size=(count, 1, 1))
-    return TriangleMesh(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))
+    return TriangleMesh(corners.reshape(-1, 3), np.arange(3 * count, dtype=np.int32).reshape(-1, 3))
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -135,9 +135,8 @@ def test_bodies_that_turn_together_hardly_move_against_each_other():
     ends = [State(np.zeros((1, 3)), about_z(x), np.zeros((1, 3)), spin) for x in (0.0, 0.1)]
     disc = Motion.between(ends[0], ends[1], np.zeros(3), 1.0)
     places = [np.array([[0.2 * math.cos(x), 0.2 * math.sin(x), 0.0]]) for x in (0.0, 0.1)]
-    rider = Motion.between(
-        *(State(p, e.quaternion, np.cross(spin, p), spin) for p, e in zip(places, ends, strict=True)), np.zeros(3), 1.0
-    )
+    first, last = (State(p, e.quaternion, np.cross(spin, p), spin) for p, e in zip(places, ends, strict=True))
+    rider = Motion.between(first, last, np.zeros(3), 1.0)
     assert relative_travel(disc, 0.3, rider, 0.3, np.zeros(1), np.ones(1))[0] < 1e-5
     assert relative_travel(disc, 0.3, still(at=(0.2, 0, 0)), 0.3, np.zeros(1), np.ones(1))[0] >= 0.1 * 0.2
 

@@ -146,11 +146,12 @@ def test_a_stone_that_a_rope_lets_down_does_not_sink(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["floats", "sinks"])
 def test_a_crate_at_rest_on_the_bottom_throughout_neither_floats_nor_sinks(kind: str, tmp_path: Path) -> None:
     flow = crate_in_tank(still(EDGE / 2), density=2000.0, depth=0.2, tank_share=0.5)
-    assert judged(flow, tmp_path, {"floats": FLOATS, "sinks": SINKS}[kind]).status == "fail"
+    assert judged(flow, tmp_path, FLOATS if kind == "floats" else SINKS).status == "fail"
 
 
 @pytest.mark.parametrize("kind", ["floats", "sinks"])
 def test_nothing_floats_or_sinks_in_painted_water(kind: str, tmp_path: Path) -> None:
-    painted = {"floats": FLOATS, "sinks": SINKS}[kind].model_copy(update={"other": "tank"})
-    found = judged(crate_in_tank(still(AFLOAT)), tmp_path, painted)
+    painted = {"other": "tank"}
+    event = FLOATS.model_copy(update=painted) if kind == "floats" else SINKS.model_copy(update=painted)
+    found = judged(crate_in_tank(still(AFLOAT)), tmp_path, event)
     assert (found.status, found.details.get("painted")) == ("fail", True)

@@ -141,6 +141,7 @@ def _correction_lines(kept: dict[str, Any] | None) -> list[str]:
         "",
         CORRECTIONS,
         _run(now, None),
+        *([now["note"]] if "note" in now else []),
         "",
         "| check | failing rows | share that helps | before | eased | in words alone | edits tried | that help | recordings | told so |",
     ]

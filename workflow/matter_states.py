@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..verifiers.categories.loose import Loose, Sample
-from ..verifiers.categories.registry import judged
-from ..verifiers.predicates.kinematic import points_in_region
 from ..worlds.arrays import F64
 from ..worlds.cache import Cache
 from ..worlds.candidate import Candidate
 from ..worlds.channels import CHANNELS
 from ..worlds.writers import writers_of
+
+if TYPE_CHECKING:
+    from ..verifiers.categories.loose import Sample
 
 __all__ = ["Forces", "forces_on", "loose_told", "reader_of_loose", "rounded", "stretch_told"]
 
@@ -40,6 +40,9 @@ def rounded(values: Any, digits: int = 5) -> list[float]:
 
 def reader_of_loose(candidate: Candidate, name: str) -> Callable[[int], Sample] | None:
     """Reads the particles of a liquid or of grains, or the cells of a gas, by frame; None of what is none of these, or has not moved yet."""
+    from ..verifiers.categories.loose import Loose
+    from ..verifiers.categories.registry import judged
+
     judge = judged(candidate.spec).get(name)
     if not isinstance(judge, Loose) or not any(name in cache.index.bodies for cache in judge.caches(candidate).values()):
         return None
@@ -52,6 +55,8 @@ def loose_told(candidate: Candidate, name: str, read: Callable[[int], Sample], f
 
     The front is the particle that is farthest the way the centre has gone since they were first there.
     """
+    from ..verifiers.predicates.kinematic import points_in_region
+
     position, velocity, mass = read(frame)
     told: dict[str, Any] = {"count": len(mass)}
     if not len(mass):
@@ -87,6 +92,8 @@ def _first_centre(read: Callable[[int], Sample], frame: int) -> F64:
 
 def stretch_told(candidate: Candidate, name: str, frame: int) -> dict[str, Any]:
     """Largest stretch of a sheet at a frame, where that is, and by thirds of the sheet; nothing of what is no sheet or has not moved yet."""
+    from ..verifiers.categories.registry import judged
+
     judge = judged(candidate.spec).get(name)
     found = judge.stretch(candidate, name, frame) if judge is not None and name in candidate.deforming else None
     if found is None:

@@ -11,6 +11,7 @@ from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.workflow.creation import create
 from worldagent.workflow.session import Session
 from worldagent.worlds.documents import KEPT, bare_document, document_of, text_of
+from worldagent.worlds.errors import SpecError
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.spec import WorldSpec
 
@@ -61,7 +62,7 @@ def test_a_patch_leaves_the_kept_document_as_it_was(operations: list[dict[str, A
     before = bare_document(spec)
     try:
         after = apply_patch(spec, operations)
-    except Exception:
+    except SpecError:
         after = None
     assert bare_document(spec) is before
     assert before == spec.model_dump(mode="json", exclude_none=True)

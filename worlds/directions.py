@@ -70,7 +70,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/entities/*/dimensions", "tolerance", "dimensions", "harder_down", "allowed deviation"),
     *parameters("/entities/*/parts", ". *", "shape", "either", "a lost surface asks for less where a failing row was judged on it; an added one does not"),
     *parameters("/entities/*/parts/*", "collides", "shape", "either", "what is drawn only is no surface: asks for less where a failing row was judged on it"),
-    *parameters("/entities/*/parts/*/shape", ". kind size radius height length polygon profile segments file vertices faces scale", "shape", "repair", "a surface of another form is judged as it is"),
+    *parameters("/entities/*/parts/*/shape", ". kind size radius height length polygon profile segments file vertices faces scale points path scales closed", "shape", "repair", "a surface of another form is judged as it is"),
     *parameters("/entities/*/parts/*/shape", "collision resolution heights digest base count", "shape", "repair", "a surface of another form is judged as it is"),
     *parameters("/entities/*/parts/*/pose", POSE, "shape", "repair", "a surface that stands elsewhere is judged as it is"),
     *parameters("/entities/*/generator", ". kind points radius segments stiffness damping attach_start attach_end", "shape", "repair", "a rope of another form is judged as it is"),

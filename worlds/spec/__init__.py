@@ -42,6 +42,7 @@ from ..shapes import (
     Cylinder,
     Extrusion,
     HeightField,
+    Hull,
     Mesh,
     Pose,
     Revolution,
@@ -49,6 +50,7 @@ from ..shapes import (
     Sheet,
     Sphere,
     StemField,
+    Sweep,
     Wedge,
 )
 from ..vocabulary import Ref, SpecModel
@@ -149,6 +151,7 @@ __all__ = [
     "GlassPattern",
     "HeightField",
     "HingeJoint",
+    "Hull",
     "IgnitionDriver",
     "InflowDriver",
     "Interacts",
@@ -198,6 +201,7 @@ __all__ = [
     "StemField",
     "Story",
     "Supports",
+    "Sweep",
     "VoronoiPattern",
     "WavesDriver",
     "Wedge",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..construction.assets.generator import Generator
-from ..construction.assets.made import MAIN, Body, Joint, Made
+from ..construction.assets.made import MAIN, Body, Joint, Made, Point
 from ..construction.primitives import ShapeGeometry, build_shape
 from ..worlds.arrays import F64, RigidPose, pose_of
 from ..worlds.materials import row_named
@@ -200,7 +200,8 @@ def _moved(made: Made, bodies: Mapping[str, Sequence[_Solid]], name: str, joint:
 
 
 def _at(part: _Solid, joint: Joint, q: float) -> _Solid:
-    axis = np.array(joint.axis, dtype=np.float64) / np.linalg.norm(joint.axis)
+    axis = np.array(joint.axis, dtype=np.float64)
+    axis /= np.linalg.norm(axis)
     anchor = np.array(joint.anchor, dtype=np.float64)
     half = q / 2
     turn = np.array([math.cos(half), *(math.sin(half) * axis)])
@@ -249,7 +250,7 @@ def _center(solid: Manifold) -> F64:
     return center
 
 
-def _on_surface(name: str, center: Sequence[float], solids: Sequence[_Solid]) -> Iterator[str]:
+def _on_surface(name: str, center: Point, solids: Sequence[_Solid]) -> Iterator[str]:
     """That a place has a surface under its middle."""
     from manifold3d import Manifold
 

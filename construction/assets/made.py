@@ -12,12 +12,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ...worlds.arrays import F64
 from ...worlds.errors import InputError
 from ...worlds.spec import Box, Capsule, Cylinder, Extrusion, Hull, Part, Pose, Revolution, Shape, Sphere, Sweep
 
 __all__ = ["Body", "Joint", "Made", "Place", "Point"]
 
-Point = Sequence[float]
+Point = Sequence[float] | F64
 """Coordinates [m] in the asset's frame."""
 MAIN = ""
 """Name of the body that bears the asset's own id."""

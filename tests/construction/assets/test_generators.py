@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from worldagent.construction.assets.registry import GENERATORS
 from worldagent.testing.assets import faults, sampled
 from worldagent.worlds.errors import InputError

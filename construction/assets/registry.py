@@ -7,7 +7,7 @@ from typing import Any
 
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
-from . import chairs, tables, tableware, vessels
+from . import books, chairs, containers, cookware, luggage, tables, tableware, vessels
 from .generator import Generator
 from .made import Made
 
@@ -18,6 +18,10 @@ MODULES = (
     chairs,
     vessels,
     tableware,
+    cookware,
+    containers,
+    luggage,
+    books,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -9,8 +10,8 @@ from pydantic import Field
 
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
-from .profiles import circle, rounded
-from .turning import breaking, bulged, curve, facet, grip, half, hollow, solid
+from .profiles import circle, rectangle, rounded
+from .turning import breaking, bulged, curve, facet, grip, half, hollow, lying, solid
 from .vessels import BREAKABLE, CLEAR
 
 __all__ = ["GENERATORS"]
@@ -136,11 +137,11 @@ def _teapot(p: TeapotParameters, rng: np.random.Generator) -> Made:
     body.turned("pot", hollow(coarse, p.wall, 1.5 * p.wall, fine=outer), segments=segments, euler=half(segments))
     low, high = facet(outer, 0.3 * top, segments), facet(outer, 0.82 * top, segments)
     broad = min(0.016, 0.8 * 2 * high.x * math.tan(math.pi / segments))
-    body.sweep("handle", grip(low, high, 0.34 * top, steps=8), rounded(broad, 0.55 * broad, 0.2 * broad, 2))
+    body.sweep("handle", grip(low, high, 0.42 * top, steps=8), rounded(broad, 0.55 * broad, 0.2 * broad, 2))
     start = facet(outer, (full + 0.06) * top, segments)
     r = 0.72 * start.x * math.tan(math.pi / segments)
     tip = np.array([1.72 * wide, 0, top + 0.004])
-    bend = [start.out(0.9 * r), start.out(0.36 * wide) + (0, 0, 0.12 * top), tip - (0.1 * wide, 0, 0.14 * top), tip]
+    bend = [start.out(0.9 * r), start.out(0.36 * wide) + np.array([0, 0, 0.12 * top]), tip - (0.1 * wide, 0, 0.14 * top), tip]
     path = [start.out(0), *(np.array(q) for q in curve(bend, 2))]
     scales = list(np.linspace(1.0, 0.55, len(path)))
     body.sweep("spout", [q * (-1, 1, 1) for q in path], circle(r, 8), scales=scales)
@@ -148,7 +149,9 @@ def _teapot(p: TeapotParameters, rng: np.random.Generator) -> Made:
     over = top + CLEAR
     plug = (mouth - 2.2 * p.wall) * 0.9
     lid.turned("plug", solid([(0.9 * plug, top - 0.008), (plug, over)]), segments=24)
-    lid.turned("dome", solid([(0.97 * mouth, over), (0.8 * mouth, over + 0.09 * wide), (0.3 * mouth, over + 0.16 * wide)]), segments=24)
+    lid.turned(
+        "dome", solid([(0.97 * mouth, over), (0.8 * mouth, over + 0.09 * wide), (0.3 * mouth, over + 0.16 * wide)]), segments=24
+    )
     up, size = over + 0.16 * wide, 0.22 * mouth
     lid.turned("stem", solid([(0.6 * size, up), (0.6 * size, up + 0.5 * size)]), segments=16)
     lid.sphere("knob", (0, 0, up + 1.29 * size), 0.79 * size)
@@ -182,7 +185,11 @@ def _knife(p: CutleryParameters, rng: np.random.Generator) -> Made:
     _handle(body, p, rng, neck)
     wide = 0.1 * p.length
     rows = ((neck, -0.2, 0.2), (neck + 0.08 * p.length, -0.5, 0.42), (tip - 0.09 * p.length, -0.46, 0.42), (tip, 0.2, 0.32))
-    points = [(x * wide, y, z) for y, low, high in rows for x, z in ((low, 0), (high, 0), (high, p.thickness), (0.5 * (low + high), p.thickness))]
+    points = [
+        (x * wide, y, z)
+        for y, low, high in rows
+        for x, z in ((low, 0), (high, 0), (high, p.thickness), (0.5 * (low + high), p.thickness))
+    ]
     body.hull("blade", points)
     return Made.of(body)
 
@@ -193,8 +200,9 @@ def _tines(body: Body, p: CutleryParameters, count: int, start: float) -> None:
     each = wide / (2 * count - 1)
     for number in range(count):
         x = -wide / 2 + each * (2 * number + 0.5)
-        path = [(x, start, 0.5 * t + 0.004), (x, start + 0.45 * (tip - start), 0.5 * t + 0.001), (x, tip, 0.5 * t + 0.004)]
-        body.sweep(f"tine_{number + 1}", path, [(-each / 2, -t / 2), (each / 2, -t / 2), (each / 2, t / 2), (-each / 2, t / 2)], scales=[1, 1, 0.6])
+        rows = ((0.0, 0.004), (0.12, 0.004), (0.45, 0.0), (0.6, 0.0), (1.0, 0.004))
+        path = [(x, start + share * (tip - start), t / 2 + lift) for share, lift in rows]
+        body.sweep(f"tine_{number + 1}", path, rectangle(each, t), scales=[1, 1, 1, 1, 0.6])
 
 
 def _fork(p: CutleryParameters, rng: np.random.Generator) -> Made:
@@ -203,8 +211,13 @@ def _fork(p: CutleryParameters, rng: np.random.Generator) -> Made:
     _handle(body, p, rng, neck)
     t, wide, slim = p.thickness, 0.11 * p.length, 0.02 * p.length
     lift = 0.004
-    rows = ((neck, slim, 0.0), (neck + 0.06 * p.length, slim, 0.5 * lift), (neck + 0.1 * p.length, wide / 2, lift), (root, wide / 2, lift))
-    for number, ((y0, w0, z0), (y1, w1, z1)) in enumerate(zip(rows[:-1], rows[1:], strict=True), start=1):
+    rows = (
+        (neck, slim, 0.0),
+        (neck + 0.06 * p.length, slim, 0.5 * lift),
+        (neck + 0.1 * p.length, wide / 2, lift),
+        (root, wide / 2, lift),
+    )
+    for number, ((y0, w0, z0), (y1, w1, z1)) in enumerate(itertools.pairwise(rows), start=1):
         ends = ((y0, w0, z0), (y1, w1, z1))
         body.hull(f"neck_{number}", [(s * w, y, z + h) for y, w, z in ends for s in (-1, 1) for h in (0, t)])
     _tines(body, p, int(rng.integers(3, 5)), root)
@@ -256,7 +269,13 @@ def _chopping_board(p: ChoppingBoardParameters, rng: np.random.Generator) -> Mad
         body.box("neck", (x, -wide / 2, 0), (x + 0.05, wide / 2, p.thickness))
         outer = wide / 2
         at = x + 0.05 + outer * math.cos(math.pi / segments)
-        body.turned("eye", [(hole, 0), (outer, 0), (outer, p.thickness), (hole, p.thickness)], (at, 0, 0), segments=segments, euler=half(segments))
+        body.turned(
+            "eye",
+            [(hole, 0), (outer, 0), (outer, p.thickness), (hole, p.thickness)],
+            (at, 0, 0),
+            segments=segments,
+            euler=half(segments),
+        )
     made = Made.of(body)
     made.places["top"] = Place((0, 0, p.thickness), (p.length - corner, p.width - corner))
     return made
@@ -277,13 +296,12 @@ def _rolling_pin(p: RollingPinParameters, rng: np.random.Generator) -> Made:
     long, grip_r = p.handle * p.length, 0.42 * r * float(rng.uniform(0.9, 1.1))
     half_roll = p.length / 2 - long
     flat = r * math.cos(math.pi / sides)
-    turn = (math.pi / sides, math.pi / 2, 0.0)
     roller = [(0.94 * r, -half_roll), (r, -half_roll + 0.004), (r, half_roll - 0.004), (0.94 * r, half_roll)]
-    body.turned("roller", solid(roller), (0, 0, flat), segments=sides, euler=turn)
+    body.turned("roller", solid(roller), (0, 0, flat), segments=sides, euler=lying(sides))
     shape = [(0.75, 0.0), (0.6, 0.08), (0.95, 0.5), (1.0, 0.75), (0.8, 0.95), (0.4, 1.0)]
     for name, side in (("left", -1), ("right", 1)):
         rows = [(grip_r * w, side * (half_roll + long * s)) for w, s in shape]
-        body.turned(f"handle_{name}", solid(rows[1:] if side > 0 else rows[:0:-1]), (0, 0, flat), segments=20, euler=(0, math.pi / 2, 0))
+        body.turned(f"handle_{name}", solid(rows[1:] if side > 0 else rows[:0:-1]), (0, 0, flat), segments=20, euler=lying(20))
         body.cylinder(f"axle_{name}", (side * half_roll, 0, flat), (side * (half_roll + 0.08 * long), 0, flat), 0.5 * grip_r)
     return Made.of(body)
 

@@ -6,6 +6,7 @@ meets the middle of a facet, so the part is turned by half a segment (`half`) an
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -17,7 +18,7 @@ from ..polygons import convex_partition
 from .made import Point
 from .profiles import Outline
 
-__all__ = ["Facet", "breaking", "bulged", "curve", "facet", "grip", "half", "hollow", "moved", "ring", "solid", "vessel"]
+__all__ = ["Facet", "breaking", "bulged", "curve", "facet", "grip", "half", "hollow", "lying", "moved", "ring", "solid", "vessel"]
 
 BONDS = {
     "soda_lime_glass": (4e6, 6e6),
@@ -48,7 +49,7 @@ def bulged(outer: Sequence[Point], steps: int = 2) -> Outline:
     given = [(float(r), float(z)) for r, z in outer]
     fine = [(r, z) for r, z in curve(given, steps)]
     found = [given[0]]
-    for k, ((r0, z0), (r1, z1)) in enumerate(zip(given[:-1], given[1:], strict=True)):
+    for k, ((r0, z0), (r1, z1)) in enumerate(itertools.pairwise(given)):
         found += [
             (r, z)
             for r, z in fine[k * steps + 1 : (k + 1) * steps]
@@ -91,7 +92,7 @@ def vessel(outer: Sequence[Point], wall: float, floor: float, *, fine: Sequence[
     inner[-1] = (p[-1, 0] - wall / max(abs(normal[-1, 0]), 0.3), p[-1, 1])
     level = p[:, 1].min() + floor
     found: Outline = []
-    for (r0, z0), (r1, z1) in zip(inner[:-1], inner[1:], strict=True):
+    for (r0, z0), (r1, z1) in itertools.pairwise(inner):
         if not found and z0 < z1 and level < z1:
             found = [(float(r0 + (r1 - r0) * (level - z0) / (z1 - z0)), float(level))]
         if z1 > level + 1e-4 and found:
@@ -107,6 +108,11 @@ def ring(radius: float, low: float, high: float, thick: float) -> Outline:
 def half(segments: int) -> tuple[float, float, float]:
     """Euler angles [rad] that bring the middle of a facet to the angle 0."""
     return (0.0, 0.0, math.pi / segments)
+
+
+def lying(segments: int, angle: float = 0.0) -> tuple[float, float, float]:
+    """Euler angles [rad] that lay the axis z along x, turned by an angle about z, a facet below (segments in fours)."""
+    return (-math.pi / 2, math.pi / segments, angle - math.pi / 2)
 
 
 class Facet(NamedTuple):
@@ -125,7 +131,7 @@ class Facet(NamedTuple):
 def facet(outer: Sequence[Point], z: float, segments: int) -> Facet:
     """The middle of the facet at the angle 0 of an outer outline, at the height z [m]."""
     flat = math.cos(math.pi / segments)
-    for (r0, z0), (r1, z1) in zip(outer[:-1], outer[1:], strict=True):
+    for (r0, z0), (r1, z1) in itertools.pairwise(outer):
         if z0 < z1 and z0 <= z <= z1:
             across, up = z1 - z0, -flat * (r1 - r0)
             length = math.hypot(across, up)

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
-from .profiles import circle, rectangle, rounded
+from .profiles import rectangle, rounded
 from .turning import facet, half, hollow, moved
 
 __all__ = ["GENERATORS"]
@@ -83,7 +83,7 @@ class BasketParameters(Parameters):
 
 
 def _basket(p: BasketParameters, rng: np.random.Generator) -> Made:
-    segments, rim, top = 16, p.diameter / 2, p.height
+    segments, rim, top = 14, p.diameter / 2, p.height
     foot = p.taper * rim
     outer = [(foot, 0), (rim, top)]
     body = Body("basket", p.material)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
-from . import books, chairs, containers, cookware, luggage, tables, tableware, vessels
+from . import books, candles, chairs, containers, cookware, cordage, garden_tools, hand_tools, luggage, tables, tableware, vessels
 from .generator import Generator
 from .made import Made
 
@@ -22,6 +22,10 @@ MODULES = (
     containers,
     luggage,
     books,
+    hand_tools,
+    garden_tools,
+    cordage,
+    candles,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

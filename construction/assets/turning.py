@@ -15,10 +15,25 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ..polygons import convex_partition
-from .made import Point
+from .made import Body, Point
 from .profiles import Outline
 
-__all__ = ["Facet", "breaking", "bulged", "curve", "facet", "grip", "half", "hollow", "lying", "moved", "ring", "solid", "vessel"]
+__all__ = [
+    "Facet",
+    "breaking",
+    "bulged",
+    "curve",
+    "facet",
+    "grip",
+    "half",
+    "hollow",
+    "lying",
+    "moved",
+    "ring",
+    "solid",
+    "stacked",
+    "vessel",
+]
 
 BONDS = {
     "soda_lime_glass": (4e6, 6e6),
@@ -98,6 +113,22 @@ def vessel(outer: Sequence[Point], wall: float, floor: float, *, fine: Sequence[
         if z1 > level + 1e-4 and found:
             found.append((float(r1), float(z1)))
     return [(0.0, float(p[0, 1])), *((float(r), float(z)) for r, z in fine or outer), *reversed(found), (0.0, float(level))]
+
+
+def stacked(
+    body: Body, name: str, outer: Sequence[Point], at: Point = (0, 0, 0), *, segments: int = 32, material: str | None = None
+) -> None:
+    """Add a full turned thing as one part for each stretch of its outline that is convex: one collision piece each."""
+    rows = [(float(r), float(z)) for r, z in outer]
+    start, number = 0, 1
+    for k in range(1, len(rows)):
+        done = k == len(rows) - 1
+        if not done:
+            (r0, z0), (r1, z1), (r2, z2) = rows[k - 1 : k + 2]
+            done = (r1 - r0) * (z2 - z1) - (z1 - z0) * (r2 - r1) < 0
+        if done:
+            body.turned(f"{name}_{number}", solid(rows[start : k + 1]), at, segments=segments, material=material)
+            start, number = k, number + 1
 
 
 def ring(radius: float, low: float, high: float, thick: float) -> Outline:

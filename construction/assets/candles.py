@@ -107,12 +107,11 @@ def _lantern(p: LanternParameters, rng: np.random.Generator) -> Made:
     body.turned("cap", solid([(0.42 * x, cap), (0.1 * x, cap + 0.015)]), segments=24)
     reach = 0.26 * x
     keys = [(s * reach, 0, cap + z * x) for s, z in ((-1.2, 0.4), (0, 0.75), (1.2, 0.4))]
-    slope = (0.005 + (rise - 0.005) * (eave - 0.62 * x) / (eave - 0.3 * x)) + top
-    path = [
-        (-0.62 * x, 0, slope),
-        *((a, b, c) for a, b, c in curve([(-0.62 * x, 0, slope + 0.01), *keys, (0.62 * x, 0, slope + 0.01)], 2)),
-        (0.62 * x, 0, slope),
-    ]
+    steep = (rise - 0.005) / (eave - 0.3 * x)
+    foot = np.array([0.62 * x, 0, top + 0.005 + steep * (eave - 0.62 * x)])
+    lead = foot + 0.012 * np.array([steep, 0, 1]) / np.hypot(steep, 1)
+    flip = np.array([-1, 1, 1])
+    path = [foot * flip, *(np.array(q) for q in curve([lead * flip, *keys, lead], 2)), foot]
     body.sweep("bow", path, circle(0.0025, 8))
     _candle_parts(body, min(0.022, 0.4 * inner), sill, sill + 0.45 * (top - sill), rng)
     door = Body("door of the lantern", p.material)

@@ -13,7 +13,7 @@ from .profiles import circle
 
 __all__ = ["GENERATORS"]
 
-STEPS = 14
+STEPS = 12
 """Chords of a turn."""
 
 
@@ -34,8 +34,8 @@ def _rope_coil(p: RopeCoilParameters, rng: np.random.Generator) -> Made:
     half = max(v for _, v in profile)
     for layer in range(p.layers):
         z = (2 * layer + 1) * half
-        turn = 0.0 if layer == 0 else float(rng.uniform(0, 2 * math.pi))
-        wide = p.diameter / 2 - r - 0.3 * pitch * layer
+        turn = 0.0 if layer == 0 else 2 * math.pi / STEPS * int(rng.integers(STEPS))
+        wide = p.diameter / 2 - r - pitch * turn / (2 * math.pi)
         count = p.turns * STEPS
         path = []
         for k in range(count + 1):
@@ -69,14 +69,14 @@ def _chain(p: ChainParameters, rng: np.random.Generator) -> Made:
     profile = circle(r, 8)
     reach = max(math.hypot(u, v) for u, v in profile)
     high, wide = p.length / 2 - r, p.width * p.length / 2 - r
-    pitch = 2 * high - 2 * reach - 7e-4
     straight = high - wide
+    pitch = 2 * (straight + wide * math.cos(math.pi / 10)) - 2 * reach - 7e-4
     bows = [(wide * math.cos(a), straight + wide * math.sin(a)) for a in np.linspace(0, math.pi, 6)]
     loop = [*bows, *((-u, -v) for u, v in bows)]
     made, turn = Made({}), float(rng.uniform(0, math.pi))
     for number in range(p.links):
         body = Body("chain link", p.material, motion="static" if number == 0 and p.fixed else None)
-        z = (p.links - 1 - number) * pitch + high + reach
+        z = (p.links - 1 - number) * pitch + straight + wide * math.cos(math.pi / 10) + reach
         a = turn + number * math.pi / 2
         body.sweep("link", [(u * math.cos(a), u * math.sin(a), z + v) for u, v in loop], profile, closed=True)
         made.bodies["" if number == 0 else f"link_{number + 1}"] = body

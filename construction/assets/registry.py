@@ -7,7 +7,21 @@ from typing import Any
 
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
-from . import books, candles, chairs, containers, cookware, cordage, garden_tools, hand_tools, luggage, tables, tableware, vessels
+from . import (
+    books,
+    candles,
+    chairs,
+    containers,
+    cookware,
+    cordage,
+    garden_tools,
+    hand_tools,
+    luggage,
+    tables,
+    tableware,
+    toys,
+    vessels,
+)
 from .generator import Generator
 from .made import Made
 
@@ -26,6 +40,7 @@ MODULES = (
     garden_tools,
     cordage,
     candles,
+    toys,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -14,11 +14,14 @@ from . import (
     containers,
     cookware,
     cordage,
+    food,
     garden_tools,
     hand_tools,
     luggage,
+    playthings,
     tables,
     tableware,
+    textiles,
     toys,
     vessels,
 )
@@ -41,6 +44,9 @@ MODULES = (
     cordage,
     candles,
     toys,
+    playthings,
+    food,
+    textiles,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

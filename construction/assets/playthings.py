@@ -1,0 +1,154 @@
+"""Toy cars with wheels that turn, and ducks."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+from pydantic import Field
+
+from .generator import Generator, Parameters, material
+from .made import Body, Joint, Made
+from .turning import half, solid
+
+__all__ = ["GENERATORS"]
+
+GAP = 8e-4
+"""[m] Between a wheel and the car."""
+
+
+class ToyCarParameters(Parameters):
+    """A toy car whose front is at -y, with four wheels on axles along x."""
+
+    length: float = Field(default=0.16, ge=0.06, le=0.6, description="along y [m]")
+    wheel: float = Field(default=0.24, ge=0.18, le=0.27, description="diameter of a wheel over the length")
+    cabin: float = Field(default=0.5, ge=0.35, le=0.65, description="length of the cabin over that of the car")
+    tyre: str = material("natural_rubber", "neoprene", "beech", "walnut", of="the wheels")
+    trim: str = material("maple", "acrylic", "brass", "polystyrene", of="cabin, lights and hubs")
+    material: str = material("cherry_wood", "beech", "mahogany", "roof_tile", "maize", "mild_steel")
+
+
+def _toy_car(p: ToyCarParameters, rng: np.random.Generator) -> Made:
+    long = p.length
+    r, half_long, wide = p.wheel * long / 2, long / 2, 0.19 * long
+    body = Body("toy car", p.material)
+    low, deck = 0.55 * r, 0.55 * r + 0.17 * long
+    nose = float(rng.uniform(0.25, 0.5))
+    rows = [
+        (-half_long, low + 0.03 * long, low + 0.09 * long),
+        (-0.46 * long, low, deck - nose * 0.08 * long),
+        (-0.12 * long, low, deck),
+    ]
+    rows += [(0.42 * long, low, deck), (half_long, low + 0.04 * long, deck - 0.03 * long)]
+    for number, ends in enumerate(itertools.pairwise(rows), start=1):
+        body.hull(f"hull_{number}", [(s * wide, y, z) for y, *zs in ends for z in zs for s in (-1, 1)])
+    front, top = -0.12 * long, deck + 0.16 * long
+    back = min(front + p.cabin * long, 0.42 * long)
+    roof = (front + 0.3 * (back - front), back - 0.14 * (back - front))
+    cabin = [(s * 0.92 * wide, y, deck) for s in (-1, 1) for y in (front, back)]
+    body.hull("cabin", [*cabin, *((s * 0.74 * wide, y, top) for s in (-1, 1) for y in roof)], material=p.trim)
+    body.hull("roof", [(s * w * wide, y, z) for s in (-1, 1) for w, z in ((0.74, top), (0.7, top + 0.018 * long)) for y in roof])
+    for name, s in (("left", -1), ("right", 1)):
+        at = (s * 0.62 * wide, -half_long, low + 0.06 * long)
+        body.cylinder(f"light_{name}", at, (at[0], -half_long - 0.012 * long, at[2]), 0.026 * long, material=p.trim)
+        tail = (s * 0.62 * wide, half_long, low + 0.08 * long)
+        body.box(
+            f"lamp_{name}",
+            (tail[0] - 0.03 * long, half_long, tail[2] - 0.015 * long),
+            (tail[0] + 0.03 * long, half_long + 0.008 * long, tail[2] + 0.015 * long),
+            material=p.trim,
+        )
+    made = Made.of(body)
+    broad = 0.075 * long
+    for name, sx, y in (("front_left", -1, -0.29), ("front_right", 1, -0.29), ("back_left", -1, 0.29), ("back_right", 1, 0.29)):
+        wheel = Body("wheel", p.tyre)
+        inner = wide + GAP
+        wheel.cylinder("tyre", (sx * inner, y * long, r), (sx * (inner + broad), y * long, r), r)
+        wheel.cylinder(
+            "hub", (sx * (inner + broad), y * long, r), (sx * (inner + 1.15 * broad), y * long, r), 0.5 * r, material=p.trim
+        )
+        made.bodies[f"wheel_{name}"] = wheel
+        friction = 1e-4 * (long / 0.16) ** 3
+        made.joints[f"wheel_{name}"] = Joint(
+            f"wheel_{name}", "hinge", (sx * wide, y * long, r), axis=(1, 0, 0), friction=friction
+        )
+    return made
+
+
+class ToyDuckParameters(Parameters):
+    """A duck that looks towards -y, light enough to swim."""
+
+    length: float = Field(default=0.1, ge=0.05, le=0.4, description="along y, about [m]")
+    plump: float = Field(default=0.72, ge=0.6, le=0.85, description="width over length")
+    beak: str = material("terracotta", "roof_tile", "cherry_wood", "basalt_lava", of="the beak")
+    material: str = material("maize", "rigid_foam", "polystyrene", "maple")
+
+
+def _toy_duck(p: ToyDuckParameters, rng: np.random.Generator) -> Made:
+    body, b = Body("toy duck", p.material), p.length / 2
+    a, c = p.plump * b, 0.62 * b
+    neck, mid = 0.34 * b, 0.52 * b
+    limits = (0.9 * a, 0.93 * b, mid + 0.72 * c)
+    points = []
+    for t in np.linspace(-math.pi / 2, math.pi / 2, 11):
+        for u in np.linspace(0, 2 * math.pi, 20, endpoint=False):
+            q = (a * math.cos(t) * math.cos(u), b * math.cos(t) * math.sin(u), mid + c * math.sin(t))
+            points.append((max(-limits[0], min(limits[0], q[0])), min(limits[1], q[1]), max(0.0, min(limits[2], q[2]))))
+    at, level = -0.36 * b, limits[2]
+    n = 24
+    points += [
+        (0.98 * neck * math.cos(k), at + 0.98 * neck * math.sin(k), level)
+        for k in np.linspace(0, 2 * math.pi, 16, endpoint=False)
+    ]
+    body.hull("body", points)
+    head = 0.44 * b * float(rng.uniform(0.95, 1.08))
+    low, flat = level + 0.52 * head, 0.16 * head
+    outer = [
+        (0.9 * neck, level),
+        (0.9 * head, low - 0.3 * head),
+        (head, low),
+        (head, low + 2 * flat),
+        (0.88 * head, low + 0.68 * head),
+        (0.62 * head, low + 1.0 * head),
+        (0.3 * head, low + 1.16 * head),
+        (0.0, low + 1.2 * head),
+    ]
+    body.turned("head", solid(outer), (0, at, 0), segments=n, euler=half(n))
+    face, side = at - head * math.cos(math.pi / n), head * math.tan(math.pi / n) * 2
+    body.hull(
+        "beak",
+        [(s * side, face, low + z * flat) for s in (-1, 1) for z in (0.1, 1.7)]
+        + [(s * 1.2 * side, face - 0.6 * head, low + z * flat) for s in (-1, 1) for z in (0.5, 1.0)],
+        material=p.beak,
+    )
+    for name, s in (("left", -1), ("right", 1)):
+        turn = math.radians(45)
+        r0 = head * math.cos(math.pi / n)
+        way = np.array([s * math.sin(turn), -math.cos(turn), 0])
+        foot = np.array([0, at, low + 1.1 * flat]) + r0 * way
+        body.cylinder(f"eye_{name}", foot, foot + 0.06 * head * way, 0.11 * head, material="abs")
+        rows = ((-0.35, 0.1, 0.35), (0.1, -0.1, 0.42), (0.5, 0.2, 0.36))
+        wing = [(s * limits[0], y * b, mid + z * c) for y, *zs in rows for z in zs]
+        body.hull(
+            f"wing_{name}",
+            [(s * limits[0], y * 0.5, z) for _, y, z in wing]
+            + [(s * (limits[0] + 0.07 * a), y * 0.4, mid + 0.9 * (z - mid)) for _, y, z in wing],
+        )
+    rise = mid + 0.3 * c
+    tail = [(s * 0.2 * a, limits[1], mid + z * c) for s in (-1, 1) for z in (-0.12, 0.14)]
+    body.hull(
+        "tail",
+        [
+            *tail,
+            *((s * 0.1 * a, limits[1] + 0.3 * b, rise + 0.16 * c) for s in (-1, 1)),
+            (0, limits[1] + 0.26 * b, rise + 0.3 * c),
+        ],
+    )
+    return Made.of(body)
+
+
+GENERATORS = (
+    Generator("toy_car", "toy car with four wheels that turn", ToyCarParameters, _toy_car, ("toy", "vehicle", "wheels", "children", "roll")),
+    Generator("toy_duck", "toy duck", ToyDuckParameters, _toy_duck, ("toy", "rubber", "bath", "bird", "swim", "float")),
+)  # fmt: skip

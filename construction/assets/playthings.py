@@ -87,65 +87,52 @@ class ToyDuckParameters(Parameters):
 
 def _toy_duck(p: ToyDuckParameters, rng: np.random.Generator) -> Made:
     body, b = Body("toy duck", p.material), p.length / 2
-    a, c = p.plump * b, 0.62 * b
-    neck, mid = 0.34 * b, 0.52 * b
-    limits = (0.9 * a, 0.93 * b, mid + 0.72 * c)
+    a, c, mid = p.plump * b, 0.62 * b, 0.52 * b
+    side, back, level, neck, at = 0.9 * a, 0.93 * b, mid + 0.72 * c, 0.34 * b, -0.36 * b
     points = []
     for t in np.linspace(-math.pi / 2, math.pi / 2, 11):
         for u in np.linspace(0, 2 * math.pi, 20, endpoint=False):
             q = (a * math.cos(t) * math.cos(u), b * math.cos(t) * math.sin(u), mid + c * math.sin(t))
-            points.append((max(-limits[0], min(limits[0], q[0])), min(limits[1], q[1]), max(0.0, min(limits[2], q[2]))))
-    at, level = -0.36 * b, limits[2]
-    n = 24
-    points += [
-        (0.98 * neck * math.cos(k), at + 0.98 * neck * math.sin(k), level)
-        for k in np.linspace(0, 2 * math.pi, 16, endpoint=False)
-    ]
+            points.append((max(-side, min(side, q[0])), min(back, q[1]), max(0.0, min(level, q[2]))))
+    for k in np.linspace(0, 2 * math.pi, 16, endpoint=False):
+        points.append((0.98 * neck * math.cos(k), at + 0.98 * neck * math.sin(k), level))
     body.hull("body", points)
-    head = 0.44 * b * float(rng.uniform(0.95, 1.08))
-    low, flat = level + 0.52 * head, 0.16 * head
-    outer = [
-        (0.9 * neck, level),
-        (0.9 * head, low - 0.3 * head),
-        (head, low),
-        (head, low + 2 * flat),
-        (0.88 * head, low + 0.68 * head),
-        (0.62 * head, low + 1.0 * head),
-        (0.3 * head, low + 1.16 * head),
-        (0.0, low + 1.2 * head),
-    ]
-    body.turned("head", solid(outer), (0, at, 0), segments=n, euler=half(n))
-    face, side = at - head * math.cos(math.pi / n), head * math.tan(math.pi / n) * 2
-    body.hull(
-        "beak",
-        [(s * side, face, low + z * flat) for s in (-1, 1) for z in (0.1, 1.7)]
-        + [(s * 1.2 * side, face - 0.6 * head, low + z * flat) for s in (-1, 1) for z in (0.5, 1.0)],
-        material=p.beak,
-    )
+    _duck_head(body, p.beak, (at, level), 0.44 * b * float(rng.uniform(0.95, 1.08)), neck)
+    rows = ((-0.35, 0.1, 0.35), (0.1, -0.1, 0.42), (0.5, 0.2, 0.36))
     for name, s in (("left", -1), ("right", 1)):
-        turn = math.radians(45)
-        r0 = head * math.cos(math.pi / n)
-        way = np.array([s * math.sin(turn), -math.cos(turn), 0])
-        foot = np.array([0, at, low + 1.1 * flat]) + r0 * way
-        body.cylinder(f"eye_{name}", foot, foot + 0.06 * head * way, 0.11 * head, material="abs")
-        rows = ((-0.35, 0.1, 0.35), (0.1, -0.1, 0.42), (0.5, 0.2, 0.36))
-        wing = [(s * limits[0], y * b, mid + z * c) for y, *zs in rows for z in zs]
-        body.hull(
-            f"wing_{name}",
-            [(s * limits[0], y * 0.5, z) for _, y, z in wing]
-            + [(s * (limits[0] + 0.07 * a), y * 0.4, mid + 0.9 * (z - mid)) for _, y, z in wing],
-        )
-    rise = mid + 0.3 * c
-    tail = [(s * 0.2 * a, limits[1], mid + z * c) for s in (-1, 1) for z in (-0.12, 0.14)]
-    body.hull(
-        "tail",
-        [
-            *tail,
-            *((s * 0.1 * a, limits[1] + 0.3 * b, rise + 0.16 * c) for s in (-1, 1)),
-            (0, limits[1] + 0.26 * b, rise + 0.3 * c),
-        ],
-    )
+        flank = [(s * side, 0.5 * y * b, mid + z * c) for y, *zs in rows for z in zs]
+        edge = [(s * (side + 0.07 * a), 0.4 * y * b, mid + 0.9 * z * c) for y, *zs in rows for z in zs]
+        body.hull(f"wing_{name}", [*flank, *edge])
+    tail = [(s * 0.2 * a, back, mid + z * c) for s in (-1, 1) for z in (-0.12, 0.14)]
+    tip = [(s * 0.1 * a, back + 0.3 * b, mid + 0.46 * c) for s in (-1, 1)]
+    body.hull("tail", [*tail, *tip, (0, back + 0.26 * b, mid + 0.6 * c)])
     return Made.of(body)
+
+
+def _duck_head(body: Body, beak: str, foot: tuple[float, float], r: float, neck: float) -> None:
+    """Head of radius `r` with beak and eyes on a neck.
+
+    Args:
+        body: it is added to.
+        beak: material of the beak.
+        foot: y and z of the middle of the neck's foot [m].
+        r: radius of the head [m].
+        neck: radius of the neck [m].
+    """
+    (at, level), n = foot, 24
+    low, flat = level + 0.52 * r, 0.16 * r
+    outer = [(0.9 * neck, level), (0.9 * r, low - 0.3 * r), (r, low), (r, low + 2 * flat), (0.88 * r, low + 0.68 * r)]
+    outer += [(0.62 * r, low + r), (0.3 * r, low + 1.16 * r), (0.0, low + 1.2 * r)]
+    body.turned("head", solid(outer), (0, at, 0), segments=n, euler=half(n))
+    reach = r * math.cos(math.pi / n)
+    face, side = at - reach, 2 * r * math.tan(math.pi / n)
+    root = [(s * side, face, low + z * flat) for s in (-1, 1) for z in (0.1, 1.7)]
+    tip = [(s * 1.2 * side, face - 0.6 * r, low + z * flat) for s in (-1, 1) for z in (0.5, 1.0)]
+    body.hull("beak", [*root, *tip], material=beak)
+    for name, s in (("left", -1), ("right", 1)):
+        way = np.array([s, -1, 0]) / math.sqrt(2)
+        eye = np.array([0, at, low + 1.1 * flat]) + reach * way
+        body.cylinder(f"eye_{name}", eye, eye + 0.06 * r * way, 0.11 * r, material="abs")
 
 
 GENERATORS = (

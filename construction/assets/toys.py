@@ -116,7 +116,8 @@ def _panels(body: Body, radius: float) -> None:
         axis = middle / np.linalg.norm(middle)
         one = face[0] - middle
         two = np.cross(axis, one)
-        ordered = sorted(face, key=lambda q, m=middle, u=one, v=two: math.atan2((q - m) @ v, (q - m) @ u))
+        turns = [math.atan2((q - middle) @ two, (q - middle) @ one) for q in face]
+        ordered = [face[k] for k in np.argsort(turns)]
         base = [q * inner / (q @ axis) for q in ordered]
         grid = [q + (w - q) * k / 4 for q, w in zip(ordered, [*ordered[1:], ordered[0]], strict=True) for k in range(4)]
         rings = [middle + (q - middle) * s for q in grid for s in (1.0, 0.7, 0.4)] + [middle]

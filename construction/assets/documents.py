@@ -13,7 +13,7 @@ from ...worlds.shapes import Pose
 from ..primitives import build_shape
 from .made import MAIN, Body, Joint, Made
 
-__all__ = ["AssetDocuments", "asset_documents", "body_id"]
+__all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_id"]
 
 DIGITS = 9
 
@@ -41,7 +41,7 @@ def asset_documents(name: str, record: dict[str, Any], made: Made, pose: RigidPo
         pose: of the asset's frame in the world.
         motion: of its bodies that do not say it.
     """
-    entities = {body_id(name, key): _entity(body, pose, motion) for key, body in made.bodies.items()}
+    entities = {body_id(name, key): _entity(body, pose, motion, whole=key == MAIN) for key, body in made.bodies.items()}
     entities[name]["asset"] = record | {"bodies": [body_id(name, key) for key in made.bodies if key != MAIN]}
     joints = {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}
     relations = {
@@ -51,10 +51,10 @@ def asset_documents(name: str, record: dict[str, Any], made: Made, pose: RigidPo
     return AssetDocuments(entities, joints, relations)
 
 
-def _entity(body: Body, pose: RigidPose, motion: str) -> dict[str, Any]:
-    """Entity whose own frame is the asset's, moved so that its origin is the middle of its foot."""
+def _entity(body: Body, pose: RigidPose, motion: str, *, whole: bool) -> dict[str, Any]:
+    """Entity whose own frame is the asset's for the main body, and stands under the middle of any other."""
     low, high = _box(body)
-    own = np.array([*(0.5 * (low + high))[:2], low[2]])
+    own = np.zeros(3) if whole else np.array([*(0.5 * (low + high))[:2], low[2]])
     parts = {}
     for key, part in body.parts.items():
         document = part.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
@@ -83,6 +83,13 @@ def _box(body: Body) -> tuple[F64, F64]:
     ]
     corners = np.concatenate(points)
     return corners.min(0), corners.max(0)
+
+
+def asset_size(made: Made) -> tuple[float, float, float]:
+    """Extents x, y, z of an asset with all its bodies [m]."""
+    boxes = [_box(body) for body in made.bodies.values()]
+    x, y, z = np.max([high for _, high in boxes], axis=0) - np.min([low for low, _ in boxes], axis=0)
+    return (float(x), float(y), float(z))
 
 
 def _joint(name: str, joint: Joint, pose: RigidPose) -> dict[str, Any]:

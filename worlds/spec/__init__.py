@@ -55,7 +55,7 @@ from ..shapes import (
 )
 from ..vocabulary import Ref, SpecModel
 from .claims import CLAIM_TYPES, Claim, ClaimType
-from .entities import Appearance, Dimensions, Entity, Material, Part, Rope
+from .entities import Appearance, Asset, Dimensions, Entity, Material, Part, Rope
 from .fields import FieldDriver
 from .simulation import (
     MOVED,
@@ -101,6 +101,7 @@ __all__ = [
     "Adjacent",
     "Appearance",
     "AreaLight",
+    "Asset",
     "BallJoint",
     "BallisticInstance",
     "BallisticSettings",

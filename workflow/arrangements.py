@@ -34,6 +34,9 @@ class AssetAsk(BaseModel):
     generator: str = Field(max_length=64, description="Name: inspect_world(part='assets', query='oak chair')")
     parameters: dict[str, Any] = Field(default={}, description="Those that differ from the generator's defaults; lengths in m")
     seed: int = Field(default=0, ge=0, lt=2**32, description="Of its variation; equal seeds make equal things")
+    positions: dict[str, float] = Field(
+        default={}, description="Of its joints at frame 0, from where they are made (closed): doors ajar, drawers out [rad or m]"
+    )
     motion: Literal["static", "dynamic"] | None = Field(
         default=None, description="Default: as the generator has it (what is built in is static)"
     )

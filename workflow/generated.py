@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from ..construction.assets.documents import AssetDocuments
     from ..construction.assets.made import Made
     from ..worlds.arrays import RigidPose
-    from ..worlds.spec import Entity, WorldSpec
+    from ..worlds.spec import Asset, Entity, WorldSpec
 
-__all__ = ["asset_operations", "place_of", "supports_operation"]
+__all__ = ["asset_operations", "made_of", "place_of", "supports_operation"]
 
 SHOWN = 12
 """Places and kept parts that a reply names."""
@@ -29,13 +29,19 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
         InputError: there is no such generator, a parameter is wrong, or the id belongs to something else.
     """
     from ..construction.assets.documents import asset_documents
+    from ..construction.assets.posing import posed
     from ..construction.assets.registry import generator
 
     before = spec.entities.get(name)
     if before is not None and before.asset is None:
         raise InputError(f"{name!r} was made by no generator; choose another id, or remove /entities/{name} first")
-    made = generator(asked.generator).make(asked.parameters, asked.seed)
-    record = {"generator": asked.generator, "parameters": dict(asked.parameters), "seed": asked.seed}
+    made = posed(generator(asked.generator).make(asked.parameters, asked.seed), asked.positions)
+    record = {
+        "generator": asked.generator,
+        "parameters": dict(asked.parameters),
+        "seed": asked.seed,
+        "positions": asked.positions,
+    }
     motion = asked.motion or (before.motion if before is not None else generator(asked.generator).motion)
     documents = asset_documents(name, record, made, _pose(before), motion=motion)
     taken = [k for k in documents.entities if k in spec.entities and not _belongs(spec, name, k)]
@@ -45,6 +51,14 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
     if before is not None:
         told |= _kept(spec, name, before, documents)
     return _operations(spec, name, before, documents), told
+
+
+def made_of(asset: Asset) -> Made:
+    """Bodies that a generator makes for the record of an entity."""
+    from ..construction.assets.posing import posed
+    from ..construction.assets.registry import make
+
+    return posed(make(asset.generator, asset.parameters, asset.seed), asset.positions)
 
 
 def _pose(entity: Entity | None) -> RigidPose:
@@ -79,13 +93,12 @@ def _told(made: Made, documents: AssetDocuments) -> dict[str, Any]:
 def _kept(spec: WorldSpec, name: str, before: Entity, documents: AssetDocuments) -> dict[str, Any]:
     """Carry parts that differ from what their generator made over to the new ones; names them for the reply."""
     from ..construction.assets.documents import asset_documents
-    from ..construction.assets.registry import make
     from ..worlds.spec import Part
 
     assert before.asset is not None
     asset = before.asset
     record = asset.model_dump(mode="json", exclude={"bodies"})
-    old = asset_documents(name, record, make(asset.generator, asset.parameters, asset.seed), _pose(before), motion=before.motion)
+    old = asset_documents(name, record, made_of(asset), _pose(before), motion=before.motion)
     kept = []
     for key, document in documents.entities.items():
         if key not in spec.entities or key not in old.entities:
@@ -162,12 +175,11 @@ def place_of(spec: WorldSpec, on: str, surface: str) -> tuple[Mapping[str, Any],
         InputError: the entity was not generated, or has no such surface.
     """
     from ..construction.assets.documents import body_id
-    from ..construction.assets.registry import make
 
     asset = spec.entities[on].asset
     if asset is None:
         raise InputError(f"{on!r} was made by no generator and names no surfaces; leave surface out and give at in the world")
-    places = make(asset.generator, asset.parameters, asset.seed).places
+    places = made_of(asset).places
     if surface not in places:
         raise InputError(f"{on!r} has no surface {surface[:60]!r}; a {asset.generator} has {sorted(places)}")
     place = places[surface]

@@ -13,7 +13,7 @@ from ...worlds.shapes import Pose
 from ..primitives import build_shape
 from .made import MAIN, Body, Joint, Made
 
-__all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_id"]
+__all__ = ["AssetDocuments", "asset_box", "asset_documents", "asset_size", "body_id"]
 
 DIGITS = 9
 
@@ -85,10 +85,16 @@ def _box(body: Body) -> tuple[F64, F64]:
     return corners.min(0), corners.max(0)
 
 
+def asset_box(made: Made) -> tuple[F64, F64]:
+    """Least and greatest corner of an asset with all its bodies, in its own frame [m], shape (3,) each."""
+    boxes = [_box(body) for body in made.bodies.values()]
+    return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+
 def asset_size(made: Made) -> tuple[float, float, float]:
     """Extents x, y, z of an asset with all its bodies [m]."""
-    boxes = [_box(body) for body in made.bodies.values()]
-    x, y, z = np.max([high for _, high in boxes], axis=0) - np.min([low for low, _ in boxes], axis=0)
+    low, high = asset_box(made)
+    x, y, z = high - low
     return (float(x), float(y), float(z))
 
 

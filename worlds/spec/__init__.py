@@ -57,6 +57,7 @@ from ..vocabulary import Ref, SpecModel
 from .claims import CLAIM_TYPES, Claim, ClaimType
 from .entities import Appearance, Asset, Dimensions, Entity, Material, Part, Rope
 from .fields import FieldDriver
+from .interiors import Interior, Room
 from .simulation import (
     MOVED,
     ContactPair,
@@ -156,6 +157,7 @@ __all__ = [
     "IgnitionDriver",
     "InflowDriver",
     "Interacts",
+    "Interior",
     "Joint",
     "Limits",
     "LiquidInstance",
@@ -185,6 +187,7 @@ __all__ = [
     "RigidPhysics",
     "RigidSettings",
     "Robustness",
+    "Room",
     "Rope",
     "SceneGraph",
     "Settle",

@@ -16,6 +16,7 @@ from ..categories.rigid.models import RigidPhysics
 from ..shapes import Pose, Shape
 from ..vocabulary import (
     EntityRef,
+    Finite,
     FrameInterval,
     Id,
     MaterialRef,
@@ -116,6 +117,9 @@ class Asset(SpecModel):
         Annotated[str, StringConstraints(max_length=64)], bool | int | float | Annotated[str, StringConstraints(max_length=64)]
     ] = {}
     seed: int = Field(default=0, ge=0, le=2**32 - 1, description="of its variation")
+    positions: dict[Id, Finite] = Field(
+        default={}, description="of its joints at frame 0, from where they are made: [rad] or [m]"
+    )
     bodies: Annotated[list[EntityRef], Field(max_length=500)] = Field(
         default=[], description="further entities that belong to it: drawers, wheels"
     )

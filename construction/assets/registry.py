@@ -9,6 +9,7 @@ from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
     bedroom,
+    storage,
     chairs,
     tables,
 )
@@ -21,6 +22,7 @@ MODULES = (
     tables,
     chairs,
     bedroom,
+    storage,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

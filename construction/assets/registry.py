@@ -10,6 +10,7 @@ from ...worlds.hints import did_you_mean
 from . import (
     bedroom,
     storage,
+    worktops,
     chairs,
     tables,
 )
@@ -23,6 +24,7 @@ MODULES = (
     chairs,
     bedroom,
     storage,
+    worktops,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

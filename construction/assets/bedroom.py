@@ -56,7 +56,7 @@ def _bed(p: BedParameters, rng: np.random.Generator) -> Made:
         body.box(f"slat_{number + 1}", (-x, middle - 0.04, base - 0.02), (x, middle + 0.04, base))
     _headboard(body, p, pick(p.head, rng, "slats", "panel", "arched", "padded"), (x + rail, y))
     half = p.mattress / 2
-    padded(body, "mattress", (0, 0, base + half), (p.width, p.length, p.mattress), p.linen, edge=0.9, plain=True)
+    padded(body, "mattress", (0, 0, base + half), (p.width, p.length, p.mattress), p.linen, bevel=(0.03, 0.02))
     count = 1 if p.width < 1.2 else 2
     wide = min(0.75, (p.width - 0.1) / count - 0.06)
     thick = float(rng.uniform(0.09, 0.12))
@@ -65,7 +65,7 @@ def _bed(p: BedParameters, rng: np.random.Generator) -> Made:
         pillow = made.bodies[f"pillow_{number + 1}"] = Body("pillow", "cotton")
         middle = (number - (count - 1) / 2) * (p.width - 0.06) / count
         at = (middle, p.length / 2 - 0.3, p.height + 0.0005 + thick / 2)
-        padded(pillow, "pillow", at, (wide, 0.4, thick), p.linen, edge=0.25)
+        padded(pillow, "pillow", at, (wide, 0.4, thick), p.linen, lens=True)
         made.carries.append(("", f"pillow_{number + 1}"))
     if p.blanket:
         _blanket(made, p, float(rng.uniform(0.55, 1.0)))
@@ -108,7 +108,7 @@ def _headboard(body: Body, p: BedParameters, kind: str, corner: tuple[float, flo
         wide = 2 * inner / count
         for number in range(count):
             at = (-inner + wide * (number + 0.5), front - 0.028, (p.height + 0.04 + high) / 2)
-            padded(body, f"pad_{number + 1}", at, (wide - 0.004, high - p.height - 0.06, 0.056), p.cover, lean=math.pi / 2, plain=True)
+            padded(body, f"pad_{number + 1}", at, (wide - 0.004, high - p.height - 0.06, 0.056), p.cover, lean=math.pi / 2)
         return
     if kind == "arched":
         bow = [(inner, high - 0.14), *((inner * math.cos(a), high - 0.14 + 0.16 * math.sin(a)) for a in np.linspace(0, math.pi, 13)[1:-1])]

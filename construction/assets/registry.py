@@ -9,6 +9,7 @@ from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
     bedroom,
+    sofas,
     storage,
     worktops,
     chairs,
@@ -23,6 +24,7 @@ MODULES = (
     tables,
     chairs,
     bedroom,
+    sofas,
     storage,
     worktops,
 )

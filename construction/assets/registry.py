@@ -9,6 +9,7 @@ from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
     bedroom,
+    benches,
     sofas,
     storage,
     worktops,
@@ -24,6 +25,7 @@ MODULES = (
     tables,
     chairs,
     bedroom,
+    benches,
     sofas,
     storage,
     worktops,

@@ -87,7 +87,7 @@ def _iron_end(body: Body, p: BenchParameters, number: int, x: float, tilt: float
     path += [(rear + (z - p.seat) * lean, z) for z in (p.seat + 0.03, p.height)] if p.back else [(rear - 0.02, under - 0.001)]
     body.sweep(f"rear_bar_{number}", [(x, b, z) for b, z in path], bar, material=p.metal)
     side = x + (0.04 if x <= 0 else -0.04)
-    front = -y + 0.03
+    front = -y + 0.014
     curve = [(front - 0.04, 0.004), (front - 0.04, 0.02), (front + 0.01, 0.12), (front - 0.01, under - 0.05)]
     bend = arc((front + 0.03, under - 0.044), 0.04, math.pi, math.pi / 2, 4)
     body.sweep(

@@ -10,6 +10,7 @@ from ...worlds.hints import did_you_mean
 from . import (
     bedroom,
     benches,
+    music,
     sofas,
     storage,
     worktops,
@@ -26,6 +27,7 @@ MODULES = (
     chairs,
     bedroom,
     benches,
+    music,
     sofas,
     storage,
     worktops,

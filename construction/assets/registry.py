@@ -7,13 +7,31 @@ from typing import Any
 
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
-from . import chairs, tables
+from . import (
+    bedroom,
+    benches,
+    music,
+    sofas,
+    storage,
+    worktops,
+    chairs,
+    tables,
+)
 from .generator import Generator
 from .made import Made
 
 __all__ = ["GENERATORS", "found", "generator", "make"]
 
-MODULES = (tables, chairs)
+MODULES = (
+    tables,
+    chairs,
+    bedroom,
+    benches,
+    music,
+    sofas,
+    storage,
+    worktops,
+)
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}
 

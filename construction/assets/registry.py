@@ -10,12 +10,18 @@ from ...worlds.hints import did_you_mean
 from . import (
     bedroom,
     benches,
+    books,
+    chairs,
+    containers,
+    cookware,
+    luggage,
     music,
     sofas,
     storage,
-    worktops,
-    chairs,
     tables,
+    tableware,
+    vessels,
+    worktops,
 )
 from .generator import Generator
 from .made import Made
@@ -23,13 +29,19 @@ from .made import Made
 __all__ = ["GENERATORS", "found", "generator", "make"]
 
 MODULES = (
-    tables,
-    chairs,
     bedroom,
     benches,
+    books,
+    chairs,
+    containers,
+    cookware,
+    luggage,
     music,
     sofas,
     storage,
+    tables,
+    tableware,
+    vessels,
     worktops,
 )
 """Modules that each list their generators in `GENERATORS`."""

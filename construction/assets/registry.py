@@ -7,13 +7,17 @@ from typing import Any
 
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
-from . import chairs, tables
+from . import chairs, openings, tables
 from .generator import Generator
 from .made import Made
 
 __all__ = ["GENERATORS", "found", "generator", "make"]
 
-MODULES = (tables, chairs)
+MODULES = (
+    tables,
+    chairs,
+    openings,
+)
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}
 

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
-from .profiles import arc, circle, rounded
+from .profiles import circle, rounded
 
 __all__ = ["GENERATORS", "spindle"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Literal
 
@@ -238,7 +239,7 @@ def _wall(p: WallParameters, rng: np.random.Generator) -> Made:
     for k in range(courses):
         ends = [0.0, *((j + 0.5 * (k % 2)) * unit for j in range(1 - k % 2, number)), p.length]
         row = []
-        for j, (a, b) in enumerate(zip(ends, ends[1:], strict=False)):
+        for j, (a, b) in enumerate(itertools.pairwise(ends)):
             rough = float(rng.uniform(0, p.rough))
             gap = GAP / 2 if p.loose else 0.0
             name = f"stone_{k + 1}_{j + 1}"
@@ -254,7 +255,7 @@ def _wall(p: WallParameters, rng: np.random.Generator) -> Made:
         made.bodies[MAIN] = body
         made.places["top"] = Place((0, 0, p.height), (p.length, p.thickness))
         return made
-    for below, above in zip(rows, rows[1:], strict=False):
+    for below, above in itertools.pairwise(rows):
         made.carries += [(m, n) for a, b, n in above for c, d, m in below if min(b, d) - max(a, c) > 1e-6]
     return made
 
@@ -284,7 +285,7 @@ def _battlement(p: BattlementParameters, rng: np.random.Generator) -> Made:
             p.length,
         ]
         batter = 0.05 * (k == 0)
-        for j, (a, b) in enumerate(zip(ends, ends[1:], strict=False)):
+        for j, (a, b) in enumerate(itertools.pairwise(ends)):
             rough = float(rng.uniform(0, 0.015)) + batter
             block(
                 body,

@@ -93,11 +93,20 @@ def knob(body: Body, name: str, at: Point, radius: float, *, material: str | Non
     x, y, z = at
     neck = 0.8 * radius
     body.cylinder(f"{name}_neck", (x, y, z), (x, y - neck, z), 0.45 * radius, material=material)
-    head = [(0, 0), (0.7 * radius, 0), (radius, 0.35 * radius), (0.95 * radius, 0.7 * radius), (0.5 * radius, radius), (0, radius)]
+    head = [
+        (0, 0),
+        (0.7 * radius, 0),
+        (radius, 0.35 * radius),
+        (0.95 * radius, 0.7 * radius),
+        (0.5 * radius, radius),
+        (0, radius),
+    ]
     body.turned(name, head, (x, y - neck, z), segments=20, euler=(math.pi / 2, 0, 0), material=material)
 
 
-def handle(body: Body, name: str, kind: str, at: Point, span: float, *, upright: bool = False, material: str | None = None) -> None:
+def handle(
+    body: Body, name: str, kind: str, at: Point, span: float, *, upright: bool = False, material: str | None = None
+) -> None:
     """A handle on a face that looks to the front, about a point of the face [m].
 
     Args:
@@ -190,9 +199,7 @@ def door(
     at = (x1 - stile / 2 if sign > 0 else x0 + stile / 2, back - style.thick, z0 + grip * (z1 - z0))
     handle(body, "handle", style.handle, at, min(0.14, 0.3 * (z1 - z0)), upright=True, material=style.metal)
     anchor = (x0 if sign > 0 else x1, back - style.thick, (z0 + z1) / 2)
-    made.joints[name] = Joint(
-        name, "hinge", anchor, parent, axis=(0, 0, -sign), range=(0.0, OPEN), damping=0.5, friction=0.5
-    )
+    made.joints[name] = Joint(name, "hinge", anchor, parent, axis=(0, 0, -sign), range=(0.0, OPEN), damping=0.5, friction=0.5)
 
 
 def drawer(

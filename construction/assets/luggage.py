@@ -9,7 +9,7 @@ from pydantic import Field
 
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
-from .profiles import circle, rectangle, rounded
+from .profiles import rectangle, rounded
 from .turning import facet, half, hollow, moved
 
 __all__ = ["GENERATORS"]

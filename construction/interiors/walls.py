@@ -12,7 +12,7 @@ import numpy as np
 from ...worlds.errors import InputError
 from .plans import OUTSIDE, Plan, Rect
 
-__all__ = ["Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "wall_blocks", "windows_of"]
+__all__ = ["CORNER", "Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "wall_blocks", "windows_of"]
 
 CORNER = 0.12
 """[m] Own choice: wall that is left between an opening and the corner of a room."""
@@ -154,8 +154,8 @@ def wall_blocks(plan: Plan, openings: Sequence[Opening], *, wall: float, height:
     """Boxes that fill all walls of a plan and leave its openings free."""
     strips = [strip for room in plan.rooms.values() for strip in _strips(room, wall)]
     holes = [(o.plan(wall), o.sill, o.head) for o in openings]
-    xs = _lines([r for r in (*strips, *(h[0] for h in holes))], "x0", "x1")
-    ys = _lines([r for r in (*strips, *(h[0] for h in holes))], "y0", "y1")
+    rects = [*strips, *(h[0] for h in holes)]
+    xs, ys = _lines(rects, "x0", "x1"), _lines(rects, "y0", "y1")
     solid = np.full((len(xs) - 1, len(ys) - 1), -1, dtype=int)
     kinds: list[tuple[tuple[float, float], ...]] = [((0.0, height),)]
     for strip in strips:

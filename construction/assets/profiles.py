@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-__all__ = ["arc", "circle", "rectangle", "rounded"]
+__all__ = ["arc", "circle", "convex_outline", "rectangle", "rounded"]
 
 Outline = list[tuple[float, float]]
 
@@ -35,3 +36,10 @@ def arc(center: tuple[float, float], radius: float, start: float, end: float, st
     """Points of an arc in a plane from one angle to another [rad], both ends included."""
     angles = (start + (end - start) * k / steps for k in range(steps + 1))
     return [(center[0] + radius * math.cos(a), center[1] + radius * math.sin(a)) for a in angles]
+
+
+def convex_outline(points: Sequence[tuple[float, float]]) -> Outline:
+    """Convex hull of points in a plane [m], counter-clockwise."""
+    from scipy.spatial import ConvexHull
+
+    return [(float(points[k][0]), float(points[k][1])) for k in ConvexHull(points).vertices]

@@ -8,6 +8,8 @@ from typing import Any
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
+    bedroom,
+    benches,
     books,
     candles,
     chairs,
@@ -18,12 +20,21 @@ from . import (
     garden_tools,
     hand_tools,
     luggage,
+    masonry,
+    music,
+    openings,
     playthings,
+    railings,
+    sofas,
+    stairs,
+    storage,
     tables,
     tableware,
     textiles,
+    towers,
     toys,
     vessels,
+    worktops,
 )
 from .generator import Generator
 from .made import Made
@@ -31,22 +42,33 @@ from .made import Made
 __all__ = ["GENERATORS", "found", "generator", "make"]
 
 MODULES = (
-    tables,
-    chairs,
-    vessels,
-    tableware,
-    cookware,
-    containers,
-    luggage,
+    bedroom,
+    benches,
     books,
-    hand_tools,
-    garden_tools,
-    cordage,
     candles,
-    toys,
-    playthings,
+    chairs,
+    containers,
+    cookware,
+    cordage,
     food,
+    garden_tools,
+    hand_tools,
+    luggage,
+    masonry,
+    music,
+    openings,
+    playthings,
+    railings,
+    sofas,
+    stairs,
+    storage,
+    tables,
+    tableware,
     textiles,
+    towers,
+    toys,
+    vessels,
+    worktops,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -11,7 +11,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Joint, Made, Place
 from .profiles import arc, circle
-from .turning import facet, half, hollow, moved, solid
+from .turning import drawn, facet, half, hollow, moved, solid
 
 __all__ = ["GENERATORS"]
 
@@ -176,6 +176,7 @@ def _cardboard_box(p: CardboardBoxParameters, rng: np.random.Generator) -> Made:
         body.box("tape", (-x, -0.025, top), (x, 0.025, top + 0.0004), material="polypropylene")
         body.box("tape_left", (-x - 0.0004, -0.025, top - 0.06), (-x, 0.025, top + 0.0004), material="polypropylene")
         body.box("tape_right", (x, -0.025, top - 0.06), (x + 0.0004, 0.025, top + 0.0004), material="polypropylene")
+        drawn(body, "tape", "tape_left", "tape_right")
         made.places["top"] = Place((0, 0, top + 0.0004), (0.9 * p.width, 0.9 * p.depth))
         return made
     for name, turn, reach, long in (("front", -1, y, x), ("right", 0, x, y), ("back", 1, y, x), ("left", 2, x, y)):

@@ -252,6 +252,9 @@ def _stepladder(p: StepladderParameters, rng: np.random.Generator) -> Made:
             f"rail_{number + 2}",
             [(s * (inner - h * lean), y + d - h * run, z + h) for s in (-1, 1) for d in (-0.008, 0.008) for h in (-0.016, 0.016)],
         )
+    for name, s in (("left", -1), ("right", 1)):
+        xs = sorted((s * (slim - 0.027), s * (slim - 0.039)))
+        front.box(f"knuckle_{name}", (xs[0], pivot[0] - 0.01, pivot[1] - 0.012), (xs[1], pivot[0] + 0.01, top))
     made = Made({"": front, "back": back})
     shut = 2 * math.atan(run) * 0.7
     made.joints["back"] = Joint("back", "hinge", (0, *pivot), axis=(-1, 0, 0), range=(0.0, shut), damping=0.3, friction=0.5)

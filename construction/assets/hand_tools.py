@@ -199,13 +199,12 @@ def _spanner(p: SpannerParameters, rng: np.random.Generator) -> Made:
     ]
     outline = [(x, y) for x, y, _ in moved([(x, y, 0) for x, y in [*arch, *mouth]], (left, 0, 0), turn)]
     body.prism("jaw", outline, 0, t)
-    start = left + outer * math.cos(math.pi / 8)
     end = right - ring * math.cos(math.pi / 12)
     broad = 0.3 * gap
-    crossing = start
+    edge = next((a, b) for a, b in itertools.pairwise(outline[:n]) if a[1] <= 0 < b[1] and a[0] > left)
     body.hull(
         "shaft",
-        [(x, s * y, z) for x, y in ((crossing, broad), (end, 0.8 * broad)) for s in (-1, 1) for z in (0.15 * t, 0.85 * t)],
+        [(x, y, z) for x, y in (*edge, (end, -broad), (end, broad)) for z in (0.15 * t, 0.85 * t)],
     )
     return Made.of(body)
 
@@ -214,26 +213,27 @@ class AxeParameters(Parameters):
     """An axe with a wedge of a blade on a curved handle, lying."""
 
     length: float = Field(default=0.62, ge=0.35, le=0.9, description="[m]")
-    blade: float = Field(default=0.12, ge=0.08, le=0.17, description="length of the edge [m]")
+    blade: float = Field(default=0.12, ge=0.08, le=0.17, description="length of the edge, 0.19 of the length at most [m]")
     handle: str = material("ash", "beech", "oak", of="the handle")
     material: str = material("mild_steel", "cast_iron")
 
 
 def _axe(p: AxeParameters, rng: np.random.Generator) -> Made:
     body, thick = Body("axe", p.material), 0.03
-    right, eye = p.length / 2, 0.34 * p.blade
-    left, mid = right - 2 * eye, thick / 2
-    poll, cheek, edge = 0.03, -0.028, -0.028 - 0.95 * p.blade
+    blade = min(p.blade, 0.19 * p.length)
+    right, eye = p.length / 2, 0.34 * blade
+    left = right - 2 * eye
+    poll, cheek, edge = 0.03, -0.028, -0.028 - 0.95 * blade
     body.box("eye", (left, cheek, 0), (right, poll, thick))
-    wide = p.blade / 2
+    wide = blade / 2
     centre = (left + right) / 2
     body.hull(
         "cheek",
         [(x, cheek, z) for x in (left, right) for z in (0.0, thick)]
-        + [(centre + s * 0.8 * eye, cheek - 0.35 * p.blade, mid + h) for s in (-1, 1) for h in (-0.006, 0.006)],
+        + [(centre + s * 0.8 * eye, cheek - 0.35 * blade, 0.01 + h) for s in (-1, 1) for h in (-0.006, 0.006)],
     )
-    bit = [(centre + s * 0.8 * eye, cheek - 0.35 * p.blade, mid + h) for s in (-1, 1) for h in (-0.006, 0.006)]
-    rim = [(centre + wide * s, edge + 0.12 * p.blade * s * s, mid + h) for s in (-1, -0.5, 0, 0.5, 1) for h in (-0.0006, 0.0006)]
+    bit = [(centre + s * 0.8 * eye, cheek - 0.35 * blade, 0.01 + h) for s in (-1, 1) for h in (-0.006, 0.006)]
+    rim = [(centre + wide * s, edge + 0.12 * blade * s * s, h) for s in (-1, -0.5, 0, 0.5, 1) for h in (0.0, 0.0014)]
     body.hull("bit", [*bit, *rim], material="stainless_steel")
     bow = float(rng.uniform(0.01, 0.03)) * p.length
     z = 0.012

@@ -51,12 +51,12 @@ def _toy_car(p: ToyCarParameters, rng: np.random.Generator) -> Made:
     body.hull("roof", [(s * w * wide, y, z) for s in (-1, 1) for w, z in ((0.74, top), (0.7, top + 0.018 * long)) for y in roof])
     for name, s in (("left", -1), ("right", 1)):
         at = (s * 0.62 * wide, -half_long, low + 0.06 * long)
-        body.cylinder(f"light_{name}", at, (at[0], -half_long - 0.012 * long, at[2]), 0.026 * long, material=p.trim)
+        body.cylinder(f"light_{name}", at, (at[0], -half_long - max(0.012 * long, 0.0012), at[2]), 0.026 * long, material=p.trim)
         tail = (s * 0.62 * wide, half_long, low + 0.08 * long)
         body.box(
             f"lamp_{name}",
             (tail[0] - 0.03 * long, half_long, tail[2] - 0.015 * long),
-            (tail[0] + 0.03 * long, half_long + 0.008 * long, tail[2] + 0.015 * long),
+            (tail[0] + 0.03 * long, half_long + max(0.008 * long, 0.0012), tail[2] + 0.015 * long),
             material=p.trim,
         )
     made = Made.of(body)
@@ -132,7 +132,7 @@ def _duck_head(body: Body, beak: str, foot: tuple[float, float], r: float, neck:
     for name, s in (("left", -1), ("right", 1)):
         way = np.array([s, -1, 0]) / math.sqrt(2)
         eye = np.array([0, at, low + 1.1 * flat]) + reach * way
-        body.cylinder(f"eye_{name}", eye, eye + 0.06 * r * way, 0.11 * r, material="abs")
+        body.cylinder(f"eye_{name}", eye, eye + max(0.06 * r, 0.0012) * way, 0.11 * r, material="abs")
 
 
 GENERATORS = (

@@ -13,7 +13,7 @@ from ...worlds.spec import Box
 from .generator import Generator, Parameters, material
 from .made import Body, Made
 from .profiles import arc
-from .turning import moved, solid, stacked
+from .turning import drawn, moved, solid, stacked
 
 __all__ = ["GENERATORS"]
 
@@ -56,6 +56,7 @@ def _dominoes(p: DominoesParameters, rng: np.random.Generator) -> Made:
             euler=(0, 0, turn),
             material="abs" if p.material != "abs" else "polystyrene",
         )
+        drawn(body, "line")
         made.bodies["" if number == 0 else f"stone_{number + 1}"] = body
     return made
 
@@ -222,6 +223,7 @@ def _dice(p: DiceParameters, rng: np.random.Generator) -> Made:
                 middle = 0.24 * side * (a * u + b * v) + 0.5 * side * normal
                 foot, head = moved([middle, middle + 0.0002 * normal], place, turn)
                 body.cylinder(f"pip_{value}_{k}", foot, head, 0.09 * side, material=p.pips)
+                drawn(body, f"pip_{value}_{k}")
         made.bodies["" if number == 0 else f"die_{number + 1}"] = body
     return made
 

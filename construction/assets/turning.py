@@ -23,6 +23,7 @@ __all__ = [
     "breaking",
     "bulged",
     "curve",
+    "drawn",
     "facet",
     "grip",
     "half",
@@ -184,6 +185,12 @@ def moved(points: Sequence[Point], by: Point = (0, 0, 0), turn: float = 0.0) -> 
     c, s = math.cos(turn), math.sin(turn)
     rows = np.array([np.asarray(q, dtype=np.float64) for q in points])
     return list(rows @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + np.asarray(by, dtype=np.float64))
+
+
+def drawn(body: Body, *names: str) -> None:
+    """Make parts drawn only: labels, pips, tapes, thinner than the skin of a collision."""
+    for name in names:
+        body.parts[name] = body.parts[name].model_copy(update={"collides": False})
 
 
 def breaking(material: str, pieces: int, seed: int, wall: float) -> dict[str, Any]:

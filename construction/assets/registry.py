@@ -7,7 +7,7 @@ from typing import Any
 
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
-from . import chairs, masonry, openings, railings, roofs, stairs, tables, towers, wells
+from . import chairs, fences, frames, masonry, openings, railings, roofs, stairs, tables, towers, wells
 from .generator import Generator
 from .made import Made
 
@@ -23,6 +23,8 @@ MODULES = (
     towers,
     wells,
     roofs,
+    fences,
+    frames,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -26,7 +26,7 @@ class PlankBridgeParameters(Parameters):
 
 def _plank_bridge(p: PlankBridgeParameters, rng: np.random.Generator) -> Made:
     body = Body("footbridge", p.material)
-    sill, beam, thick, half = 0.12, 0.2, 0.045, p.length / 2
+    sill, thick, half = 0.12, 0.045, p.length / 2
     deep = 0.1 + 0.02 * p.length
     for s, side in ((-1, "left"), (1, "right")):
         a, b = sorted((s * half, s * (half - 0.2)))

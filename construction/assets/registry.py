@@ -7,7 +7,7 @@ from typing import Any
 
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
-from . import chairs, fences, frames, masonry, openings, railings, roofs, stairs, tables, towers, wells
+from . import carts, chairs, fences, frames, masonry, openings, railings, rocks, roofs, stairs, tables, towers, wells
 from .generator import Generator
 from .made import Made
 
@@ -25,6 +25,8 @@ MODULES = (
     roofs,
     fences,
     frames,
+    carts,
+    rocks,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -71,10 +71,8 @@ class Axle(NamedTuple):
         body.hull(name, points, material=material)
 
 
-def spoked(
-    body: Body, axle: Axle, radius: float, width: float, spokes: int, *, hole: float, wood: str, tyre: str, spin: float = 0.0
-) -> float:
-    """Add a wheel of wood with a hub about a hole, spokes, a rim and a tyre of metal, a flat side down.
+def spoked(body: Body, axle: Axle, radius: float, width: float, spokes: int, *, wood: str, tyre: str, spin: float = 0.0) -> float:
+    """Add a wheel of wood with a hub, spokes, a rim and a tyre of metal, a flat side down.
 
     Args:
         body: to which it is added.
@@ -82,7 +80,6 @@ def spoked(
         radius: to the corners of the tyre [m].
         width: of the rim [m].
         spokes: their number.
-        hole: radius of the hole of the hub [m].
         wood: material of the wheel.
         tyre: material of its tyre.
         spin: turn of the spokes [rad]; the same wheel may be varied by it where the tyre is not on the ground.
@@ -110,10 +107,10 @@ def spoked(
         spin=begin,
         material=wood,
     )
-    hub, long = max(0.16 * radius, hole + 0.02), 1.5 * w
+    hub, long = max(0.16 * radius, 0.025), 1.5 * w
     first = begin + math.pi / segments
     turn = first - math.pi / spokes
-    shape = [(hole, -long), (0.85 * hub, -long), (hub, -0.7 * w), (hub, 0.7 * w), (0.85 * hub, long), (hole, long)]
+    shape = [(0, -long), (0.85 * hub, -long), (hub, -0.7 * w), (hub, 0.7 * w), (0.85 * hub, long), (0, long)]
     axle.ring(body, "hub", shape, segments=spokes, spin=turn, material=wood)
     flat_rim, flat_hub = inner * math.cos(math.pi / segments), hub * math.cos(math.pi / spokes)
     wide = min(0.9 * 2 * hub * math.sin(math.pi / spokes), 0.9 * 2 * inner * math.sin(math.pi / segments), 0.07 * radius + 0.012)

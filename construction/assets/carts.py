@@ -21,7 +21,7 @@ class CartParameters(Parameters):
     length: float = Field(default=1.8, ge=1.0, le=3.0, description="of the bed along y [m]")
     width: float = Field(default=1.0, ge=0.7, le=1.6, description="of the bed along x [m]")
     wheels: Literal["two", "four"] = Field(default="two", description="wheels")
-    wheel: float = Field(default=0.48, ge=0.3, le=0.7, description="radius of a wheel [m]")
+    wheel: float = Field(default=0.48, ge=0.3, le=0.7, description="radius of a wheel, less where four would touch [m]")
     spokes: int = Field(default=10, ge=6, le=12, description="of a wheel")
     sides: float = Field(default=0.32, ge=0.1, le=0.6, description="height of the side boards [m]")
     tyre: str = material("mild_steel", "cast_iron", of="tyres")
@@ -32,6 +32,8 @@ def _cart(p: CartParameters, rng: np.random.Generator) -> Made:
     body = Body("cart", p.material)
     made = Made.of(body)
     two, half, wide = p.wheels == "two", p.length / 2, 0.07
+    if not two:
+        p = p.model_copy(update={"wheel": min(p.wheel, 0.32 * p.length - 0.02)})
     lift = _wheel_height(p)
     x = p.width / 2 + 0.03 + 0.75 * wide
     beam, sill, board = 0.09, 0.08, 0.028

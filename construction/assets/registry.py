@@ -7,7 +7,23 @@ from typing import Any
 
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
-from . import boats, carts, chairs, fences, frames, masonry, openings, railings, rocks, roofs, stairs, tables, towers, wells
+from . import (
+    boats,
+    carts,
+    chairs,
+    fences,
+    frames,
+    masonry,
+    openings,
+    railings,
+    rocks,
+    roofs,
+    stairs,
+    tables,
+    timber,
+    towers,
+    wells,
+)
 from .generator import Generator
 from .made import Made
 
@@ -28,6 +44,7 @@ MODULES = (
     carts,
     rocks,
     boats,
+    timber,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

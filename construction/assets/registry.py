@@ -13,6 +13,7 @@ from . import (
     chairs,
     fences,
     frames,
+    machines,
     masonry,
     openings,
     railings,
@@ -45,6 +46,7 @@ MODULES = (
     rocks,
     boats,
     timber,
+    machines,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -15,6 +15,7 @@ from . import (
     frames,
     machines,
     masonry,
+    mills,
     openings,
     railings,
     rocks,
@@ -47,6 +48,7 @@ MODULES = (
     boats,
     timber,
     machines,
+    mills,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+<<<<<<< HEAD
 __all__ = ["arc", "circle", "convex_outline", "rectangle", "rounded"]
+=======
+__all__ = ["arc", "circle", "mitred", "rectangle", "rounded"]
+>>>>>>> 0af2bfdea560ccb5ff770107f6acc23e83f50276
 
 Outline = list[tuple[float, float]]
 
@@ -38,8 +42,25 @@ def arc(center: tuple[float, float], radius: float, start: float, end: float, st
     return [(center[0] + radius * math.cos(a), center[1] + radius * math.sin(a)) for a in angles]
 
 
+<<<<<<< HEAD
 def convex_outline(points: Sequence[tuple[float, float]]) -> Outline:
     """Convex hull of points in a plane [m], counter-clockwise."""
     from scipy.spatial import ConvexHull
 
     return [(float(points[k][0]), float(points[k][1])) for k in ConvexHull(points).vertices]
+=======
+def mitred(
+    low: tuple[float, float, float, float], high: tuple[float, float, float, float], levels: tuple[float, float], thick: float
+) -> dict[str, list[tuple[float, float, float]]]:
+    """Corners of four leaning panels between two level rectangles (x0, y0, x1, y1), mitred where they meet [m].
+
+    The rectangles are those of the outer faces; panels are `thick` towards the inside, measured level.
+    """
+    found: dict[str, list[tuple[float, float, float]]] = {"front": [], "right": [], "back": [], "left": []}
+    for (x0, y0, x1, y1), z in zip((low, high), levels, strict=True):
+        outer = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+        inner = [(x0 + thick, y0 + thick), (x1 - thick, y0 + thick), (x1 - thick, y1 - thick), (x0 + thick, y1 - thick)]
+        for k, side in enumerate(found):
+            found[side] += [(*ring[j], z) for ring in (outer, inner) for j in (k, (k + 1) % 4)]
+    return found
+>>>>>>> 0af2bfdea560ccb5ff770107f6acc23e83f50276

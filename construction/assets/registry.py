@@ -8,6 +8,7 @@ from typing import Any
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
+<<<<<<< HEAD
     bedroom,
     benches,
     books,
@@ -35,6 +36,25 @@ from . import (
     toys,
     vessels,
     worktops,
+=======
+    boats,
+    carts,
+    chairs,
+    fences,
+    frames,
+    machines,
+    masonry,
+    mills,
+    openings,
+    railings,
+    rocks,
+    roofs,
+    stairs,
+    tables,
+    timber,
+    towers,
+    wells,
+>>>>>>> 0af2bfdea560ccb5ff770107f6acc23e83f50276
 )
 from .generator import Generator
 from .made import Made
@@ -66,9 +86,22 @@ MODULES = (
     tableware,
     textiles,
     towers,
+<<<<<<< HEAD
     toys,
     vessels,
     worktops,
+=======
+    wells,
+    roofs,
+    fences,
+    frames,
+    carts,
+    rocks,
+    boats,
+    timber,
+    machines,
+    mills,
+>>>>>>> 0af2bfdea560ccb5ff770107f6acc23e83f50276
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -11,7 +11,7 @@ import numpy as np
 from .made import MAIN, Body, Joint, Made, Place, Point
 from .profiles import circle, rounded
 
-__all__ = ["GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick"]
+__all__ = ["BACK", "GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick"]
 
 Rect = tuple[float, float, float, float]
 """Least x, greatest x, least z, greatest z [m] of something that faces the front."""

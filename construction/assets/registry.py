@@ -10,6 +10,7 @@ from ...worlds.hints import did_you_mean
 from . import (
     bedroom,
     benches,
+    kitchens,
     music,
     sofas,
     storage,
@@ -27,6 +28,7 @@ MODULES = (
     chairs,
     bedroom,
     benches,
+    kitchens,
     music,
     sofas,
     storage,

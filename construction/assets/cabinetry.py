@@ -11,7 +11,7 @@ import numpy as np
 from .made import MAIN, Body, Joint, Made, Place, Point
 from .profiles import circle, rounded
 
-__all__ = ["BACK", "GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick"]
+__all__ = ["BACK", "GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick", "set_moving"]
 
 Rect = tuple[float, float, float, float]
 """Least x, greatest x, least z, greatest z [m] of something that faces the front."""
@@ -50,6 +50,13 @@ def pick(value: str, rng: np.random.Generator, *options: str) -> str:
     """A choice as asked for, or one of the options by the seed where it is "varied"."""
     drawn = options[int(rng.integers(len(options)))]
     return drawn if value == "varied" else value
+
+
+def set_moving(made: Made) -> Made:
+    """The asset, with all that its joints carry dynamic, where the rest is built in."""
+    for joint in made.joints.values():
+        made.bodies[joint.child].motion = "dynamic"
+    return made
 
 
 def carcass(body: Body, low: Point, high: Point, thick: float, *, back: bool = True) -> None:

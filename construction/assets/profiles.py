@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["arc", "circle", "rectangle", "rounded"]
+__all__ = ["arc", "circle", "inset", "oval", "rectangle", "rounded"]
 
 Outline = list[tuple[float, float]]
 
@@ -28,6 +28,24 @@ def rounded(width: float, height: float, radius: float, steps: int = 3) -> Outli
     for corner, (cx, cy) in enumerate(((x, y), (-x, y), (-x, -y), (x, -y))):
         angles = (math.pi / 2 * (corner + k / steps) for k in range(steps + 1))
         found += [(cx + radius * math.cos(a), cy + radius * math.sin(a)) for a in angles]
+    return found
+
+
+def oval(width: float, depth: float, sides: int = 20, *, middle: float = 0.0) -> Outline:
+    """Polygon on an ellipse about (0, `middle`) with level edges at its ends [m], counter-clockwise."""
+    angles = (2 * math.pi * (k + 0.5) / sides for k in range(sides))
+    return [(width / 2 * math.cos(a), middle + depth / 2 * math.sin(a)) for a in angles]
+
+
+def inset(outline: Outline, way: float) -> Outline:
+    """Polygon whose edges are moved inwards by a way [m], mitred as a swept profile is; counter-clockwise, outwards where negative."""
+    found = []
+    for k, (x, y) in enumerate(outline):
+        (a, b), (c, d) = outline[k - 1], outline[(k + 1) % len(outline)]
+        before, after = math.hypot(x - a, y - b), math.hypot(c - x, d - y)
+        n, m = (-(y - b) / before, (x - a) / before), (-(d - y) / after, (c - x) / after)
+        share = way / (1 + n[0] * m[0] + n[1] * m[1])
+        found.append((x + share * (n[0] + m[0]), y + share * (n[1] + m[1])))
     return found
 
 

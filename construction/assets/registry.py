@@ -8,6 +8,7 @@ from typing import Any
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
+    appliances,
     bedroom,
     benches,
     kitchens,
@@ -26,6 +27,7 @@ __all__ = ["GENERATORS", "found", "generator", "make"]
 MODULES = (
     tables,
     chairs,
+    appliances,
     bedroom,
     benches,
     kitchens,

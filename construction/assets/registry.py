@@ -9,6 +9,7 @@ from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
     appliances,
+    bathrooms,
     bedroom,
     benches,
     kitchens,
@@ -28,6 +29,7 @@ MODULES = (
     tables,
     chairs,
     appliances,
+    bathrooms,
     bedroom,
     benches,
     kitchens,

@@ -197,7 +197,7 @@ def _washbasin(p: WashbasinParameters, rng: np.random.Generator) -> Made:
     x, y, high, thick = p.width / 2, p.depth / 2, p.height, 0.03
     square = pick(p.outline, rng, "square", "round") == "square"
     middle = -0.045
-    hole = [(a, b + middle) for a, b in rounded(p.width - 0.12, p.depth - 0.19, 0.48 * (p.depth - 0.19), 5)]
+    hole = [(a, b + middle) for a, b in rounded(p.width - 0.12, p.depth - 0.19, 0.42 * (p.depth - 0.19), 5)]
     outer = rounded(p.width, p.depth, 0.05 if square else 0.45 * p.depth, 4 if square else 6)
     if not square:
         outer = [q for q in outer if q[1] < 0] + [(x, y - 0.03), (x - 0.03, y), (-x + 0.03, y), (-x, y - 0.03)]

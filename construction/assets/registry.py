@@ -17,6 +17,7 @@ from . import (
     music,
     sofas,
     storage,
+    wall_hung,
     worktops,
     chairs,
     tables,
@@ -38,6 +39,7 @@ MODULES = (
     music,
     sofas,
     storage,
+    wall_hung,
     worktops,
 )
 """Modules that each list their generators in `GENERATORS`."""

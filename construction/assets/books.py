@@ -18,7 +18,7 @@ __all__ = ["GENERATORS"]
 
 COVERS = ("leather", "carpet", "linen", "felt", "cardboard", "cotton", "polyester", "mahogany", "slate")
 """Rows whose colours a shelf of books shows, drawn by seed."""
-GAP = 6e-4
+GAP = 1.01e-3
 """[m] Between two books."""
 
 

@@ -52,7 +52,7 @@ def _cooking_pot(p: CookingPotParameters, rng: np.random.Generator) -> Made:
         body.sweep(f"handle_{name}", path, circle(0.0055, 8))
     made = Made.of(body)
     if p.lid:
-        made.bodies["lid"] = _lid("lid of the pot", p.material, p.knob, wide + 0.002, wide - p.wall - 0.0025, top)
+        made.bodies["lid"] = _lid("lid of the pot", p.material, p.knob, wide + 0.002, face - p.wall - 0.0015, top)
         made.carries.append(("", "lid"))
     else:
         made.places["inside"] = Place((0, 0, 2 * p.wall), (wide, wide), top - 2 * p.wall)

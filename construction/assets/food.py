@@ -14,9 +14,6 @@ from .turning import solid, stacked
 
 __all__ = ["GENERATORS"]
 
-GAP = 6e-4
-"""[m] Between bodies."""
-
 
 def _stalk(
     body: Body, foot: tuple[float, float, float], long: float, radius: float, rng: np.random.Generator, *, leaf: bool

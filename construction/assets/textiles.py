@@ -13,7 +13,7 @@ from .profiles import circle
 
 __all__ = ["GENERATORS"]
 
-GAP = 6e-4
+GAP = 1.01e-3
 """[m] Between two things that lie on each other."""
 
 

@@ -15,7 +15,7 @@ from .turning import breaking, bulged, drawn, facet, grip, half, hollow, solid, 
 __all__ = ["GENERATORS"]
 
 BREAKABLE = Field(default=False, description="it shatters: pieces are cut beforehand")
-CLEAR = 6e-4
+CLEAR = 1.01e-3
 """[m] Between a loose lid or stopper and what it lies on."""
 
 

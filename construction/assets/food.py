@@ -154,7 +154,7 @@ def _carrot(p: CarrotParameters, rng: np.random.Generator) -> Made:
             (crown - 0.18 * long, y + 0.18 * spread * long, z + 0.1 * reach),
             (crown - reach, y + spread * (0.18 * long + 0.6 * (reach - 0.18 * long)), z + 0.04 * reach),
         ]
-        body.sweep(f"leaf_{k + 1}", path, circle(0.045 * p.diameter, 6), scales=[1, 1, 1.3, 0.6], material="grass")
+        body.sweep(f"leaf_{k + 1}", path, circle(0.036 * p.diameter, 6), scales=[1, 1, 1.1, 0.6], material="grass")
     return Made.of(body)
 
 

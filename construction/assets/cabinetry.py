@@ -12,7 +12,24 @@ import numpy as np
 from .made import MAIN, Body, Joint, Made, Place, Point
 from .profiles import circle, rounded
 
-__all__ = ["BACK", "GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick", "set_moving", "stacked"]
+__all__ = [
+    "BACK",
+    "GAP",
+    "SIDE",
+    "Rect",
+    "Style",
+    "carcass",
+    "cornice",
+    "door",
+    "drawer",
+    "feet",
+    "handle",
+    "knob",
+    "leaf",
+    "pick",
+    "set_moving",
+    "stacked",
+]
 
 Rect = tuple[float, float, float, float]
 """Least x, greatest x, least z, greatest z [m] of something that faces the front."""
@@ -61,7 +78,13 @@ def set_moving(made: Made) -> Made:
 
 
 def stacked(
-    body: Body, name: str, curve: Sequence[tuple[float, float]], at: Point = (0, 0, 0), *, segments: int = 32, material: str | None = None
+    body: Body,
+    name: str,
+    curve: Sequence[tuple[float, float]],
+    at: Point = (0, 0, 0),
+    *,
+    segments: int = 32,
+    material: str | None = None,
 ) -> None:
     """Add a solid turned thing as convex pieces, one on the other, cut at its waists.
 
@@ -129,11 +152,20 @@ def knob(body: Body, name: str, at: Point, radius: float, *, material: str | Non
     x, y, z = at
     neck = 0.8 * radius
     body.cylinder(f"{name}_neck", (x, y, z), (x, y - neck, z), 0.45 * radius, material=material)
-    head = [(0, 0), (0.7 * radius, 0), (radius, 0.35 * radius), (0.95 * radius, 0.7 * radius), (0.5 * radius, radius), (0, radius)]
+    head = [
+        (0, 0),
+        (0.7 * radius, 0),
+        (radius, 0.35 * radius),
+        (0.95 * radius, 0.7 * radius),
+        (0.5 * radius, radius),
+        (0, radius),
+    ]
     body.turned(name, head, (x, y - neck, z), segments=20, euler=(math.pi / 2, 0, 0), material=material)
 
 
-def handle(body: Body, name: str, kind: str, at: Point, span: float, *, upright: bool = False, material: str | None = None) -> None:
+def handle(
+    body: Body, name: str, kind: str, at: Point, span: float, *, upright: bool = False, material: str | None = None
+) -> None:
     """A handle on a face that looks to the front, about a point of the face [m].
 
     Args:
@@ -153,7 +185,7 @@ def handle(body: Body, name: str, kind: str, at: Point, span: float, *, upright:
     x, y, z = at
     half, reach = span / 2, 0.03
     if kind == "bow":
-        curve = [(half * math.cos(a), 0.008 + (reach - 0.008) * math.sin(a)) for a in np.linspace(0, math.pi, 7)]
+        curve = [(half * math.cos(a), 0.008 + (reach - 0.008) * math.sin(a)) for a in np.linspace(0, math.pi, 6)]
         way = [(half, 0.0), *curve, (-half, 0.0)]
     else:
         way = [(half, 0.0), (half, reach), (-half, reach), (-half, 0.0)]
@@ -226,9 +258,7 @@ def door(
     at = (x1 - stile / 2 if sign > 0 else x0 + stile / 2, back - style.thick, z0 + grip * (z1 - z0))
     handle(body, "handle", style.handle, at, min(0.14, 0.3 * (z1 - z0)), upright=True, material=style.metal)
     anchor = (x0 if sign > 0 else x1, back - style.thick, (z0 + z1) / 2)
-    made.joints[name] = Joint(
-        name, "hinge", anchor, parent, axis=(0, 0, -sign), range=(0.0, OPEN), damping=0.5, friction=0.5
-    )
+    made.joints[name] = Joint(name, "hinge", anchor, parent, axis=(0, 0, -sign), range=(0.0, OPEN), damping=0.5, friction=0.5)
 
 
 def drawer(

@@ -12,16 +12,16 @@ from . import (
     bathrooms,
     bedroom,
     benches,
+    chairs,
     halls,
     kitchens,
     lamps,
     music,
     sofas,
     storage,
+    tables,
     wall_hung,
     worktops,
-    chairs,
-    tables,
 )
 from .generator import Generator
 from .made import Made

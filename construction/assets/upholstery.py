@@ -27,6 +27,7 @@ def padded(
     cover: str,
     *,
     lens: bool = False,
+    plain: bool = False,
     bevel: tuple[float, float] = (0.06, 0.04),
     lean: float = 0.0,
 ) -> None:
@@ -39,11 +40,12 @@ def padded(
         size: full extents [m] before it leans.
         cover: material of the cover.
         lens: thick in the middle and thin at its edges, as a pillow; otherwise a box with a bevelled upper side.
+        plain: a box with sharp upright edges, of fewer pieces.
         bevel: width and height of the bevel [m].
         lean: angle about the x axis [rad] by which its upper side turns towards -y.
     """
     x, y, z = (float(c) / 2 for c in np.asarray(size, dtype=np.float64))
-    t, cut = min(COVER, 0.2 * z), 0.0 if lens else min(0.25 * min(x, y), SOFT)
+    t, cut = min(COVER, 0.2 * z), 0.0 if lens or plain else min(0.25 * min(x, y), SOFT)
     if lens:
         wide = 0.45 * min(x, y)
         half = [(0.0, 0.0), (0.22 * wide, 0.62 * z), (wide, z)]
@@ -51,7 +53,7 @@ def padded(
         outer = [(d, -v) for d, v in half[:0:-1]] + half
         inner = [(d, -v) for d, v in core[:0:-1]] + core
     else:
-        wide, high = min(bevel[0], 1.6 * cut), min(bevel[1], 1.2 * z)
+        wide, high = min(bevel[0], 1.6 * cut if cut else 0.5 * min(x, y)), min(bevel[1], 1.2 * z)
         outer = [(0.0, t - z), (0.0, z - high), (wide, z)]
         inner = [(t, t - z), (t, z - high - t / 2), (wide, z - t)]
     turn = (lean, 0.0, 0.0)

@@ -24,7 +24,7 @@ class DeskParameters(Parameters):
     depth: float = Field(default=0.7, ge=0.55, le=0.95, description="along y [m]; one sits at -y")
     height: float = Field(default=0.74, ge=0.68, le=0.78, description="to the upper side of the top [m]")
     pedestals: Literal["left", "right", "both"] = Field(default="right", description="sides with drawers")
-    drawers: int = Field(default=3, ge=2, le=4, description="drawers of a pedestal")
+    drawers: int = Field(default=3, ge=2, le=3, description="drawers of a pedestal")
     handles: Literal["varied", "bar", "bow", "knob"] = Field(default="varied", description="of the drawers")
     fronts: Literal["varied", "flat", "framed"] = Field(default="varied", description="of the drawers")
     metal: str = material("brass", "stainless_steel", "mild_steel", "bronze", of="handles")

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from .cabinetry import GAP, Style, drawer, handle, leaf, pick, stacked
+from .cabinetry import GAP, Style, drawer, handle, leaf, pick, pivots, stacked
 from .generator import Generator, Parameters, material
 from .made import MAIN, Body, Joint, Made, Place, Point
 from .profiles import rounded
@@ -101,7 +101,7 @@ def _rack(made: Made, extent: tuple[float, float, float], level: float) -> None:
     """A rack of bars on the lower ledges of an oven, of half width x and least and greatest y [m]."""
     x, y0, y1 = extent
     rack = made.bodies["rack"] = Body("oven rack", STEEL)
-    z, edge = level + 0.0005, x - 0.0015
+    z, edge = level + 0.001, x - 0.0015
     for name, a, b in (("left", -edge, -edge + 0.008), ("right", edge - 0.008, edge)):
         rack.box(f"rim_{name}", (a, y0 + 0.01, z), (b, y1 - 0.004, z + 0.006))
     bars = 10
@@ -119,6 +119,9 @@ def _oven_door(made: Made, p: StoveParameters, rect: tuple[float, float, float, 
     leaf(oven, rect, back, Style(p.material, p.material, panel="glazed", thick=thick))
     handle(oven, "handle", "bar", (0, back - thick, z1 - 0.035), 0.7 * (x1 - x0), material=p.metal)
     anchor = (0, back - thick, z0)
+    for side, a in (("left", x0), ("right", x1 - 0.016)):
+        low, high = (a, back - thick - 0.001, z0 - 0.0019), (a + 0.016, back + 0.0015, z0 - 0.0007)
+        made.main.box(f"pivot_door_{side}", low, high, material=p.metal)
     made.joints["door"] = Joint(
         "door", "hinge", anchor, MAIN, axis=(1, 0, 0), range=(0.0, math.pi / 2), damping=1.0, friction=1.5
     )
@@ -206,7 +209,7 @@ def _fridge(p: FridgeParameters, rng: np.random.Generator) -> Made:
     if split:
         _fridge_door(made, p, "freezer_door", (rise + 0.004, split - 0.003), (front, thick), 0.85)
     low = split + 0.003 if split else rise + 0.004
-    _fridge_door(made, p, "door", (low, p.height - 0.001), (front, thick), 0.25 if split else 0.6)
+    _fridge_door(made, p, "door", (low, p.height - 0.003), (front, thick), 0.25 if split else 0.6)
     _door_racks(made.bodies["door"], (inner - 0.02, front), (max(floor, low) + 0.06, ceiling - 0.25), 2 if p.height < 1.3 else 3)
     return made
 
@@ -240,6 +243,7 @@ def _fridge_door(
     at = (sign * (x - 0.045), face, z0 + grip * (z1 - z0) + (0.5 - grip) * span * 0.8)
     handle(leaf_body, "handle", "bar", at, span, upright=True, material=p.metal)
     anchor = (-sign * x, face + rim, (z0 + z1) / 2)
+    pivots(made.main, name, anchor[:2], (sign, front), levels, p.metal)
     made.joints[name] = Joint(name, "hinge", anchor, MAIN, axis=(0, 0, -sign), range=(0.0, 1.7), damping=0.8, friction=0.8)
 
 

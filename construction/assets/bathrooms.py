@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from .cabinetry import pick, set_moving
+from .cabinetry import pick
 from .generator import Generator, Parameters, material
 from .made import MAIN, Body, Joint, Made, Place
 from .plumbing import tap
@@ -78,7 +78,7 @@ def _bathtub(p: BathtubParameters, rng: np.random.Generator) -> Made:
     drain = (0.5 * p.length - 0.42, 0.0)
     body.cylinder("drain", (*drain, floor), (*drain, floor + 0.003), 0.028, material=p.metal)
     made.places["inside"] = Place((0, 0, floor), (0.5 * (p.length - 2 * way), 0.5 * (p.width - 2 * way)), p.height - floor)
-    return set_moving(made)
+    return made
 
 
 def _rim(body: Body, outer: Flat, inner: Flat, levels: tuple[float, float], *, metal: str | None = None) -> None:
@@ -180,7 +180,7 @@ def _shower_tray(p: ShowerTrayParameters, rng: np.random.Generator) -> Made:
     made.places["floor"] = Place((0, 0, 0.035), (p.width - 0.14, p.depth - 0.3), 1.0)
     if p.screen:
         _screen(made, p)
-    return set_moving(made)
+    return made
 
 
 def _screen(made: Made, p: ShowerTrayParameters) -> None:
@@ -245,7 +245,7 @@ def _washbasin(p: WashbasinParameters, rng: np.random.Generator) -> Made:
     kind = "arch" if rng.random() < 0.4 else "straight"
     tap(made, (0, y - 0.056, high), (0.13, 0.14), kind, p.metal)
     made.places["bowl"] = Place((0, middle - 0.05, low), (0.1, 0.05), p.bowl)
-    return set_moving(made)
+    return made
 
 
 class ToiletParameters(Parameters):
@@ -290,7 +290,7 @@ def _toilet(p: ToiletParameters, rng: np.random.Generator) -> Made:
     )
     _seat(made, p, egg, rear)
     made.places["cistern"] = Place((0.55 * wide, (tank + back) / 2, top), (0.5 * wide, 0.13))
-    return set_moving(made)
+    return made
 
 
 def _seat(made: Made, p: ToiletParameters, egg: Flat, rear: float) -> None:
@@ -298,17 +298,20 @@ def _seat(made: Made, p: ToiletParameters, egg: Flat, rear: float) -> None:
     seat, lid = Body("seat", p.lid), Body("lid", p.lid)
     made.bodies["seat"], made.bodies["lid"] = seat, lid
     low, pivot = p.rim + 0.002, rear + 0.004
-    ring = [(-0.06, low), (0.004, low), (0.004, low + 0.012), (-0.006, low + 0.018), (-0.045, low + 0.018), (-0.06, low + 0.01)]
+    ring = [(-0.06, low), (0.004, low), (0.004, low + 0.016), (0.002, low + 0.018), (-0.045, low + 0.018), (-0.06, low + 0.01)]
     seat.sweep("ring", [(a, b, 0.0) for a, b in egg], ring, closed=True)
     over = low + 0.02
     lid.hull(
         "board",
         [(*q, z) for q in inset(egg, -0.004) for z in (over, over + 0.008)] + [(*q, over + 0.016) for q in inset(egg, 0.012)],
     )
+    for side, a in (("left", -0.085), ("right", 0.085)):
+        knuckle = ((a - 0.01, pivot - 0.006, p.rim), (a + 0.01, pivot + 0.006, low + 0.012))
+        made.main.box(f"knuckle_{side}", *knuckle, material=p.metal)
     anchor = (0, pivot, low + 0.009)
     made.joints["seat"] = Joint("seat", "hinge", anchor, MAIN, axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2)
     made.joints["lid"] = Joint(
-        "lid", "hinge", (0, pivot, over + 0.004), "seat", axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2
+        "lid", "hinge", (0, pivot, over - 0.001), "seat", axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2
     )
 
 

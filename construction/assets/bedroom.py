@@ -64,19 +64,20 @@ def _bed(p: BedParameters, rng: np.random.Generator) -> Made:
     for number in range(count):
         pillow = made.bodies[f"pillow_{number + 1}"] = Body("pillow", "cotton")
         middle = (number - (count - 1) / 2) * (p.width - 0.06) / count
-        spot = (middle, p.length / 2 - 0.3, p.height + 0.0005 + thick / 2)
+        spot = (middle, p.length / 2 - 0.3, p.height + 0.001 + thick / 2)
         padded(pillow, "pillow", spot, (wide, 0.4, thick), p.linen, lens=True)
         made.carries.append(("", f"pillow_{number + 1}"))
     if p.quilt:
         _quilt(made, p, float(rng.uniform(0.55, 1.0)))
-    made.places["top"] = Place((0, -0.05 * p.length, p.height), (0.8 * p.width, 0.3 * p.length))
+    else:
+        made.places["top"] = Place((0, -0.1 * p.length, p.height), (0.8 * p.width, 0.5 * p.length))
     return made
 
 
 def _quilt(made: Made, p: BedParameters, share: float) -> None:
     """A quilt over the lower part of the mattress that hangs down at both sides, with its edge turned back."""
     quilt = made.bodies["quilt"] = Body("quilt", p.cover)
-    x, z, thick = p.width / 2 + 0.001, p.height + 0.0005, 0.009
+    x, z, thick = p.width / 2 + 0.001, p.height + 0.001, 0.009
     low = p.height - 0.5 * (p.mattress - 0.06)
     y0 = -p.length / 2
     y1 = y0 + share * (p.length - 0.62)
@@ -85,6 +86,8 @@ def _quilt(made: Made, p: BedParameters, share: float) -> None:
     turned = [(y1 - 0.24, z + thick), (y1, z + thick), (y1 - 0.004, z + thick + 0.008), (y1 - 0.236, z + thick + 0.008)]
     quilt.prism("turned_back", turned, -x + 0.01, x - 0.01, axis="x", material=p.linen)
     made.carries.append(("", "quilt"))
+    end = y1 - 0.26
+    made.places["top"] = Place((0, (y0 + end) / 2, z + thick), (0.8 * p.width, 0.8 * (end - y0)), body="quilt")
 
 
 def _headboard(body: Body, p: BedParameters, kind: str, corner: tuple[float, float]) -> None:

@@ -195,7 +195,10 @@ def _reading(made: Made, p: FloorLampParameters, radius: float) -> None:
     bend = [(-0.06 + 0.06 * math.cos(a), top - 0.06 + 0.06 * math.sin(a)) for a in np.linspace(0, math.pi / 2, 6)]
     body.sweep("stem", [(0, 0, 0.035), *((0, y, z) for y, z in bend), (0, -out, top)], circle(0.011, 10), material=p.metal)
     head = made.bodies["head"] = Body("lamp head", p.metal)
-    y, half = -out - 0.016, 0.01
+    y, half = -out - 0.02, 0.01
+    body.box("fork", (-0.016, -out - 0.003, top - 0.008), (0.016, -out, top + 0.008), material=p.metal)
+    for side, a in (("left", -0.016), ("right", 0.012)):
+        body.box(f"cheek_{side}", (a, y - 0.008, top - 0.008), (a + 0.004, -out - 0.003, top + 0.008), material=p.metal)
     head.box("knuckle", (-half, y - half, top - half), (half, y + half, top + half))
     high = top - half - 0.03
     head.cylinder("neck", (0, y, high), (0, y, top - half), 0.007)

@@ -131,7 +131,7 @@ def _lids(made: Made, p: PianoParameters, halves: tuple[float, float], depths: t
     rim = [(edge, z), (back, z), (back, p.height), (edge + 0.006, p.height), (edge, p.height - 0.006)]
     lid.prism("board", rim, -x - 0.015, x + 0.015, axis="x")
     made.joints["lid"] = Joint(
-        "lid", "hinge", (0, back, p.height), MAIN, axis=(-1, 0, 0), range=(0.0, 1.7), damping=0.5, friction=0.5
+        "lid", "hinge", (0, back - 0.001, top + 0.001), MAIN, axis=(-1, 0, 0), range=(0.0, 1.7), damping=0.5, friction=0.5
     )
     made.places["top"] = Place((0, (edge + back) / 2, p.height), (2 * x, back - edge), body="lid")
     fall = made.bodies["fall"] = Body("fall board", p.material)

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from .cabinetry import pick, set_moving
+from .cabinetry import pick
 from .generator import Generator, Parameters, material
 from .made import MAIN, Body, Joint, Made, Place
 from .profiles import circle, inset, oval
@@ -142,8 +142,8 @@ def _wall_mirror(p: WallMirrorParameters, rng: np.random.Generator) -> Made:
         outline = turn[first:] + turn[:first]
     _frame(body, outline, profile, 0.0)
     pane = inset(outline, wide)
-    body.prism("silvering", pane, -0.0063, -0.006, axis="y", material="silver")
-    body.prism("glass", pane, -0.0103, -0.0063, axis="y", material="soda_lime_glass")
+    body.prism("silvering", pane, -0.007, -0.006, axis="y", material="aluminium_alloy")
+    body.prism("glass", pane, -0.011, -0.007, axis="y", material="soda_lime_glass")
     body.prism("back", pane, -0.006, 0.0, axis="y", material="mdf")
     return Made.of(body)
 
@@ -196,7 +196,7 @@ def _wall_clock(p: WallClockParameters, rng: np.random.Generator) -> Made:
         x, top = edge[-1][0], drop - 0.014
         body.prism("neck", [(-x, top), (x, top), *edge[::-1]], 0.012 - deep, 0.0, axis="y")
         _pendulum_case(made, p, (x, top, 0.02))
-    return set_moving(made)
+    return made
 
 
 def _hands(body: Body, p: WallClockParameters, dial: float, center: float) -> None:
@@ -347,9 +347,16 @@ def _curtain_rod(p: CurtainRodParameters, rng: np.random.Generator) -> Made:
         ring.sweep("loop", path, circle(thick, 6), closed=True)
         way = 0.5 * pitch - 0.006 if not p.width > 2.0 else min(0.5 * pitch - 0.006, max(0.0, abs(a) - 0.02))
         made.joints[f"ring_{number + 1}"] = Joint(
-            f"ring_{number + 1}", "slide", (a, -p.reach, z), MAIN, axis=(1, 0, 0), range=(-way, way), damping=0.5, friction=0.3
+            f"ring_{number + 1}",
+            "slide",
+            (a, -p.reach, z + radius + 0.0005),
+            MAIN,
+            axis=(1, 0, 0),
+            range=(-way, way),
+            damping=0.5,
+            friction=0.3,
         )
-    return set_moving(made)
+    return made
 
 
 def _bracket(body: Body, name: str, at: tuple[float, float, float], radius: float, metal: str) -> None:

@@ -65,7 +65,7 @@ def _bed(p: BedParameters, rng: np.random.Generator) -> Made:
         pillow = made.bodies[f"pillow_{number + 1}"] = Body("pillow", "cotton")
         middle = (number - (count - 1) / 2) * (p.width - 0.06) / count
         spot = (middle, p.length / 2 - 0.3, p.height + 0.001 + thick / 2)
-        padded(pillow, "pillow", spot, (wide, 0.4, thick), p.linen, lens=True)
+        padded(pillow, "pillow", spot, (wide, 0.4, thick), p.linen, form="lens")
         made.carries.append(("", f"pillow_{number + 1}"))
     if p.quilt:
         _quilt(made, p, float(rng.uniform(0.55, 1.0)))
@@ -112,7 +112,7 @@ def _headboard(body: Body, p: BedParameters, kind: str, corner: tuple[float, flo
         for number in range(count):
             spot = (-inner + wide * (number + 0.5), front - 0.028, (p.height + 0.04 + high) / 2)
             size = (wide - 0.004, high - p.height - 0.06, 0.056)
-            padded(body, f"pad_{number + 1}", spot, size, p.cover, plain=count > 2, lean=math.pi / 2)
+            padded(body, f"pad_{number + 1}", spot, size, p.cover, form="sharp" if count > 2 else "box", lean=math.pi / 2)
         return
     if kind == "arched":
         bow = [

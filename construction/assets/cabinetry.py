@@ -1,4 +1,4 @@
-"""What cabinets share: carcasses, doors on hinges, drawers on slides, handles, cornices."""
+"""Parts that cabinets share: carcasses, doors on hinges, drawers on slides, handles, cornices."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Style:
     panel: str = "flat"
     """flat, framed, glazed, or pressed (of sheet metal, with edges folded back)."""
     thick: float = 0.019
-    """Of fronts [m]."""
+    """Thickness of fronts [m]."""
     wall: float = 0.012
     """Thickness of the sides of drawers [m]; their bottom has half of it."""
 

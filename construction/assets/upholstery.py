@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -26,8 +27,7 @@ def padded(
     size: Point,
     cover: str,
     *,
-    lens: bool = False,
-    plain: bool = False,
+    form: Literal["box", "sharp", "lens"] = "box",
     bevel: tuple[float, float] = (0.06, 0.04),
     lean: float = 0.0,
 ) -> None:
@@ -39,14 +39,14 @@ def padded(
         center: of the cushion [m].
         size: full extents [m] before it leans.
         cover: material of the cover.
-        lens: thick in the middle and thin at its edges, as a pillow; otherwise a box with a bevelled upper side.
-        plain: a box with sharp upright edges, of fewer pieces.
+        form: a box with a bevelled upper side and cut corners; one with sharp corners, of fewer pieces; or a lens, thick in the
+            middle and thin at its edges, as a pillow.
         bevel: width and height of the bevel [m].
         lean: angle about the x axis [rad] by which its upper side turns towards -y.
     """
     x, y, z = (float(c) / 2 for c in np.asarray(size, dtype=np.float64))
-    t, cut = min(COVER, 0.2 * z), 0.0 if lens or plain else min(0.25 * min(x, y), SOFT)
-    if lens:
+    t, cut = min(COVER, 0.2 * z), 0.0 if form != "box" else min(0.25 * min(x, y), SOFT)
+    if form == "lens":
         wide = 0.45 * min(x, y)
         half = [(0.0, 0.0), (0.22 * wide, 0.62 * z), (wide, z)]
         core = [(1.6 * t, 0.0), (0.22 * wide + t, 0.62 * z - t), (wide, z - t)]

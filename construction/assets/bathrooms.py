@@ -244,7 +244,7 @@ def _washbasin(p: WashbasinParameters, rng: np.random.Generator) -> Made:
     body.cylinder("drain", (0, middle, low), (0, middle, low + 0.002), 0.022, material=p.metal)
     kind = "arch" if rng.random() < 0.4 else "straight"
     tap(made, (0, y - 0.056, high), (0.13, 0.14), kind, p.metal)
-    made.places["bowl"] = Place((0, middle - 0.05, low), (0.1, 0.05), p.bowl)
+    made.places["bowl"] = Place((0.064, middle, low), (0.07, 0.05), p.bowl)
     return made
 
 

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "4f9735d16c20f4239cf333cfc5511c1a176a6db03fd1e0155fcd8274c40cbda0"
+SCHEMA = "95f843af2486845970b58807bf8298b3f0abc466c30f58968204da89f09a1fb7"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -110,7 +110,7 @@ def _windmill(p: WindmillParameters, rng: np.random.Generator) -> Made:
     body = Body("windmill post", p.material)
     made = Made.of(body)
     h, w = p.height, 0.05 * p.height + 0.05
-    sill, reach = 0.8 * w, 0.34 * h
+    sill, reach = 0.8 * w, 0.25 * h
     body.box("sill_1", (-reach, -w / 2, 0), (reach, w / 2, sill))
     for t, side in ((-1, "front"), (1, "back")):
         a, b = sorted((t * w / 2, t * reach))
@@ -154,7 +154,14 @@ def _windmill(p: WindmillParameters, rng: np.random.Generator) -> Made:
         rotor, "nose", [(0, -1.8 * hub), (0.35 * hub, -1.5 * hub), (0.5 * hub, -hub), (0, -hub)], segments=16, material=p.metal
     )
     for k in range(4):
-        _sail(rotor, (0, y, h), math.pi / 2 * k, (side, p.sail * h), p, k + 1)
+        _sail(
+            rotor,
+            (0, y, h),
+            math.pi / 2 * k,
+            (side, min(p.sail * h, (h - sill - 0.05) / math.hypot(1.0, p.width + 0.04))),
+            p,
+            k + 1,
+        )
     made.joints["rotor"] = Joint("rotor", "hinge", (0, y, h), axis=(0, 1, 0), damping=0.2, friction=0.3)
     return made
 
@@ -255,14 +262,16 @@ def _crane(p: CraneParameters, rng: np.random.Generator) -> Made:
         arm.hull("tail", [(-x, y, b) for x in (flat, tail) for y in (-half, half) for b in (z, z + tall)])
         arm.box("weight", (-tail - 0.12 * h, -0.06 * h, z - 0.05 * h), (-tail, 0.06 * h, z + tall), material=p.metal)
     made.joints["jib"] = Joint("jib", "hinge", (0, 0, z), axis=(0, 0, 1), range=(-math.pi, math.pi), damping=2.0, friction=2.0)
-    x, u = reach - 0.05 * h, 0.008 + 0.002 * h
-    _hook(made, x, z + 0.3 * tall * (x - 1.2 * u - flat) / (reach - flat), u, p)
+    x, u = reach - 0.05 * h, min(0.008 + 0.002 * h, 0.65 * half)
+    _hook(made, x, z + 0.3 * tall * (x - 1.2 * u - flat) / (reach - flat), u, ((flat, low), (end, under)), p)
     made.places["foot"] = Place((0.6 * wide, -0.6 * wide, foot), (0.3 * wide, 0.3 * wide))
     return made
 
 
-def _hook(made: Made, x: float, under: float, u: float, p: CraneParameters) -> None:
-    """Rope with a weight and a hook, which swings between two lugs under the jib's end as far as the mast lets it."""
+def _hook(
+    made: Made, x: float, under: float, u: float, strut: tuple[tuple[float, float], tuple[float, float]], p: CraneParameters
+) -> None:
+    """Rope with a weight and a hook, which swings between two lugs under the jib's end as far as mast and strut let it."""
     pivot = under - 4 * u
     for s, side in ((-1, "front"), (1, "back")):
         a, b = sorted((s * (u + 0.0015), s * (u + 0.008)))
@@ -282,10 +291,17 @@ def _hook(made: Made, x: float, under: float, u: float, p: CraneParameters) -> N
     points = arc(center, bow, 0.5 * math.pi - 0.35, -0.95 * math.pi, 12)
     path = [(x, 0, end - 5 * u), (x, 0, end - 6 * u), *((a, 0, b) for a, b in points)]
     body.sweep("hook", path, circle(0.8 * u, 10), scales=[1.0] * (len(path) - 3) + [0.85, 0.7, 0.5])
-    mast = 0.03 * p.height + 0.02
-    limit = math.asin(min(0.78, (x - 2.1 * mast - 6 * u) / (p.rope * p.height + 20 * u)))
+    (x0, z0), (x1, z1) = strut
+    long, rope = math.hypot(x1 - x0, z1 - z0), p.rope * p.height + 20 * u
+    limit = 0.0
+    for angle in np.linspace(0.02, 0.78, 39):
+        points = [(x - t * rope * math.sin(angle), pivot - t * rope * math.cos(angle)) for t in np.linspace(0, 1, 30)]
+        clear = min(((a - x0) * (z1 - z0) - (b - z0) * (x1 - x0)) / long for a, b in points[3:])
+        if clear < 4.5 * u or points[-1][0] < 0.07 * p.height + 5 * u:
+            break
+        limit = float(angle)
     made.joints["hook"] = Joint(
-        "hook", "hinge", (x, 0, pivot), parent="jib", axis=(0, 1, 0), range=(-limit, limit), damping=0.05, friction=0.01
+        "hook", "hinge", (x, 0, pivot), parent="jib", axis=(0, 1, 0), range=(-0.78, limit), damping=0.05, friction=0.01
     )
 
 

@@ -10,6 +10,7 @@ from ...worlds.hints import did_you_mean
 from . import (
     boats,
     carts,
+    catapults,
     chairs,
     fences,
     frames,
@@ -21,6 +22,7 @@ from . import (
     rocks,
     roofs,
     stairs,
+    swinging,
     tables,
     timber,
     towers,
@@ -49,6 +51,8 @@ MODULES = (
     timber,
     machines,
     mills,
+    swinging,
+    catapults,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

@@ -8,6 +8,7 @@ from typing import Any
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
+    basins,
     boats,
     carts,
     catapults,
@@ -22,6 +23,7 @@ from . import (
     rocks,
     roofs,
     stairs,
+    streets,
     swinging,
     tables,
     timber,
@@ -53,6 +55,8 @@ MODULES = (
     mills,
     swinging,
     catapults,
+    streets,
+    basins,
 )
 """Modules that each list their generators in `GENERATORS`."""
 GENERATORS: Mapping[str, Generator] = {g.name: g for module in MODULES for g in module.GENERATORS}

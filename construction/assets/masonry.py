@@ -70,7 +70,7 @@ def _column(p: ColumnParameters, rng: np.random.Generator) -> Made:
 
     def radius(z: float) -> float:
         share = (z - base) / (top - base)
-        return r * (1 - (1 - p.entasis) * share**1.6)
+        return float(r * (1 - (1 - p.entasis) * share**1.6))
 
     cuts = np.linspace(base, top, p.drums + 1)
     joint = 0.004

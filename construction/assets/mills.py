@@ -66,6 +66,15 @@ def _water_wheel(p: WaterWheelParameters, rng: np.random.Generator) -> Made:
             wheel.hull(f"paddle_{k + 1}", points)
         else:
             axle.bar(wheel, f"paddle_{k + 1}", (low, 0.985 * r), angle, (thick, thick), room)
+    _wheel_stand(made, axle, (r, half, long), p)
+    made.joints["wheel"] = Joint("wheel", "hinge", (0, 0, z), axis=(1, 0, 0), damping=0.5, friction=0.5)
+    return made
+
+
+def _wheel_stand(made: Made, axle: Axle, sizes: tuple[float, float, float], p: WaterWheelParameters) -> None:
+    """Posts with braces on sills, ties between them, and the journals that turn in the posts."""
+    body, wheel, z = made.main, made.bodies["wheel"], axle.center[2]
+    r, half, long = sizes
     x, post, pin = half + 0.12, 0.12, 0.045
     for s, side in ((-1, "left"), (1, "right")):
         a, b = sorted((s * x, s * (x + post)))
@@ -87,8 +96,6 @@ def _water_wheel(p: WaterWheelParameters, rng: np.random.Generator) -> Made:
     for t, end in ((-1, "front"), (1, "back")):
         y = t * (0.55 * r + 0.2)
         body.box(f"tie_{end}", (-x, y - 0.05, 0), (x, y + 0.05, min(0.08, p.clearance - 0.01)))
-    made.joints["wheel"] = Joint("wheel", "hinge", (0, 0, z), axis=(1, 0, 0), damping=0.5, friction=0.5)
-    return made
 
 
 class WindmillParameters(Parameters):
@@ -148,8 +155,8 @@ def _windmill(p: WindmillParameters, rng: np.random.Generator) -> Made:
     hub = 0.032 * h + 0.02
     start = -deep - 0.002
     axle.ring(rotor, "shaft", [(0, hub), (0.5 * hub, hub), (0.5 * hub, start - y), (0, start - y)], segments=16, material=p.metal)
-    side = hub * math.cos(math.pi / 4)
-    rotor.box("hub", (-side, y - hub, h - side), (side, y + hub, h + side))
+    inner = hub * math.cos(math.pi / 4)
+    rotor.box("hub", (-inner, y - hub, h - inner), (inner, y + hub, h + inner))
     axle.ring(
         rotor, "nose", [(0, -1.8 * hub), (0.35 * hub, -1.5 * hub), (0.5 * hub, -hub), (0, -hub)], segments=16, material=p.metal
     )
@@ -158,7 +165,7 @@ def _windmill(p: WindmillParameters, rng: np.random.Generator) -> Made:
             rotor,
             (0, y, h),
             math.pi / 2 * k,
-            (side, min(p.sail * h, (h - sill - 0.05) / math.hypot(1.0, p.width + 0.04))),
+            (inner, min(p.sail * h, (h - sill - 0.05) / math.hypot(1.0, p.width + 0.04))),
             p,
             k + 1,
         )

@@ -139,59 +139,14 @@ def _park_bench(p: ParkBenchParameters, rng: np.random.Generator) -> Made:
     rise = p.height - p.seat
     slope = (rise * lean + 0.015) / (p.height - under)
     for x, side in ends:
-        a, b = x - 0.02, x + 0.02
-        body.box(f"rail_{side}", (a, -y, under - 0.045), (b, y, under))
-        for s, v, name in ((-1, -y, "front"), (1, y, "back")):
-            body.hull(
-                f"leg_{side}_{name}",
-                [
-                    (u, w, h)
-                    for u in (a, b)
-                    for w, h in ((v, under - 0.045), (v - s * 0.05, under - 0.045), (v + s * 0.03, 0.02), (v - s * 0.012, 0.02))
-                ],
-            )
-            body.hull(
-                f"foot_{side}_{name}",
-                [
-                    (x + g * 0.032, w, h)
-                    for g in (-1, 1)
-                    for w, h in ((v - s * 0.035, 0.0), (v + s * 0.05, 0.0), (v - s * 0.03, 0.02), (v + s * 0.045, 0.02))
-                ],
-            )
-        back = [(y - 0.045, under), (y, under), (y + rise * lean, p.height), (y + rise * lean - 0.03, p.height)]
-        body.hull(f"stay_{side}", [(u, w, h) for u in (a, b) for w, h in back])
-        if p.arms and side != "middle":
-            z, out = p.seat + 0.2, sorted((math.copysign(half - 0.04, x), math.copysign(half - 0.005, x)))
-            body.hull(
-                f"arm_post_{side}",
-                [
-                    (u, w, h)
-                    for u in out
-                    for w, h in ((-y, under - 0.04), (-y + 0.045, under - 0.04), (-y + 0.03, z), (-y - 0.005, z))
-                ],
-            )
-            rest = y - 0.045 + slope * (z - under)
-            body.hull(
-                f"arm_{side}",
-                [
-                    (u, w, h)
-                    for u in out
-                    for w, h in (
-                        (-y - 0.035, z),
-                        (-y - 0.035, z + 0.015),
-                        (-y - 0.02, z + 0.024),
-                        (rest + 0.03, z),
-                        (rest + 0.03, z + 0.024),
-                    )
-                ],
-            )
+        _bench_end(body, p, x, side, slope)
     wide = (p.depth - 0.06 - 0.012 * (p.slats - 1)) / p.slats
     for k in range(p.slats):
         v = -y + k * (wide + 0.012)
         body.box(
             f"slat_{k + 1}",
             (-half + 0.04, v, under),
-            (half - 0.04, v + wide, p.seat - float(rng.uniform(0, 0.002))),
+            (half - 0.04, v + wide, p.seat),
             material=p.material,
         )
     count = max(2, p.slats - 1)
@@ -203,11 +158,61 @@ def _park_bench(p: ParkBenchParameters, rng: np.random.Generator) -> Made:
         body.hull(f"back_{k + 1}", [(u, w, h) for u in (-half + 0.04, half - 0.04) for w, h in face], material=p.material)
     made = Made.of(body)
     first = -y + (p.slats // 2) * (wide + 0.012) + wide / 2
-    top = float(
-        body.parts[f"slat_{p.slats // 2 + 1}"].pose.position[2] + body.parts[f"slat_{p.slats // 2 + 1}"].shape.size[2] / 2
-    )  # type: ignore[union-attr]
-    made.places["seat"] = Place((0, first, top), (p.width - 0.35, 0.7 * p.depth), rise)
+    made.places["seat"] = Place((0, first, p.seat), (p.width - 0.35, 0.7 * p.depth), rise)
     return made
+
+
+def _bench_end(body: Body, p: ParkBenchParameters, x: float, side: str, slope: float) -> None:
+    """Legs, a rail, a stay of the back that leans by `slope`, and an arm beside them."""
+    y, half, under = p.depth / 2, p.width / 2, p.seat - 0.03
+    rise = p.height - p.seat
+    lean = math.tan(math.radians(14))
+    a, b = x - 0.02, x + 0.02
+    body.box(f"rail_{side}", (a, -y, under - 0.045), (b, y, under))
+    for s, v, name in ((-1, -y, "front"), (1, y, "back")):
+        body.hull(
+            f"leg_{side}_{name}",
+            [
+                (u, w, h)
+                for u in (a, b)
+                for w, h in ((v, under - 0.045), (v - s * 0.05, under - 0.045), (v + s * 0.03, 0.02), (v - s * 0.012, 0.02))
+            ],
+        )
+        body.hull(
+            f"foot_{side}_{name}",
+            [
+                (x + g * 0.032, w, h)
+                for g in (-1, 1)
+                for w, h in ((v - s * 0.035, 0.0), (v + s * 0.05, 0.0), (v - s * 0.03, 0.02), (v + s * 0.045, 0.02))
+            ],
+        )
+    back = [(y - 0.045, under), (y, under), (y + rise * lean, p.height), (y + rise * lean - 0.03, p.height)]
+    body.hull(f"stay_{side}", [(u, w, h) for u in (a, b) for w, h in back])
+    if p.arms and side != "middle":
+        z, out = p.seat + 0.2, sorted((math.copysign(half - 0.04, x), math.copysign(half - 0.005, x)))
+        body.hull(
+            f"arm_post_{side}",
+            [
+                (u, w, h)
+                for u in out
+                for w, h in ((-y, under - 0.04), (-y + 0.045, under - 0.04), (-y + 0.03, z), (-y - 0.005, z))
+            ],
+        )
+        rest = y - 0.045 + slope * (z - under)
+        body.hull(
+            f"arm_{side}",
+            [
+                (u, w, h)
+                for u in out
+                for w, h in (
+                    (-y - 0.035, z),
+                    (-y - 0.035, z + 0.015),
+                    (-y - 0.02, z + 0.024),
+                    (rest + 0.03, z),
+                    (rest + 0.03, z + 0.024),
+                )
+            ],
+        )
 
 
 class SignpostParameters(Parameters):

@@ -20,6 +20,7 @@ from .predicates.registry import PREDICATES
 
 __all__ = ["FIELDS", "field_of", "nearest_field", "way_of"]
 
+_MADE = "build_interior makes entities of it; rows judge those"
 _JUDGED = "judged as it is built"
 _SEEN = "rows judge what the camera sees"
 _LOOK = "a look: no row asks for it"
@@ -62,6 +63,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/entities/*/pose", POSE, "placement", "repair", "where it stands"),
     *parameters("/entities/*", "material parts/*/material", "material", "repair", "what it is made of", physical=True),
     *parameters("/entities/*", "motion", "shape", "either", "what is authored or fixed need not happen by itself"),
+    *parameters("/entities/*/asset", ". generator parameters seed positions bodies", "shape", "repair", "how its parts were made; rows judge the parts"),
     *parameters("/entities/*", "afloat", "placement", "either", "what is said to float needs nothing to hold it"),
     *parameters("/entities/*", "active", "shape", "either", "checks judge a body while it is there: fewer frames ask for less"),
     *parameters("/entities/*", "nominal_diagonal", "dimensions", "either", "the size that its role implies"),
@@ -84,7 +86,9 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/materials/*", "friction rolling_friction restitution", "material", "repair", _RUBS, physical=True),
     *parameters("/materials/*/flammable", ". fuel ignition gasification char conductivity heat_capacity", "material", "repair", "when it burns, and how much; rows hold its mass and heat", physical=True),
     *parameters("/materials/*/appearance", ". color roughness metallic transmission pattern pattern_scale drying", "look", "none", _LOOK),
-    # landscapes
+    # interiors and landscapes
+    *parameters("/interiors", ". * */rooms */rooms/* */rooms/*/kind */rooms/*/area */rooms/*/doors */rooms/*/windows */rooms/*/furniture", "shape", "repair", _MADE),
+    *parameters("/interiors/*", "size at height wall door ceiling density seed entities", "shape", "repair", _MADE),
     *parameters("/terrains", ". *", "terrain", "repair", _JUDGED),
     *parameters("/terrains/*", "extent cell datum sea_level seed", "terrain", "repair", _JUDGED),
     *parameters("/terrains/*/zones", ". * */label */polygon */center */radius */line */width", "terrain", "repair", "where rows about a zone look; rows judge what is there"),

@@ -55,8 +55,9 @@ from ..shapes import (
 )
 from ..vocabulary import Ref, SpecModel
 from .claims import CLAIM_TYPES, Claim, ClaimType
-from .entities import Appearance, Dimensions, Entity, Material, Part, Rope
+from .entities import Appearance, Asset, Dimensions, Entity, Material, Part, Rope
 from .fields import FieldDriver
+from .interiors import Interior, Room
 from .simulation import (
     MOVED,
     ContactPair,
@@ -101,6 +102,7 @@ __all__ = [
     "Adjacent",
     "Appearance",
     "AreaLight",
+    "Asset",
     "BallJoint",
     "BallisticInstance",
     "BallisticSettings",
@@ -155,6 +157,7 @@ __all__ = [
     "IgnitionDriver",
     "InflowDriver",
     "Interacts",
+    "Interior",
     "Joint",
     "Limits",
     "LiquidInstance",
@@ -184,6 +187,7 @@ __all__ = [
     "RigidPhysics",
     "RigidSettings",
     "Robustness",
+    "Room",
     "Rope",
     "SceneGraph",
     "Settle",

@@ -188,7 +188,7 @@ def _oars(made: Made, p: RowingBoatParameters, lines: _Lines, high: float) -> No
     a, b = lines.outer(2, 0)[1] - 0.1, lines.outer(SEGMENTS, 0)[1] - 0.12
     for s, side in ((-1, "left"), (1, "right")):
         oar = made.bodies[f"oar_{side}"] = Body("oar", p.oar)
-        x, z = s * 0.13 * p.beam, high + 6e-4 + r * 1.02
+        x, z = s * 0.13 * p.beam, high + 1.1e-3 + r
         blade = min(0.55, 0.25 * (b - a))
         oar.sweep("shaft", [(x, a + 0.12, z), (x, b - blade, z)], circle(r, 12))
         oar.sweep("handle", [(x, a, z), (x, a + 0.12, z)], circle(0.8 * r, 12))

@@ -14,7 +14,7 @@ from .wheels import Axle
 
 __all__ = ["GENERATORS"]
 
-PLAY = 1e-3
+PLAY = 1.2e-3
 """Between what turns and its bearing [m]."""
 PRESSURE = math.radians(20)
 """Pressure angle of teeth."""
@@ -309,7 +309,7 @@ def _gate(made: Made, out: float, z: float, p: HopperParameters) -> None:
     gate.box("plate", (-out, -w, high - plate), (out + 0.12, w, high))
     gate.box("grip", (out + 0.12, -0.5 * w, high - plate - 0.02), (out + 0.132, 0.5 * w, high + 0.02))
     made.joints["gate"] = Joint(
-        "gate", "slide", (0.0, 0, high - plate / 2), axis=(1, 0, 0), range=(0.0, 2 * out), damping=10.0, friction=6.0
+        "gate", "slide", (0.0, out - PLAY / 2, high - plate / 2), axis=(1, 0, 0), range=(0.0, 2 * out), damping=10.0, friction=6.0
     )
 
 

@@ -16,7 +16,7 @@ from .railings import spindle
 
 __all__ = ["GENERATORS", "block"]
 
-GAP = 6e-4
+GAP = 1.1e-3
 """Between loose stones [m]."""
 
 

@@ -89,10 +89,13 @@ def _wheel_stand(made: Made, axle: Axle, sizes: tuple[float, float, float], p: W
                 for y, h in ((reach, 0.1), (reach - 0.1, 0.1), (post / 2, 0.78 * z), (post / 2, 0.78 * z - 0.12 * z / reach))
             ]
             body.hull(f"brace_{side}_{end}", points)
-        ends = sorted((s * long, s * (x + post + 0.08)))
+        ends = sorted((s * long, s * (x + post + (0.08 if s > 0 else -0.003))))
         axle.ring(
             wheel, f"journal_{side}", [(0, ends[0]), (pin, ends[0]), (pin, ends[1]), (0, ends[1])], segments=16, material=p.metal
         )
+    body.box(
+        "bearing", (-x - post - 0.015, -0.4 * post, z - 0.4 * post), (-x - post, 0.4 * post, z + 0.4 * post), material=p.metal
+    )
     for t, end in ((-1, "front"), (1, "back")):
         y = t * (0.55 * r + 0.2)
         body.box(f"tie_{end}", (-x, y - 0.05, 0), (x, y + 0.05, min(0.08, p.clearance - 0.01)))
@@ -235,7 +238,8 @@ def _crane(p: CraneParameters, rng: np.random.Generator) -> Made:
     )
     segments = 24
     collars = (0.42 * h, 0.9 * h)
-    body.turned("mast", [(0, foot), (r, foot), (r, h), (0.6 * r, h + 0.5 * r), (0, h + 0.5 * r)], segments=segments)
+    head = collars[1] + 0.05 * h
+    body.turned("mast", [(0, foot), (r, foot), (r, head), (0, head)], segments=segments)
     for k, z in enumerate(collars, start=1):
         ring = [(r, z - 0.04 * h), (1.6 * r, z - 0.035 * h), (1.6 * r, z - 0.005 * h), (r, z - 0.005 * h)]
         body.turned(f"ledge_{k}", ring, segments=segments, material=p.metal)
@@ -243,9 +247,19 @@ def _crane(p: CraneParameters, rng: np.random.Generator) -> Made:
     tall, outer = 0.05 * h, r + 0.003 + 0.4 * r
     flat = outer * math.cos(math.pi / segments)
     for k, z in enumerate(collars, start=1):
-        ring = [(r + 0.003, z), (outer, z), (outer, z + tall), (r + 0.003, z + tall)]
+        lid = z + tall + 0.002 * (k == 2)
+        ring = [(r + 0.003, z), (outer, z), (outer, lid), (r + 0.003, lid)]
         # A flat side of the ring faces the jib.
         arm.turned(f"collar_{k}", ring, segments=segments, euler=(0, 0, math.pi / segments), material=p.metal)
+    cap = [
+        (0, lid),
+        (outer, lid),
+        (outer, lid + 0.2 * r),
+        (0.3 * r, lid + 0.6 * r),
+        (0.35 * r, lid + 0.9 * r),
+        (0, lid + 1.2 * r),
+    ]
+    arm.turned("cap", cap, segments=segments, euler=(0, 0, math.pi / segments), material=p.metal)
     half = min(0.4 * r, 0.9 * outer * math.sin(math.pi / segments))
     z = collars[1]
     arm.hull(

@@ -141,7 +141,7 @@ def _swing(p: SwingParameters, rng: np.random.Generator) -> Made:
         seat.cylinder(f"rod_{side}", (u, 0, height), (u, 0, pivot - 0.012), rod, material=p.metal)
         seat.cylinder(f"eye_{side}", (u - 0.008, 0, pivot), (u + 0.008, 0, pivot), 0.012, material=p.metal)
         for t, end in ((-1, "a"), (1, "b")):
-            a, b = sorted((u + t * 0.01, u + t * 0.018))
+            a, b = sorted((u + t * 0.01, u + t * 0.06))
             body.box(f"lug_{side}_{end}", (a, -0.02, pivot - 0.015), (b, 0.02, under), material=p.metal)
     made.joints["seat"] = Joint("seat", "hinge", (0, 0, pivot), axis=(1, 0, 0), range=(-1.0, 1.0), damping=0.1, friction=0.05)
     made.places["seat"] = Place((0, 0, height), (2 * reach - 0.05, 2 * deep - 0.03), pivot - height, body="seat")
@@ -238,7 +238,7 @@ def _cradle(p: CradleParameters, rng: np.random.Generator) -> Made:
     body = Body("cradle", p.material)
     made = Made.of(body)
     d = p.diameter
-    pitch, base, wire = d + 6e-4, 0.4 * d, 0.03 * d
+    pitch, base, wire = d + 1.1e-3, 0.4 * d, 0.03 * d
     z = base + 0.9 * d
     top, y, bar = z + LIFTED * pitch / math.sin(math.pi / 4), 1.1 * d, 0.12 * d
     edge = (p.balls - 1) / 2 * pitch

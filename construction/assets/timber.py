@@ -13,7 +13,7 @@ from .made import MAIN, Body, Made, Place
 
 __all__ = ["GENERATORS"]
 
-GAP = 6e-4
+GAP = 1.1e-3
 """Between loose pieces [m]."""
 
 
@@ -164,11 +164,13 @@ def _firewood(p: FirewoodParameters, rng: np.random.Generator) -> Made:
     columns, rows = max(2, round(2 * half / (p.split * grown))), max(2, round(p.height / (p.split * grown)))
     wide, high = 2 * half / columns, p.height / rows
     grid = np.empty((rows + 1, columns + 1, 2))
+    air = 0.5 * GAP if p.loose else 0.0
+    wide -= 2 * air / columns
     for j in range(rows + 1):
         for k in range(columns + 1):
             inner_x, inner_z = 0 < k < columns, j > 0
             grid[j, k] = (
-                -half + k * wide + inner_x * float(rng.uniform(-0.22, 0.22)) * wide,
+                -half + air + k * wide + inner_x * float(rng.uniform(-0.22, 0.22)) * wide,
                 sill + j * high + inner_z * float(rng.uniform(-0.22, 0.22)) * high,
             )
     for j in range(rows):
@@ -178,8 +180,8 @@ def _firewood(p: FirewoodParameters, rng: np.random.Generator) -> Made:
             body = rack
             if p.loose:
                 body = made.bodies[name] = Body("firewood", p.material)
-                quad = _inset(quad, 0.55 * GAP)
-                quad[:, 1] += 0.55 * GAP
+                quad = _inset(quad, 0.5 * GAP)
+                quad[:, 1] += 0.5 * GAP
                 made.carries += [(MAIN, name)] if j == 0 or k in (0, columns - 1) else []
             ends = [p.piece / 2 + float(rng.uniform(-0.03, 0.02)) for _ in range(2)]
             c = 0.012
@@ -189,13 +191,7 @@ def _firewood(p: FirewoodParameters, rng: np.random.Generator) -> Made:
             ]
             body.hull("wood" if p.loose else name, points, material=p.material)
     if p.loose:
-        made.carries += [
-            (f"piece_{j}_{k + d}", f"piece_{j + 1}_{k}")
-            for j in range(1, rows)
-            for k in range(1, columns + 1)
-            for d in (-1, 0, 1)
-            if 1 <= k + d <= columns
-        ]
+        made.carries += [(f"piece_{j}_{k}", f"piece_{j + 1}_{k}") for j in range(1, rows) for k in range(1, columns + 1)]
     return made
 
 

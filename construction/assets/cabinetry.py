@@ -12,24 +12,7 @@ import numpy as np
 from .made import MAIN, Body, Joint, Made, Place, Point
 from .profiles import circle, rounded
 
-__all__ = [
-    "BACK",
-    "GAP",
-    "SIDE",
-    "Rect",
-    "Style",
-    "carcass",
-    "cornice",
-    "door",
-    "drawer",
-    "feet",
-    "handle",
-    "knob",
-    "leaf",
-    "pick",
-    "set_moving",
-    "stacked",
-]
+__all__ = ["BACK", "GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick", "set_moving", "stacked"]
 
 Rect = tuple[float, float, float, float]
 """Least x, greatest x, least z, greatest z [m] of something that faces the front."""
@@ -78,13 +61,7 @@ def set_moving(made: Made) -> Made:
 
 
 def stacked(
-    body: Body,
-    name: str,
-    curve: Sequence[tuple[float, float]],
-    at: Point = (0, 0, 0),
-    *,
-    segments: int = 32,
-    material: str | None = None,
+    body: Body, name: str, curve: Sequence[tuple[float, float]], at: Point = (0, 0, 0), *, segments: int = 32, material: str | None = None
 ) -> None:
     """Add a solid turned thing as convex pieces, one on the other, cut at its waists.
 

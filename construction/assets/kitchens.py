@@ -72,9 +72,7 @@ def _kitchen_base(p: KitchenBaseParameters, rng: np.random.Generator) -> Made:
     cover_top, floor, ceiling = under - GAP, PLINTH + BOARD, under - BOARD
     count = {"door": 0, "door and drawer": 1, "drawers": 3}[p.contents]
     high = ceiling
-    levels = (
-        [ceiling - 0.16 * k for k in range(2)] if count == 1 else list(np.linspace(ceiling, floor, count + 1)) if count else []
-    )
+    levels = [ceiling - 0.16 * k for k in range(2)] if count == 1 else list(np.linspace(ceiling, floor, count + 1)) if count else []
     for number in range(1, len(levels)):
         a, b = float(levels[number]), float(levels[number - 1])
         last = count == 3 and number == count

@@ -118,6 +118,9 @@ def _log_pile(p: LogPileParameters, rng: np.random.Generator) -> Made:
             outline = [(face, sill), (top, sill), (top, sill + top - face)]
             made.main.hull(f"chock_{end}_{side}", [(t * x, y + w, z) for x, z in outline for w in (-0.3 * r, 0.3 * r)])
     made.main.box("tie", (-0.25 * r, -0.3 * p.length + 0.3 * r, 0), (0.25 * r, 0.3 * p.length - 0.3 * r, 0.6 * sill))
+    # Flat sides meet where the logs lie on each other, so that none rolls on.
+    turns = [2 * math.pi * (k + 0.5) / 24 for k in range(24)]
+    section = [(r / math.cos(math.pi / 24) * math.cos(a), r / math.cos(math.pi / 24) * math.sin(a)) for a in turns]
     below: list[str] = []
     for row in range(min(p.rows, p.bottom)):
         names = []
@@ -127,7 +130,8 @@ def _log_pile(p: LogPileParameters, rng: np.random.Generator) -> Made:
             shift = float(rng.uniform(-1, 1)) * min(p.uneven, 0.1 * p.length)
             name = f"log_{row + 1}_{k + 1}"
             body = made.bodies[name] = Body("log", p.material)
-            body.cylinder("log", (x, shift - p.length / 2, z), (x, shift + p.length / 2, z), r)
+            ends = (shift - p.length / 2, shift + p.length / 2)
+            body.hull("log", [(x + u, y, z + v) for u, v in section for y in ends])
             made.carries += [(MAIN, name)] if row == 0 else [(below[k], name), (below[k + 1], name)]
             names.append(name)
         below = names

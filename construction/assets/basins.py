@@ -28,7 +28,7 @@ def _trough(p: TroughParameters, rng: np.random.Generator) -> Made:
     made = Made.of(body)
     x, y, bearer = p.length / 2, p.width / 2, 0.14 * p.height
     wall = min(p.wall, 0.16 * p.width)
-    draw = min(p.lean * p.height, 0.25 * p.width - wall)
+    draw = min(p.lean * p.height, 0.25 * p.width - wall, 0.2 * p.length)
     floor = bearer + wall
     low = (-x + draw, -y + draw, x - draw, y - draw)
     body.box("floor", (low[0], low[1], bearer), (low[2], low[3], floor))
@@ -40,7 +40,7 @@ def _trough(p: TroughParameters, rng: np.random.Generator) -> Made:
     for side, points in mitred(lip, lip, (p.height - rim, p.height), wall + 0.015).items():
         body.hull(f"rim_{side}", points)
     for s, side in ((-1, "left"), (1, "right")):
-        a, b = sorted((s * 0.55 * x, s * 0.78 * x))
+        a, b = sorted((s * 0.55 * (x - draw), s * 0.8 * (x - draw)))
         body.hull(
             f"bearer_{side}",
             [(u, v * g, h) for u in (a, b) for v in (-1, 1) for g, h in ((0.9 * y, 0.0), (0.8 * (y - draw), bearer))],

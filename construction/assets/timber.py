@@ -71,8 +71,8 @@ def _log(p: LogParameters, rng: np.random.Generator) -> Made:
         a, b = ring[k], ring[(k + 1) % len(ring)]
         way = (b - a) / np.linalg.norm(b - a)
         out = np.array([way[1], -way[0]])
-        x = (-0.42 + 0.84 * (number + float(rng.uniform(0.2, 0.8))) / p.stubs) * p.length
-        r = min(0.48 * float(np.linalg.norm(b - a)), 0.05)
+        x = (-0.42 + 0.84 * (number + float(rng.uniform(0.35, 0.65))) / p.stubs) * p.length
+        r = min(0.48 * float(np.linalg.norm(b - a)), 0.05, 0.09 * p.length / p.stubs)
         long, lean = float(rng.uniform(1.5, 4.0)) * r, float(rng.uniform(-0.5, 0.5))
         base = (a + b) / 2
         tip = base + out * long

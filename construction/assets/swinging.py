@@ -168,7 +168,7 @@ def _pendulum(p: PendulumParameters, rng: np.random.Generator) -> Made:
     r = p.bob * p.length / 2
     base, post = 0.03 + 0.02 * p.length, 0.03 + 0.03 * p.length
     z = base + p.length + 1.6 * r
-    reach, back = 0.42 * p.length + r, 1.4 * r + 0.03
+    reach, back = max(0.42, abs(math.sin(math.radians(p.start_deg)))) * p.length + r, 1.4 * r + 0.03
     rim = 0.006
     body.hull(
         "base",

@@ -202,7 +202,7 @@ def _pendulum(p: PendulumParameters, rng: np.random.Generator) -> Made:
         body.box(f"lug_{side}", (-1.2 * u, a, z - 1.2 * u), (1.2 * u, b, arm), material=p.metal)
     rod.cylinder("eye", (0, -u, z), (0, u, z), 1.2 * u)
     thin = 0.55 * u
-    start, end = pivot + 1.2 * u * way, pivot + (p.length - 0.9994 * r) * way
+    start, end = pivot + 1.2 * u * way, pivot + (p.length - 0.9992 * r) * way
     rod.cylinder("rod", start, end, thin)
     center = pivot + p.length * way
     if p.lens:

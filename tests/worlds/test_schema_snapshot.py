@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "95f843af2486845970b58807bf8298b3f0abc466c30f58968204da89f09a1fb7"
+SCHEMA = "12c8add6cdac5874fd155ab121ebcb07c6cf546416095bfcad59768dda8da50a"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -29,6 +29,8 @@ EFFORT = 3.0
 compiled kernels costs about 1.5 s, compiling them at first use some 10 s more."""
 COSTLY, CHEAP = 150e-6, 15e-6
 """[s] One query of `clearance` on one core, measured: through fcl, and for small convex bodies over many poses."""
+SETUP = 500e-6
+"""[s] What each pair of bodies costs besides, however few its poses, measured."""
 DEPTHS = 6
 """Own choice: after so many overlaps of bodies that are not convex, 0.1 to 2 s each, the rest goes to the kernels (2 ms each)."""
 PORTION = 16
@@ -129,9 +131,10 @@ def clearance_batch(
 def _effort(solids: Sequence[Solid], pairs: I32) -> float:
     """Seconds that `clearance` would need on one core, roughly."""
     few, count = np.unique(pairs, axis=0, return_counts=True)
-    if len(pairs) * COSTLY < EFFORT:
+    setup = len(few) * SETUP
+    if setup + len(pairs) * COSTLY < EFFORT:
         return 0.0
-    return float(sum(n * (CHEAP if _small(solids[i], solids[j]) else COSTLY) for (i, j), n in zip(few, count, strict=True)))
+    return setup + float(sum(n * (CHEAP if _small(solids[i], solids[j]) else COSTLY) for (i, j), n in zip(few, count, strict=True)))
 
 
 def _small(a: Solid, b: Solid) -> bool:

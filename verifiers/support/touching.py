@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...geometry import distance_to_surface
 from ...geometry.triangles import nearest_on_triangles, segment_points
 from ...worlds.arrays import F64
+from ..scene.bounds import ROUNDING
 from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
 if TYPE_CHECKING:
@@ -65,15 +66,14 @@ def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
     points: list[F64] = []
     normals: list[F64] = []
     friction: list[F64] = []
-    for i in surfaces.parts_of[a]:
-        for j in surfaces.parts_of[b]:
-            one, two = surfaces.parts[i], surfaces.parts[j]
-            slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
-            poses = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
-            found, ways = _touch(one, two, poses, slack)
-            points.append(found)
-            normals.append(ways)
-            friction.append(np.full(len(found), _friction(surfaces, one, two)))
+    for i, j in _near_parts(surfaces, a, b, frame, max(nearest.distance, 0.0) + EDGE_SLACK):
+        one, two = surfaces.parts[i], surfaces.parts[j]
+        slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
+        poses = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
+        found, ways = _touch(one, two, poses, slack)
+        points.append(found)
+        normals.append(ways)
+        friction.append(np.full(len(found), _friction(surfaces, one, two)))
     if sum(len(p) for p in points) == 0:
         way = nearest.point_a - nearest.point_b if nearest.distance > 0.0 else nearest.point_b - nearest.point_a
         length = float(np.linalg.norm(way))
@@ -87,6 +87,18 @@ def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
         )
         return Contacts(0.5 * (nearest.point_a + nearest.point_b)[None], way[None] / length, np.array([pair]))
     return _corners(Contacts(np.concatenate(points), np.concatenate(normals), np.concatenate(friction)))
+
+
+def _near_parts(surfaces: Surfaces, a: str, b: str, frame: int, slack: float) -> list[tuple[int, int]]:
+    """Pairs of parts of two entities whose boxes come within the slack of `_touch`, in their order; bodies that deform, all of them."""
+    rows, columns = surfaces.parts_of[a], surfaces.parts_of[b]
+    if surfaces.shapes.soft & {*rows, *columns}:  # `_touch` takes their shape at frame 0
+        return list(product(rows, columns))
+    (low_a, high_a), (low_b, high_b) = surfaces.tight_boxes(a, frame), surfaces.tight_boxes(b, frame)
+    error = [np.array([surfaces.parts[i].deviation for i in side]) for side in (rows, columns)]
+    reach = 2.0 * (slack + error[0][:, None] + error[1]) + ROUNDING
+    apart = np.maximum(low_a[:, None] - high_b, low_b - high_a[:, None]).max(axis=2)
+    return [(rows[m], columns[n]) for m, n in np.argwhere(apart <= reach).tolist()]
 
 
 def _friction(surfaces: Surfaces, one: PartSurface, two: PartSurface) -> float:

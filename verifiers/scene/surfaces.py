@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...geometry import Meetings, aabb_of, clearance_batch, meetings, signed_clearance, turned_boxes
 from ...worlds.arrays import F64, RigidPose
-from .bounds import MOVED_SHARE, SUPPORT_SLOPE
+from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
 
 if TYPE_CHECKING:
@@ -80,7 +80,12 @@ class Surfaces(Parts):
         return {pair: series for pair, series in found.items() if series.min() <= self.reach}
 
     def _clearances(
-        self, asked: list[tuple[int, int, NDArray[np.intp]]], *, shift: F64 | None = None, tolerance: float = 0.0
+        self,
+        asked: list[tuple[int, int, NDArray[np.intp]]],
+        *,
+        shift: F64 | None = None,
+        tolerance: float = 0.0,
+        enough: float | F64 = np.inf,
     ) -> F64:
         """Clearance of pairs of parts (i, j, frames), one after the other [m], the first of each moved by `shift` [m]."""
         sides = [[(i, frames) for i, _, frames in asked], [(j, frames) for _, j, frames in asked]]
@@ -91,7 +96,7 @@ class Surfaces(Parts):
             position = np.concatenate([t.position for t in tracks])
             poses.append((position if move is None else position + move, np.concatenate([t.quaternion for t in tracks])))
         pairs = places.reshape(2, -1).T
-        return clearance_batch(forest, pairs, *poses, skip_above=self.reach, tolerance=tolerance).distance
+        return clearance_batch(forest, pairs, *poses, skip_above=self.reach, tolerance=tolerance, enough=enough).distance
 
     def boxes(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
         """World boxes that hold all parts [m], shapes (parts, frames, 3); empty from the first broken pose of an entity on."""
@@ -199,10 +204,16 @@ class Surfaces(Parts):
         apart = np.maximum(np.maximum(low_a[:, None] - high_b, low_b - high_a[:, None]), 0.0)
         bound = np.linalg.norm(apart, axis=2)
         best: Gap | None = None
+        least = self._at_start(rows_a, rows_b) if frame == 0 and offset is None else np.full(bound.shape, -math.inf)
+        # Above `reach` they are lower bounds.
+        exact = least[(least > -math.inf) & (least <= self.reach)]
+        beyond = least > max(float(exact.min(initial=math.inf)), 0.0) + ROUNDING
         for k in np.argsort(bound, axis=None, kind="stable"):
             i, j = divmod(int(k), len(rows_b))
             if best is not None and bound[i, j] > max(best.distance, 0.0):
                 break
+            if beyond[i, j]:
+                continue
             one, two = self.parts[rows_a[i]], self.parts[rows_b[j]]
             solids = self.shapes.solid(rows_a[i], frame), self.shapes.solid(rows_b[j], frame)
             found = signed_clearance(solids[0], poses_a[i], solids[1], poses_b[j])
@@ -210,6 +221,15 @@ class Surfaces(Parts):
                 best = Gap(found.distance, found.point_a, found.point_b, one.part, two.part)
         assert best is not None
         return best
+
+    def _at_start(self, first: Sequence[int], second: Sequence[int]) -> F64:
+        """Clearance at frame 0 of every pair of two lists of parts as far as `at_start` has it, else -inf [m], shape (first, second)."""
+        known = [[self.at_start.get((min(i, j), max(i, j)), -math.inf) for j in second] for i in first]
+        return np.array(known, dtype=np.float64)
+
+    def farther(self, i: int, j: int, frame: int, distance: float) -> bool:
+        """True if two parts are known to be farther apart at a frame than `distance` [m]; nothing is measured."""
+        return frame == 0 and self.at_start.get((min(i, j), max(i, j)), -math.inf) > distance + ROUNDING
 
     def carries(self, below: str, above: str, *, until: int | None = None) -> NDArray[np.bool_]:
         """At which frames `below` touches `above` and stands in the way of its falling, shape (frames,).
@@ -248,25 +268,35 @@ class Surfaces(Parts):
                 found[pair][frames] = True
             return found
         fall = gap * gravity / strength
-        for pair, raised in self._moved(touching, -fall, gap).items():
-            found[pair][touching[pair]] = raised >= distance[pair][touching[pair]] + SUPPORT_SLOPE * gap
+        least = {pair: distance[pair][frames] + SUPPORT_SLOPE * gap for pair, frames in touching.items()}
+        for pair, raised in self._moved(least, touching, -fall, gap).items():
+            found[pair][touching[pair]] = raised >= least[pair]
         unsure = {pair: frames[~found[pair][frames]] for pair, frames in touching.items()}
         unsure = {pair: frames for pair, frames in unsure.items() if len(frames)}
-        for pair, lowered in self._moved(unsure, fall, gap).items():
-            found[pair][unsure[pair]] = lowered <= distance[pair][unsure[pair]] - SUPPORT_SLOPE * gap
+        most = {pair: distance[pair][frames] - SUPPORT_SLOPE * gap for pair, frames in unsure.items()}
+        for pair, lowered in self._moved(most, unsure, fall, gap).items():
+            found[pair][unsure[pair]] = lowered <= most[pair]
         return found
 
-    def _moved(self, asked: Mapping[Pair, NDArray[np.intp]], offset: F64, gap: float) -> dict[Pair, F64]:
-        """Clearance of pairs (below, above) at some frames with `above` moved by `offset` [m], shape (frames,) each."""
+    def _moved(
+        self, bound: Mapping[Pair, F64], asked: Mapping[Pair, NDArray[np.intp]], offset: F64, gap: float
+    ) -> dict[Pair, F64]:
+        """Clearance of pairs (below, above) at some frames with `above` moved by `offset` [m], shape (frames,) each.
+
+        It is compared with a bound [m]: depths that are far beyond it may be any such.
+        """
         found = {pair: np.full(len(frames), np.inf) for pair, frames in asked.items()}
         queries: list[tuple[int, int, NDArray[np.intp]]] = []
         owner: list[Pair] = []
+        enough: list[F64] = []
         for (below, above), frames in asked.items():
             parts = self._near.get((below, above), set()) | {(j, i) for i, j in self._near.get((above, below), set())}
             queries += [(j, i, frames) for i, j in sorted(parts)]
             owner += [(below, above)] * len(parts)
+            enough += [np.maximum(-bound[below, above], 0.0) + gap * SUPPORT_SLOPE] * len(parts)
         if queries:
-            values = self._clearances(queries, shift=offset, tolerance=MOVED_SHARE * SUPPORT_SLOPE * gap)
+            tolerance = MOVED_SHARE * SUPPORT_SLOPE * gap
+            values = self._clearances(queries, shift=offset, tolerance=tolerance, enough=np.concatenate(enough))
             ends = np.cumsum([len(frames) for *_, frames in queries])
             for pair, own in zip(owner, np.split(values, ends[:-1]), strict=True):
                 found[pair] = np.minimum(found[pair], own)

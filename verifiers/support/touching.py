@@ -69,6 +69,8 @@ def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
     for i, j in _near_parts(surfaces, a, b, frame, max(nearest.distance, 0.0) + EDGE_SLACK):
         one, two = surfaces.parts[i], surfaces.parts[j]
         slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
+        if surfaces.farther(i, j, frame, slack):
+            continue
         poses = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
         found, ways = _touch(one, two, poses, slack)
         points.append(found)

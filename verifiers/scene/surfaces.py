@@ -249,7 +249,8 @@ class Surfaces(Parts):
             asked = {(below, above)}
             if last == 1:  # one frame: all that touch are asked about sooner or later, and together they cost little
                 still = {n for n in self.entities if self.is_static(n)}
-                asked |= {way for a, b in self.moving for way in ((a, b), (b, a)) if way[1] not in still}
+                ways = (way for a, b in {*self.first, *self.moving} for way in ((a, b), (b, a)))
+                asked |= {(a, b) for a, b in ways if b not in still or a in still}
             for gap in sorted({self.contact_gap(*pair) for pair in asked}):
                 same = sorted(p for p in asked if self.contact_gap(*p) == gap and (*p, last) not in self._support)
                 self._support |= {(*pair, last): found for pair, found in self._carried(same, last, gap).items()}

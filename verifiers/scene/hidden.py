@@ -14,7 +14,7 @@ import numpy as np
 
 from ...geometry.inside import contains
 from ...geometry.solids import Solid
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 from ...worlds.spec import RigidPhysics
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
@@ -89,7 +89,7 @@ def _hidden(weighed: list[_Weighed]) -> list[_Weighed]:
 def _share_inside(inner: Solid, around: list[Solid]) -> float:
     """Share of a solid's surface that lies inside others, to a depth of HIDDEN_DEPTH of its size."""
     corners: F64 = inner.triangles
-    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = 0.5 * np.linalg.norm(cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     largest = np.argsort(-areas, kind="stable")[:HIDDEN_TRIANGLES]
     inwards = inner.face_normals[largest, None] * (HIDDEN_DEPTH * inner.size)
     points = np.einsum("sk,fkj->fsj", _SPOTS, corners[largest]) - inwards

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry import distance_to_surface
 from ...geometry.triangles import nearest_on_triangles, segment_points
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 from ..scene.bounds import ROUNDING
 from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
@@ -59,6 +59,13 @@ def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
     Points are the corners of the overlap of the touching faces: vertices of either near the other, and crossings of
     edges. A direction is a contact normal where all of `a` at the point lies on its side and all of `b` on the other.
     """
+    if frame > 0:
+        return _contacts(surfaces, a, b, frame)
+    # Every body of a heap asks for the contacts of its whole heap.
+    return surfaces.candidate.memo(("contacts", surfaces, a, b), lambda: _contacts(surfaces, a, b, 0))
+
+
+def _contacts(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
     nearest = surfaces.gap(a, b, frame)
     none = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
     if nearest.distance > surfaces.contact_gap(a, b):
@@ -184,7 +191,7 @@ def _side(points: F64, part: PartSurface, low: F64, high: F64) -> _Side:
     corner = points[part.solid.faces]
     meets = ((corner.min(axis=1) <= high) & (corner.max(axis=1) >= low)).all(axis=1)
     corner = corner[meets]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1)
     flat = length > 0.0
     # Imported surfaces may be inside out.
@@ -206,7 +213,7 @@ def _normals(point: F64, own: _Side, other: _Side, near: tuple[NDArray[np.intp],
     kept = _separating(_apart(np.concatenate(ways)), point, mine, theirs, slack)
     if len(kept) == 0:
         edges = [_directions(t) for t in (mine, theirs)]
-        across = np.cross(edges[0][:, None], edges[1][None]).reshape(-1, 3)
+        across = cross(edges[0][:, None], edges[1][None]).reshape(-1, 3)
         length = np.linalg.norm(across, axis=1)
         across = across[length > SAME_NORMAL] / length[length > SAME_NORMAL, None]
         kept = _separating(_apart(np.concatenate([across, -across])), point, mine, theirs, slack)

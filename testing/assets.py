@@ -26,8 +26,14 @@ OVERLAP = 1e-4
 """Own choice: share of the smaller part's volume that two parts may have in common by rounding and facets."""
 TOUCH = 1e-4
 """[m] Own choice: parts of one body that are closer touch."""
+SKINS = 1e-3
+"""[m] Gap between bodies that collide, at least: the two collision skins at the default; what lies loosely rests at this gap."""
 APART = 5e-4
-"""[m] Gap between bodies at least: half of the collision skins of two things at the default skin."""
+"""[m] Gap between the two bodies of a joint, which do not collide."""
+LOOSE = 2e-3
+"""[m] What lies loosely on another body is no further above it."""
+ROUNDED = 2e-6
+"""[m] Rounding of meshes in single precision."""
 COLLISION = 0.02
 """Share by which the collision pieces' volume may differ from the visible one's."""
 POSITIONS = 9
@@ -160,20 +166,22 @@ def _together(solids: Sequence[_Solid]) -> Manifold:
 
 
 def _between(made: Made, bodies: Mapping[str, Sequence[_Solid]]) -> Iterator[str]:
-    touching = {frozenset(pair) for pair in made.carries} | {
-        frozenset((j.child, j.parent)) for j in made.joints.values() if j.kind == "weld"
-    }
+    loose = {frozenset(pair) for pair in made.carries}
+    joined = {frozenset((j.child, j.parent)): j.kind for j in made.joints.values()}
     for a, b in itertools.combinations(bodies, 2):
+        pair = frozenset((a, b))
         shared = _shared(bodies[a], bodies[b])
         if shared > 0:
             yield f"bodies {a!r} and {b!r} overlap by {shared:.3g} m^3"
-        elif frozenset((a, b)) not in touching:
-            gap = min(
-                (s.solid.min_gap(t.solid, 2 * APART) for s in bodies[a] for t in bodies[b] if _near(s, t, 2 * APART)),
-                default=math.inf,
-            )
-            if gap < APART:
-                yield f"bodies {a!r} and {b!r} are {1000 * gap:.3g} mm apart, less than {1000 * APART:g} mm"
+            continue
+        if joined.get(pair) == "weld":
+            continue
+        least, reach = (APART if pair in joined else SKINS), 2 * LOOSE
+        gap = min((s.solid.min_gap(t.solid, reach) for s in bodies[a] for t in bodies[b] if _near(s, t, reach)), default=math.inf)
+        if gap < least - ROUNDED:
+            yield f"bodies {a!r} and {b!r} are {1000 * gap:.3g} mm apart, less than {1000 * least:g} mm"
+        elif pair in loose and gap > LOOSE:
+            yield f"body {b!r} is {1000 * min(gap, reach):.3g} mm or more from {a!r}, on which it is said to lie"
 
 
 def _near(a: _Solid, b: _Solid, reach: float) -> bool:

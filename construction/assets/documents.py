@@ -48,7 +48,7 @@ def asset_documents(
         record: its field `asset`: generator, parameters and seed.
         made: its bodies.
         pose: of the asset's frame in the world.
-        motion: of its bodies that do not say it.
+        motion: of its main body where that does not say it; the others are dynamic.
         boxes: of its bodies, where they are known, see `body_boxes`.
     """
     known = body_boxes(made) if boxes is None else boxes
@@ -79,7 +79,7 @@ def _entity(body: Body, box: tuple[F64, F64], pose: RigidPose, motion: str, *, w
         parts[key] = document
     return {
         "role": body.role,
-        "motion": body.motion or motion,
+        "motion": body.motion or (motion if whole else "dynamic"),
         "material": body.material,
         "dimensions": {"size": [round(float(c), DIGITS) for c in high - low]},
         "pose": pose_json(compose(pose, RigidPose(own, np.array([1.0, 0.0, 0.0, 0.0])))),

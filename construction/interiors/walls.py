@@ -126,10 +126,9 @@ def windows_of(
     found: list[Opening] = []
     for name in rooms:
         for edge in _outer(plan, plan.rooms[name]):
-            taken = [
-                d for d in doors if d.along == edge.along and abs(d.center[0 if edge.along == "y" else 1] - edge.across) < 1e-6
-            ]
-            spans = sorted((d.center[1 if edge.along == "y" else 0], d.width / 2) for d in taken)
+            own = 1 if edge.along == "y" else 0
+            taken = [d for d in doors if d.along == edge.along and abs(d.center[1 - own] - edge.across) < 1e-6]
+            spans = sorted((d.center[own], d.width / 2) for d in taken if edge.start < d.center[own] < edge.end)
             cuts = [edge.start + wall / 2, *itertools.chain.from_iterable((c - h, c + h) for c, h in spans), edge.end - wall / 2]
             for start, end in zip(cuts[::2], cuts[1::2], strict=True):
                 found += _in_span(name, edge, start, end, len(found), sill, head)

@@ -233,6 +233,8 @@ def _near(points: F64, side: _Side, slack: float) -> list[NDArray[np.intp]]:
 
 def _nearest(distance: F64, slack: float) -> NDArray[np.intp]:
     found = np.flatnonzero(distance <= slack)
+    if len(found) <= MOST_NEAR:
+        return found
     return np.sort(found[np.argsort(distance[found], kind="stable")[:MOST_NEAR]])
 
 

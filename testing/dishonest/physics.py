@@ -72,7 +72,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
     ),
     "other nature": (
         Case("a tenth of gravity", BOUNCE, says="gravity", changes={"/simulation/gravity": [0, 0, -3.0], "/story/beats/bounce/frames": [6, 40], "/story/beats/fall/frames": [3, 24]}),
-        Case("gravity sideways", BLOCKS, "*", "gravity|steel", changes={"/simulation/gravity": [2.0, 0, -9.81]}),
+        Case("gravity sideways", BLOCKS, says="degrees off straight down", changes={"/simulation/gravity": [2.0, 0, -9.81]}),
         Case("friction of nothing", PUSH_ES, "audit:*|beat:*|support:*|claim:*", changes={"/simulation/contacts": {"ice": {"a": "crate", "b": "floor", "friction": 0.0}}}),
         Case("a ball that bounces for ever", BOUNCE, "audit:*|category:*", changes={"/materials/rubber/restitution": 1.0, "/materials/floor/restitution": 1.0}),
         Case("a film in slow motion", TURN, says="gravity", changes={"/simulation/gravity": [0, 0, -6.0], "/story/beats/first/frames": [3, 14], "/story/beats/second/frames": [16, 32]}),
@@ -93,7 +93,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("not not", DOMINOES, "audit:claims|beat:*", changes={"/story/beats/follow/predicate": {"kind": "not", "predicate": {"kind": "spins", "entity": "second"}}}),
     ),
     "bound above noise": (
-        Case("a touch of nothing", BLOCKS, "audit:bounds|audit:claims", changes={"/story/beats/hit/predicate": {**_CONTACT, "min_impulse": 0.0}}),
+        Case("a touch of nothing", BLOCKS, says="is met by any touch", changes={"/story/beats/hit/predicate": {**_CONTACT, "min_impulse": 0.0}}),
         Case("a shift of a micrometre", PUSH, "audit:bounds|audit:claims", changes={"/story/beats/push/predicate": {"kind": "and", "of": [{"kind": "pushes", "entity": "plate", "other": "crate"}, {"kind": "displacement", "entity": "crate", "min": 1e-6}]}}),
         Case("a tilt of a hair", DOMINOES, "audit:bounds|audit:claims", changes={"/story/beats/follow/predicate": {"kind": "topples", "entity": "second", "min_angle": 0.001}}),
         Case("limits of the checks", SHELF, says="limits", changes={"/simulation/limits": {"energy_growth": 0.2, "support_drift": 0.05}}),

@@ -102,9 +102,9 @@ def _rewritten(agent: Agent, change: Callable[[dict[str, Any]], None]) -> str:
     with zipfile.ZipFile(source) as archive:
         members = {n: archive.read(n) for n in archive.namelist()}
     manifest = json.loads(members.pop("manifest.json"))
-    documents = {n: json.loads(d) for n, d in members.items() if n in ("world.json", "verdict.json", "history.json")}
+    documents = {n: json.loads(members[n]) for n in ("world/world.json", "verdict.json", "history.json")}
     change(documents)
-    members |= {n: json.dumps(d).encode() for n, d in documents.items()}
+    members |= {n: json.dumps(d).encode() for n, d in documents.items() if d != json.loads(members[n])}
     manifest["members"] = {n: {"bytes": len(d), "sha256": hashlib.sha256(d).hexdigest()} for n, d in members.items()}
     target = Path(agent.workspace) / "forged.zip"
     with zipfile.ZipFile(target, "w") as archive:
@@ -114,11 +114,11 @@ def _rewritten(agent: Agent, change: Callable[[dict[str, Any]], None]) -> str:
 
 
 def _bundle_prompt(agent: Agent) -> str:
-    return _rewritten(agent, lambda d: d["world.json"].update(prompt=_OTHER))
+    return _rewritten(agent, lambda d: d["world/world.json"].update(prompt=_OTHER))
 
 
 def _bundle_claims(agent: Agent) -> str:
-    return _rewritten(agent, lambda d: d["world.json"].update(claims={}))
+    return _rewritten(agent, lambda d: d["world/world.json"].update(claims={}))
 
 
 def _bundle_words(agent: Agent) -> str:

@@ -39,9 +39,9 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("a hand behind the crate", PUSH_ES, "audit:story|beat:driven:*|causal:without:*", changes={
             _DRIVE + "help": {"kind": "force", "entity": "crate", "force": [60, 0, 0], "start": 0.05, "end": 0.6}}),
         Case("a pusher that no beat tells of", BLOCKS_DE, "audit:story|beat:driven:*", changes={
-            "/entities/pusher": block("pusher", "wood", (0.04, 0.04, 0.04), (-0.15, 0.2, 0.05), "kinematic"),
+            "/entities/pusher": block("pusher", "wood", (0.6, 0.04, 0.04), (0.1, 0.13, 0.05), "kinematic"),
             _WITH: ["floor", "steel_block", "wooden_block", "pusher"],
-            _DRIVE + "help": {"kind": "path", "entity": "pusher", "keys": {"k0": {"time": 0, "pose": {"position": [-0.15, 0.2, 0.05]}}, "k1": {"time": 0.4, "pose": {"position": [-0.15, 0.06, 0.05]}}, "k2": {"time": 1.3, "pose": {"position": [-0.15, 0.06, 0.05]}}}}}),
+            _DRIVE + "help": {"kind": "path", "entity": "pusher", "keys": {"k0": {"time": 0, "pose": {"position": [0.1, 0.13, 0.05]}}, "k1": {"time": 0.1, "pose": {"position": [0.1, 0.05, 0.05]}}, "k2": {"time": 1.3, "pose": {"position": [0.1, 0.05, 0.05]}}}}}),
         Case("a motion of its own", SHELF, "audit:story", "starts with", changes={"/entities/b3/physics": {"category": "rigid", "linear_velocity": [0.6, 0, 0]}}),
     ),
     "hidden hold": (

@@ -122,8 +122,8 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("a name, not a number", PUSH, AUDIT, "is none", marked=PUSH.marked.replace("/story/beats/push/predicate/min", "/story/beats/push/predicate/kind")),
     ),
     "order": (
-        Case("the beats exchanged", TURN, "claim:order:*", "comes true at frame", marked=TURN.marked.replace("(order first second)", "(order second first)")),
-        Case("先后颠倒", TURN_ZH, "claim:order:*", "comes true at frame", marked=TURN_ZH.marked.replace("(order first second)", "(order second first)")),
+        Case("the beats exchanged", TURN, AUDIT, "the reverse", marked=TURN.marked.replace("(order first second)", "(order second first)")),
+        Case("先后颠倒", TURN_ZH, AUDIT, "the reverse", marked=TURN_ZH.marked.replace("(order first second)", "(order second first)")),
         Case("let go at once", TURN, "claim:order:*", "comes true at frame",
              changes={"/simulation/drivers/latch_late/time": 0.125, "/story/beats/second/frames": [3, 12], "/story/beats/blow/frames": [5, 16]}),
         Case("the later one first", TURN, "claim:order:*", "comes true at frame",

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "JOINS",
     "PREPOSITIONS",
+    "SENTENCE",
     "STOP",
     "TURNS",
     "Misplaced",

@@ -59,8 +59,8 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
     "colour": (
         Case("red is blue", COLOURS, "claim:property:*|audit:claims", "red", changes={"/materials/rubber/appearance/color": [0.02, 0.05, 0.7]}),
         Case("red is grey", COLOURS, "claim:property:*|audit:claims", "red", changes={"/materials/rubber/appearance/color": [0.4, 0.4, 0.4]}),
-        Case("rot ist grün", COLOURS_DE, "claim:property:*|audit:claims", "rote", changes={"/materials/rubber/appearance/color": [0.03, 0.5, 0.05]}),
-        Case("red under a blue lamp", COLOURS, "claim:property:*|shots:*", "red", changes={
+        Case("rot ist grün", COLOURS_DE, "claim:property:*|audit:claims", "are red", changes={"/materials/rubber/appearance/color": [0.03, 0.5, 0.05]}),
+        Case("red under a blue lamp", COLOURS, "claim:property:*|shots:*", "are grey", changes={
             "/look/sky": "studio", "/look/exposure": -3, "/look/lights": {"blue": {"position": [0, -1, 2], "target": [0, 0, 0], "power": 4000, "color": [0, 0, 1]}}}),
         Case("the floor is red, the ball is not", COLOURS, "claim:property:*|audit:claims", "red", changes={
             "/materials/rubber/appearance/color": [0.4, 0.4, 0.4], "/materials/floor/appearance/color": [0.7, 0.03, 0.03]}),

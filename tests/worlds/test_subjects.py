@@ -114,3 +114,30 @@ def test_a_height_is_one_wherever_its_word_stands(axis: int) -> None:
     place = f"/entities/b3/dimensions/size/{axis}"
     found = quantity(f"A {BALL} [hits](event hit) a {BLOCK} [{cm('b3', axis)}](quantity {place}) tall.")
     assert bool(found) is (axis != 2)
+
+
+def ways(marked: str) -> list[str]:
+    return [p.text for p in claim_problems(world(marked)) if "up to the end of its sentence" in p.text]
+
+
+@pytest.mark.parametrize(
+    "marked",
+    [
+        f"A {BALL} [rolls](event ball_rolls) [along](route ball_rolls) a {OTHER}.",
+        f"A {BALL} [hits](event hit) a {BLOCK}. It goes on [along](route ball_rolls) a {OTHER}.",
+        f"[Along](route ball_rolls) a {OTHER} [rolls](event ball_rolls) a {BALL}.",
+    ],
+)
+def test_a_way_is_gone_by_what_is_named_by_then(marked: str) -> None:
+    assert ways(marked) == []
+
+
+@pytest.mark.parametrize(
+    "marked",
+    [
+        f"One can walk [along](route ball_rolls) a {OTHER}. A {BALL} [rolls](event ball_rolls).",
+        f"A {BLOCK} goes [along](route ball_rolls) a {OTHER}.",
+    ],
+)
+def test_a_way_that_something_else_goes_is_refused(marked: str) -> None:
+    assert "'ball' goes by 'ball_rolls'" in ways(marked)[0]

@@ -24,6 +24,8 @@ _SHELF = ["floor", "shelf", "ball", "b1", "b2", "b3"]
 _PASSING = ["floor", "ball", "cube", "wall"]
 _FOURTH = block("wooden block 4", "wood", (0.03, 0.05, 0.05), (-0.35, 0.1, 0.326))
 _NEVER = "/story/requirements/"
+_WOODEN = {"/entities/plate/material": "wood", "/materials/wood": {"density": 600, "substance": "wood"}}
+_STEEL_BADGE = {"/entities/plate/parts/badge": {"shape": {"kind": "box", "size": [0.001, 0.01, 0.01]}, "material": "steel"}}
 
 
 def _never(text: str, predicate: dict[str, Any], **more: Any) -> dict[str, Any]:
@@ -94,7 +96,10 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("bronce", PUSH_ES, says="reading: bronce", marked="Una [placa](thing plate) de [bronce](property plate) [empuja](event push) una [caja](thing crate) por el [suelo](thing floor)."),
         Case("of substance other", PUSH, AUDIT, "asks for steel", changes={"/entities/plate/material": "stuff", "/materials/stuff": {"density": 100, "substance": "other"}}),
         Case("one part of steel", PUSH, AUDIT, "steel",
-             changes={"/entities/plate/material": "wood", "/materials/wood": {"density": 600, "substance": "wood"}, "/entities/plate/parts/badge": {"shape": {"kind": "box", "size": [0.001, 0.01, 0.01]}, "material": "steel"}}),
+             changes=_WOODEN | _STEEL_BADGE),
+        Case("a part of steel, named alone", PUSH, AUDIT, "asks for steel", marked=PUSH.marked.replace("(property plate)", "(property /entities/plate/parts/badge)"), changes=_WOODEN | _STEEL_BADGE),
+        Case("the steel of another part", PUSH, AUDIT, "beside it is of wood", marked=PUSH.marked.replace("(property plate)", "(property /materials/steel)"), changes=_WOODEN | _STEEL_BADGE),
+        Case("the steel of the floor", PUSH, AUDIT, "beside it is of wood", marked=PUSH.marked.replace("(property plate)", "(property floor)"), changes=_WOODEN | {"/entities/floor/material": "steel"}),
     ),
     "count": (
         Case("one too few", SHELF, AUDIT, "counts 3", marked=SHELF.marked.replace("(count b1 b2 b3)", "(count b1 b2)")),

@@ -70,7 +70,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
             "/entities/ball/parts/body/shape": {"kind": "box", "size": [0.1, 0.1, 0.1]}}),
         Case("a cubic slab", DOMINOES, "claim:property:*|audit:claims", "cubic",
              marked="A [cubic](property first) [slab](thing first) [tips over](event tip), [knocks](event knock) a [second one](thing second), and [that](thing same_as=second_one) [tips over](event follow) too."),
-        Case("a tiny crate is larger than the plate", PUSH, "claim:property:*|audit:claims", "tiny",
+        Case("a tiny crate is larger than the plate", PUSH, says="reading: tiny",
              marked="A [steel](property plate) [plate](thing plate) [pushes](event push) a [tiny](property crate) [crate](thing crate) across the [floor](thing floor)."),
         Case("a square ball", COLOURS, "claim:property:*|audit:claims", "square", marked="A [square](property ball) [rubber](property ball) [block](thing ball) [falls](event fall) onto a [floor](thing floor) and [bounces](event bounce)."),
     ),

@@ -34,7 +34,7 @@ from .matter_words import matter_problems
 from .negations import negation_problems
 from .nouns import noun_problems
 from .orders import order_problems
-from .properties import substance_problems
+from .properties import described_problems, substance_problems
 from .quantities import quantity_problems
 from .sharing import sharing_problems
 from .unclaimed import unclaimed_problems
@@ -74,6 +74,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         *acted_on_problems(spec, reading),
         *sharing_problems(spec, reading),
         *noun_problems(spec, reading),
+        *described_problems(spec, reading),
         *order_problems(spec, reading),
     ]
     told = [

@@ -24,7 +24,7 @@ from .soft import soft_part
 
 __all__ = ["build_entity", "entity_recipe"]
 
-EXACT_KINDS = ("box", "wedge", "extrusion", "revolution")
+EXACT_KINDS = ("box", "wedge", "extrusion", "revolution", "hull")
 """Shapes whose collision pieces tile the visible mesh exactly."""
 VOLUMES = (1e-24, 1e24)
 """Volumes of bodies [m^3]: from a cube of 10 nm to beyond the Moon. Further out, products of sizes leave double precision."""
@@ -70,7 +70,7 @@ def _deviation(shape_kind: str, geometry: ShapeGeometry) -> tuple[float, float]:
 
     if shape_kind in EXACT_KINDS:
         return (0.0, 0.0)
-    if shape_kind != "mesh":
+    if shape_kind not in ("mesh", "sweep"):
         return (geometry.facet_error, 0.0)
     visible = Solid.from_mesh(geometry.render, closed=True)
     outside = 0.0

@@ -10,7 +10,7 @@ from ..worlds.arrays import F64, RigidPose, quaternion_of, quaternion_product, r
 from ..worlds.errors import InputError
 from .scenes import Body, Scene, clearance
 
-__all__ = ["approach", "beside", "frame_of", "seat", "side_direction", "turned"]
+__all__ = ["approach", "beside", "frame_of", "lowered", "seat", "side_direction", "turned"]
 
 TOLERANCE = 1e-6
 """Clearance to which a place is found [m]."""
@@ -35,17 +35,24 @@ def approach(body: Body, pose: RigidPose, other: Body, there: RigidPose, directi
     own, others = body.points(pose) @ direction, other.points(there) @ direction
     start = float(others.min() - own.max()) - gap - 1e-3
     way = float(np.ptp(own) + np.ptp(others)) + 2 * gap + float(np.ptp(own)) + 1.1e-2
+    return lowered(body, RigidPose(pose.position + start * direction, pose.quaternion), other, there, direction, gap, way)
+
+
+def lowered(
+    body: Body, pose: RigidPose, other: Body, there: RigidPose, direction: F64, gap: float, most: float
+) -> RigidPose | None:
+    """As `approach`, from where the body is and at most so far [m]."""
     # Nothing is nearer than the clearance, so it may come by what that exceeds the gap: the first place where it closes.
     gone = 0.0
     for _ in range(MOST_STEPS):
-        here = RigidPose(pose.position + (start + gone) * direction, pose.quaternion)
+        here = RigidPose(pose.position + gone * direction, pose.quaternion)
         left = clearance(body, here, other, there) - gap
         if left <= TOLERANCE:
             return here
         gone += left
-        if gone > way:
+        if gone > most:
             return None
-    return RigidPose(pose.position + (start + gone) * direction, pose.quaternion)
+    return RigidPose(pose.position + gone * direction, pose.quaternion)
 
 
 def seat(scene: Scene, names: Sequence[str], body: Body, on: str, pose: RigidPose, *, above: float = 0.0) -> RigidPose:
@@ -78,7 +85,8 @@ def beside(scene: Scene, body: Body, pose: RigidPose, other: str, side: str, gap
     Raises:
         InputError: at this height the two pass each other.
     """
-    there, away = scene.pose(other), side_direction(side, scene.pose(other))
+    there, made = scene.pose(other), scene.spec.entities[other].asset is not None
+    away = side_direction(side, there, generated=made)
     left = np.cross([0.0, 0.0, 1.0], away) if side != "top" else side_direction("front", there)
     low, high = body.box(pose)
     other_low, other_high = scene.body(other).box(there)
@@ -92,14 +100,18 @@ def beside(scene: Scene, body: Body, pose: RigidPose, other: str, side: str, gap
     return found
 
 
-def side_direction(side: str, pose: RigidPose) -> F64:
-    """Unit vector of a side: `+x` ... `-z` of the world; `front`, `back`, `left`, `right` by an entity's own x and y, level."""
+def side_direction(side: str, pose: RigidPose, *, generated: bool = False) -> F64:
+    """Unit vector of a side: `+x` ... `-z` of the world; `front`, `back`, `left`, `right` by an entity's own x and y, level.
+
+    The front of an entity is its own +x; of one that a generator made it is -y, from where it is used.
+    """
     axes = {"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0], "z": [0.0, 0.0, 1.0]}
     if side[0] in "+-":
         return np.array(axes[side[1]]) * (1.0 if side[0] == "+" else -1.0)
     if side == "top":
         return np.array(axes["z"])
-    own = np.array(axes["x" if side in ("front", "back") else "y"]) * (1.0 if side in ("front", "left") else -1.0)
+    front, left = ([0.0, -1.0, 0.0], axes["x"]) if generated else (axes["x"], axes["y"])
+    own = np.array(front if side in ("front", "back") else left) * (1.0 if side in ("front", "left") else -1.0)
     level = (rotation_matrix(pose.quaternion) @ own)[:2]
     if np.linalg.norm(level) < 1e-6:
         raise InputError(

@@ -15,10 +15,25 @@ from ..geometry import ground_solid
 from ..worlds.arrays import F64, RigidPose
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
-from ..worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Shape, Sphere, StemField, Wedge
+from ..worlds.spec import (
+    Box,
+    Capsule,
+    Cylinder,
+    Extrusion,
+    HeightField,
+    Hull,
+    Mesh,
+    Revolution,
+    Shape,
+    Sphere,
+    StemField,
+    Sweep,
+    Wedge,
+)
 from .imports import load_heights, load_mesh
 from .polygons import convex_partition, signed_area, triangulate
 from .stems import load_stems
+from .sweeps import swept
 
 __all__ = ["ShapeGeometry", "build_shape"]
 
@@ -227,6 +242,23 @@ def _heightfield(shape: HeightField, assets: Path) -> ShapeGeometry:
     return ShapeGeometry(mesh, (piece,), True, 0.0, None)
 
 
+def _convex_hull(shape: Hull) -> ShapeGeometry:
+    from scipy.spatial import ConvexHull, QhullError
+
+    points = np.array(shape.points, dtype=np.float64)
+    try:
+        hull = ConvexHull(points)
+    except QhullError as error:
+        raise InputError("the points of a hull lie in one plane; give at least 4 that do not") from error
+    corners = points[hull.vertices]
+    number = {int(v): k for k, v in enumerate(hull.vertices)}
+    faces = np.array([[number[int(v)] for v in face] for face in hull.simplices])
+    a, b, c = corners[faces].transpose(1, 0, 2)
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    return ShapeGeometry(_mesh(corners, faces), (_hull(corners),), False, 0.0, None)
+
+
 def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:
     """Visible mesh and collision pieces of a shape.
 
@@ -252,6 +284,11 @@ def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:
             return _extrusion(shape)
         case Revolution():
             return _revolution(shape)
+        case Hull():
+            return _convex_hull(shape)
+        case Sweep():
+            mesh, pieces, smooth = swept(shape)
+            return ShapeGeometry(mesh, pieces, smooth, 0.0, None)
         case HeightField():
             return _heightfield(shape, assets)
         case StemField():

@@ -16,6 +16,7 @@ _COLOUR = "#0f766e"
 _CUBE = "M12 3l7 4v8l-7 4-7-4V7zM5 7l7 4 7-4M12 11v8M3 22h18"
 _PATHS = {
     "edit_spec": "M6 3h9l4 4v14H6zM15 3v4h4M9 12h7M9 16h5",
+    "build_interior": "M3 21V4h18v17zM3 12h8m4 0h6M11 4v5m0 6v6",
     "build_terrain": "M2 19h20M3 19l6-10 4 6 3-4 5 8",
     "place_object": "M12 2v8M9 7l3 3 3-3M6 13h12v7H6zM3 22h18",
     "probe_sim": "M4 20c4-14 6-14 8-6s5 6 8-8M4 22h16",

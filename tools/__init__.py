@@ -4,6 +4,7 @@ from ..workflow.context import Handover, Picture, ToolBinding, ToolContext, Tool
 from ..workflow.links import WORLD_VIEW
 from ..workflow.motion_replies import motion_reply, sketch_reply
 from .bake_sim import bake_sim
+from .build_interior import build_interior, interior_reply
 from .build_terrain import build_terrain, landscape_reply
 from .edit_spec import edit_spec
 from .inspect_world import inspect_world
@@ -38,6 +39,13 @@ TOOLS: tuple[ToolBinding, ...] = (
         read_only=False,
         jobs={"terrain": landscape_reply},
         meta=_found_by("terrain, landscape, ground, hills, rivers, lakes, erosion, plants, height field"),
+    ),
+    ToolBinding(
+        build_interior,
+        "Make rooms",
+        read_only=False,
+        jobs={"interior": interior_reply},
+        meta=_found_by("interior, room, flat, house, kitchen, office, walls, doors, windows, furniture, floor plan"),
     ),
     ToolBinding(
         place_object,

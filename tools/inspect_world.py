@@ -25,6 +25,7 @@ Part = Literal[
     "schema",
     "guide",
     "materials",
+    "assets",
     "spec",
     "matrix",
     "row",
@@ -44,12 +45,14 @@ Part = Literal[
 
 def inspect_world(
     context: ToolContext,
-    world: Annotated[str | None, Field(description="World id; not needed for worlds, schema, guide and materials")] = None,
+    world: Annotated[
+        str | None, Field(description="World id; not needed for worlds, schema, guide, materials and assets")
+    ] = None,
     part: Annotated[
         Part,
         Field(
             description="overview: where the world stands, what comes next; schema: what a specification can say, part by part; "
-            "guide: what the skills say of a prompt, or they themselves, file by file; materials: rows of the table of materials; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
+            "guide: what the skills say of a prompt, or they themselves, file by file; materials: rows of the table of materials; assets: generators of things; spec: what world.json says at a pointer; matrix: requirement rows, open ones first; "
             "row: one row in full with its history; revisions, iterations: edits, and what repairs did; "
             "state: poses, speeds, spins and contact forces at a frame or over frames; of grains and liquids count, speed, centre and front, per region; of cloth the stretch by place; events: contact begins; records: energy, momentum, ... over time; "
             "wet: what liquids wetted up to a frame, when and how deep; "
@@ -74,7 +77,10 @@ def inspect_world(
         ),
     ] = None,
     query: Annotated[
-        str, Field(description="For materials: names, or a group (wood, metal, fabric, ...); empty for all names")
+        str,
+        Field(
+            description="For materials: names, or a group (wood, metal, fabric, ...); for assets: what is wanted (oak chair); empty for all names"
+        ),
     ] = "",
     row: Annotated[str | None, Field(description="For row: its id")] = None,
     status: Annotated[
@@ -134,6 +140,10 @@ def inspect_world(
         from ..workflow.material_rows import materials
 
         return ToolReply(materials(query, offset=offset, limit=limit))
+    if part == "assets":
+        from ..workflow.asset_rows import assets
+
+        return ToolReply(assets(query, offset=offset, limit=limit))
     if world is None:
         from ..worlds.folder import world_ids
 

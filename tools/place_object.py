@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from ..workflow.arguments import Hypothesis, RowDetail, WorldId
-from ..workflow.arrangements import Array, Beside, Station
+from ..workflow.arrangements import Array, AssetAsk, Beside, Station
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
 
@@ -21,9 +21,22 @@ def place_object(
     context: ToolContext,
     world: WorldId,
     entity: Annotated[
-        str | None, Field(description="Entity to move; omit to build and check the whole scene as specified")
+        str | None,
+        Field(description="Entity to move, or with asset to make; omit to build and check the whole scene as specified"),
+    ] = None,
+    asset: Annotated[
+        AssetAsk | None,
+        Field(
+            description="Make the entity with a generator (tables, doors, vessels, carts ...), or make it anew with other parameters"
+        ),
     ] = None,
     on: Annotated[str | None, Field(description="Entity it shall rest on; the height is found by exact clearance")] = None,
+    surface: Annotated[
+        str | None,
+        Field(
+            description="With on: a surface of that generated entity, e.g. 'shelf_2'; at and yaw_deg are then in its frame, from the middle"
+        ),
+    ] = None,
     at: Annotated[
         tuple[float, float] | None, Field(description="World x, y of the entity's origin [m]; default where it is")
     ] = None,
@@ -58,11 +71,11 @@ def place_object(
 
     Call it without `entity` after every edit of geometry. With `entity` and `on`, the entity is lowered along z onto that
     support until it rests with a gap of two collision skins (0.1 mm between static things); `at`, `beside` or `river`, and `yaw_deg`, choose where and how; `tilt`
-    lays it along the slope. `group` moves an assembly as one, `copy` copies it, `array` makes many. All of it is one revision and one
+    lays it along the slope. `asset` makes the entity, its further bodies, joints, and that `on` carries it. `group` moves an assembly as one, `copy` copies it, `array` makes many. All of it is one revision and one
     change; after a failed row it needs a hypothesis, except the first one onto a support while nothing else fails.
     Returns: ids and poses, overlaps, what was left behind, what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch.
     Not for: declaring that something carries something (a `supports` relation in /graph/relations, by edit_spec).
-    Refused: while the audit fails; a place that overlaps (`strict`); an entity that is not above `on`.
+    Refused: while the audit fails (beats and claims may come later); a place that overlaps (`strict`); an entity that is not above `on`.
     Next: probe_sim when static_passed, else mend the first open row; render_shot shows the scene.
     """
     from ..workflow.answers import call, rows_answer
@@ -74,10 +87,13 @@ def place_object(
 
     session = Session.open(context.workspace, world)
     context.jobs.warm_up(ENTRIES)
-    session.require_audit("place_object")
+    if asset is None:
+        session.require_audit("place_object", still=True)
     outcome: dict[str, Any] = {}
     where: dict[str, Any] = {
+        "asset": asset,
         "on": on,
+        "surface": surface,
         "at": at,
         "yaw_deg": yaw_deg,
         "beside": beside,
@@ -98,6 +114,8 @@ def place_object(
         outcome = place(session, Asked(entity, **more), hypothesis=hypothesis)
     elif tilt or lay or group is not None or any(v is not None for v in where.values()):
         raise InputError("on, at, yaw_deg and all else that says where need entity")
+    if asset is not None and not session.audit().buildable:
+        return _unjudged(session, outcome)
     rows, changed, fresh = session.check_static()
     passed = all(r.status in ("pass", "not_applicable") for r in rows if r.mandatory and r.check != "shots")
     data = {
@@ -113,10 +131,22 @@ def place_object(
     found = data["counts"]
     verdict = "the static checks pass" if passed else f"{found['fail']} static rows fail"
     then = call("probe_sim", world=world) if passed else "edit_spec or place_object: mend the first open row, one group at a time"
+    if passed and not session.audit().passed:
+        then = "place_object for more; edit_spec: beats and claims, which the audit still asks for"
     if not passed and any(r.status == "fail" and r.question in RESTLESS for r in rows) and session.spec.simulation.settle is None:
         then += "; bodies that would first have to come to rest: add /simulation/settle {}, and they do before frame 0"
     links = ((f"{world} matrix", f"worldagent://worlds/{world}/matrix", "application/json"),)
     return ToolReply(rows_answer(world, data, detail, f"{moved}{len(fresh)} entities built anew; {verdict}", then), links=links)
+
+
+def _unjudged(session: Any, outcome: dict[str, Any]) -> ToolReply:
+    """Reply after an asset was made in a world whose audit still has open rows: static checks wait for it."""
+    from ..workflow.answers import answer
+
+    open_rows = [r.id for r in session.audit().rows if r.mandatory and r.status != "pass"]
+    data = {"world": session.folder.id, "revision": session.revision, **outcome, "audit_open": open_rows}
+    text = f"{outcome['pose']['position']} is where it stands; static checks wait for the audit, which leaves {', '.join(open_rows)} open"
+    return ToolReply(answer(data, text, "place_object for more, then edit_spec: mend the audit's open rows"))
 
 
 def _said(entity: str, outcome: dict[str, Any]) -> str:

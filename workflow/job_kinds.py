@@ -42,6 +42,7 @@ KINDS: dict[str, JobKind] = {
         ("terrain", "entity", "size", "center", "cells", "material", "hypothesis"),
         keeps="keeps a landscape that is built",
     ),
+    "interior": JobKind(NORMAL, HOUR_S, "build_interior", ("interior", "hypothesis")),
     "probe": JobKind(
         NORMAL, 6 * HOUR_S, "probe_sim", ("coarser", "stop_at"), keeps="goes on from the last checkpoint of the probe"
     ),

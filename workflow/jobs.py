@@ -12,6 +12,7 @@ from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.verdicts import prompt_told, unusual_told, verdict_words
 from .estimates import Pace
 from .gates import require_acceptance, require_probe, require_true_geometry
+from .interiors import interior
 from .landscapes import terrain
 from .pictures import film_sheet, motion_sheet
 from .probes import judge_probe, probe, probe_candidate
@@ -23,7 +24,7 @@ from .work import Work, first_true_frames, open_work, with_variants
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
 
-__all__ = ["accept", "bake", "check", "final", "probe", "review", "sketch", "terrain"]
+__all__ = ["accept", "bake", "check", "final", "interior", "probe", "review", "sketch", "terrain"]
 
 WARM = (
     "cv2",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.errors import RefusedError
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from ..construction.scenes import Body, Scene
     from ..worlds.arrays import RigidPose
     from ..worlds.assemblies import Edit
+    from ..worlds.spec import WorldSpec
 
 __all__ = ["place"]
 
@@ -38,11 +40,15 @@ def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
     from ..worlds.limits import check_limits
     from ..worlds.patch import apply_patch
 
-    check_asked(session, asked)
-    spec, names = session.spec, asked.names
+    told: dict[str, Any] = {}
+    spec, made = session.spec, _generated(session, asked, told)
+    if made:
+        spec = apply_patch(spec, made)
+    asked = _with_bodies(spec, asked)
+    check_asked(spec, asked)
+    names = asked.names
     scene = Scene(session.folder, spec)
     body, old = scene.joined(names), scene.pose(asked.entity)
-    told: dict[str, Any] = {}
     places = list(places_of(session, asked, scene, body, told))
     edit, back = Edit(), old.inverse()
     stands: dict[str, tuple[Body, RigidPose]] = {}
@@ -62,15 +68,38 @@ def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
     if asked.on is not None and not hypothesis.strip() and asked.copy is None and asked.array is None:
         hypothesis = _first_placement(session, asked)
     after = apply_patch(spec, edit.operations)
+    spec = session.spec
     if any(n not in spec.entities or spec.entities[n].parts != after.entities[n].parts for n in edit.poses):
         # Entities are made, or made anew: where they and the first of them stand goes along.
         edit.follows |= {f"/entities/{n}/pose" for n in edit.poses}
+    if made:  # materials of the table, joints, membership and what carries it come with a thing that is made
+        edit.follows |= {str(o["path"]).removesuffix("/-") for o in made if not str(o["path"]).startswith("/entities/")}
+        edit.follows |= {f"/materials/{m}" for m in after.materials if m not in spec.materials}
     check_limits(after)
     told |= _reply(asked, edit, found, places)
     if after == spec:
         return {"moved": False, **told}
-    outcome = session.commit(after, patch=edit.operations, hypothesis=hypothesis, follows=edit.follows)
+    outcome = session.commit(after, patch=[*made, *edit.operations], hypothesis=hypothesis, follows=edit.follows)
     return {"moved": True, **told, **outcome}
+
+
+def _generated(session: Session, asked: Asked, told: dict[str, Any]) -> list[dict[str, Any]]:
+    """Operations that make the asset that is asked for, and that what it shall stand on carries it."""
+    from .generated import asset_operations, supports_operation
+
+    if asked.asset is None:
+        return []
+    made, said = asset_operations(session.spec, asked.entity, asked.asset)
+    told |= said
+    return made + ([] if asked.on is None else supports_operation(session.spec, asked.on, asked.entity))
+
+
+def _with_bodies(spec: WorldSpec, asked: Asked) -> Asked:
+    """The same with all bodies of a generated entity going along, where no group is named."""
+    entity = spec.entities.get(asked.entity)
+    if asked.group is not None or entity is None or entity.asset is None or not entity.asset.bodies:
+        return asked
+    return replace(asked, group=tuple(entity.asset.bodies))
 
 
 def _copies(asked: Asked, places: Sequence[Place]) -> Iterator[tuple[str, Place]]:

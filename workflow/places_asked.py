@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..worlds.errors import InputError
-from .arrangements import Array, Beside, Station
-from .session import Session
+from .arrangements import Array, AssetAsk, Beside, Station
+
+if TYPE_CHECKING:
+    from ..worlds.spec import WorldSpec
 
 __all__ = ["Asked", "check_asked", "number_of"]
 
@@ -19,7 +22,9 @@ class Asked:
     """Where an entity shall be put, see the arguments of place_object."""
 
     entity: str
+    asset: AssetAsk | None = None
     on: str | None = None
+    surface: str | None = None
     at: tuple[float, float] | None = None
     yaw_deg: float | None = None
     tilt: bool = False
@@ -39,7 +44,7 @@ class Asked:
         return list(dict.fromkeys((self.entity, *(self.group or ()))))
 
 
-def check_asked(session: Session, asked: Asked) -> None:
+def check_asked(spec: WorldSpec, asked: Asked) -> None:
     """Refuse arguments that contradict each other or name nothing.
 
     Raises:
@@ -47,7 +52,7 @@ def check_asked(session: Session, asked: Asked) -> None:
     """
     from ..worlds.hints import did_you_mean
 
-    spec, names = session.spec, asked.names
+    names = asked.names
     beside = None if asked.beside is None else asked.beside.entity
     for name in (*names, asked.on, beside):
         if name is not None and name not in spec.entities:
@@ -61,6 +66,8 @@ def check_asked(session: Session, asked: Asked) -> None:
     given = [k for k in ("at", "beside", "river") if getattr(asked, k) is not None]
     if len(given) > 1:
         raise InputError(f"{' and '.join(given)} both say where; give one of them")
+    if asked.surface is not None and (asked.on is None or asked.tilt or asked.afloat is not None or asked.array is not None):
+        raise InputError("surface names a place of the generated entity on: give on, and leave tilt, afloat and array out")
     if asked.tilt and asked.on is None:
         raise InputError("tilt needs on: the surface whose slope it takes")
     if asked.afloat is not None and (asked.on is not None or asked.array is not None):

@@ -20,6 +20,8 @@ __all__ = ["places_of"]
 
 ROUNDS = 4
 """Own choice: how often height and distance are found in turn for what stands beside something on a slope."""
+NEAR = 1e-3
+"""[m] Own choice: what ends so far above a surface met something else."""
 FRESH_WATER = 1000.0
 """Density of the water of landscapes [kg/m^3]."""
 
@@ -45,6 +47,8 @@ def _first(session: Session, asked: Asked, scene: Scene, body: Body, told: dict[
     from ..worlds.arrays import RigidPose
 
     pose = _oriented(asked, scene, body)
+    if asked.surface is not None:
+        return _on_surface(asked, scene, body, pose)
     if asked.at is not None:
         pose = RigidPose(np.array([*asked.at, pose.position[2]]), pose.quaternion)
     if asked.river is not None:
@@ -54,6 +58,43 @@ def _first(session: Session, asked: Asked, scene: Scene, body: Body, told: dict[
     elif asked.afloat is None:
         pose = _settled(asked, scene, body, pose)
     return pose if asked.afloat is None else _afloat(session, asked, asked.afloat, scene, body, pose, told)
+
+
+def _on_surface(asked: Asked, scene: Scene, body: Body, pose: RigidPose) -> RigidPose:
+    """The pose on a named surface of a generated entity; `at` and `yaw_deg` are in that entity's own frame, from the surface's middle.
+
+    Raises:
+        InputError: it is too high for the surface, or something on the way is nearer than the surface.
+    """
+    import numpy as np
+
+    from ..construction.placing import lowered, turned
+    from ..worlds.arrays import RigidPose
+    from .generated import place_of
+
+    assert asked.on is not None
+    assert asked.surface is not None
+    place, carrier = place_of(scene.spec, asked.on, asked.surface)
+    there = scene.pose(asked.on)
+    shift = np.array([*(asked.at or (0.0, 0.0)), 0.0])
+    target = there.apply(np.array([np.array(place["center"]) + shift]))[0]
+    pose = turned(RigidPose(target, there.quaternion), math.radians(asked.yaw_deg or 0.0))
+    low, high = body.box(pose)
+    gap = max(scene.gap(name, carrier) for name in asked.names)
+    height, free = float(high[2] - low[2]), float(place["clearance"]) - 2 * gap
+    if height > free:
+        raise InputError(
+            f"{asked.entity!r} is {height:.4g} m high, {asked.surface!r} of {asked.on!r} has {free:.4g} m free; choose another surface or a smaller thing"
+        )
+    lift = target[2] - low[2] + min(free - height, 0.05) + gap
+    start = RigidPose(pose.position + np.array([0.0, 0.0, lift]), pose.quaternion)
+    found = lowered(body, start, scene.body(carrier), scene.pose(carrier), np.array([0.0, 0.0, -1.0]), gap, lift + 1.0)
+    if found is None or abs(float(body.box(found)[0][2]) - gap - target[2]) > NEAR:
+        raise InputError(
+            f"{asked.entity!r} does not come down onto {asked.surface!r} of {asked.on!r} there: its size is {[round(v, 3) for v in place['size']]} m "
+            "along the entity's own x and y; give at, from its middle, so that all of the foot is on it"
+        )
+    return found
 
 
 def _beside(asked: Asked, wanted: Beside, scene: Scene, body: Body, pose: RigidPose) -> RigidPose:

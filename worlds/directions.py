@@ -20,6 +20,7 @@ from .predicates.registry import PREDICATES
 
 __all__ = ["FIELDS", "field_of", "nearest_field", "way_of"]
 
+_MADE = "build_interior makes entities of it; rows judge those"
 _JUDGED = "judged as it is built"
 _SEEN = "rows judge what the camera sees"
 _LOOK = "a look: no row asks for it"
@@ -62,6 +63,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/entities/*/pose", POSE, "placement", "repair", "where it stands"),
     *parameters("/entities/*", "material parts/*/material", "material", "repair", "what it is made of", physical=True),
     *parameters("/entities/*", "motion", "shape", "either", "what is authored or fixed need not happen by itself"),
+    *parameters("/entities/*/asset", ". generator parameters seed positions bodies", "shape", "repair", "how its parts were made; rows judge the parts"),
     *parameters("/entities/*", "afloat", "placement", "either", "what is said to float needs nothing to hold it"),
     *parameters("/entities/*", "active", "shape", "either", "checks judge a body while it is there: fewer frames ask for less"),
     *parameters("/entities/*", "nominal_diagonal", "dimensions", "either", "the size that its role implies"),
@@ -70,7 +72,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/entities/*/dimensions", "tolerance", "dimensions", "harder_down", "allowed deviation"),
     *parameters("/entities/*/parts", ". *", "shape", "either", "a lost surface asks for less where a failing row was judged on it; an added one does not"),
     *parameters("/entities/*/parts/*", "collides", "shape", "either", "what is drawn only is no surface: asks for less where a failing row was judged on it"),
-    *parameters("/entities/*/parts/*/shape", ". kind size radius height length polygon profile segments file vertices faces scale", "shape", "repair", "a surface of another form is judged as it is"),
+    *parameters("/entities/*/parts/*/shape", ". kind size radius height length polygon profile segments file vertices faces scale points path scales closed", "shape", "repair", "a surface of another form is judged as it is"),
     *parameters("/entities/*/parts/*/shape", "collision resolution heights digest base count", "shape", "repair", "a surface of another form is judged as it is"),
     *parameters("/entities/*/parts/*/pose", POSE, "shape", "repair", "a surface that stands elsewhere is judged as it is"),
     *parameters("/entities/*/generator", ". kind points radius segments stiffness damping attach_start attach_end", "shape", "repair", "a rope of another form is judged as it is"),
@@ -84,7 +86,9 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/materials/*", "friction rolling_friction restitution", "material", "repair", _RUBS, physical=True),
     *parameters("/materials/*/flammable", ". fuel ignition gasification char conductivity heat_capacity", "material", "repair", "when it burns, and how much; rows hold its mass and heat", physical=True),
     *parameters("/materials/*/appearance", ". color roughness metallic transmission pattern pattern_scale drying", "look", "none", _LOOK),
-    # landscapes
+    # interiors and landscapes
+    *parameters("/interiors", ". * */rooms */rooms/* */rooms/*/kind */rooms/*/area */rooms/*/doors */rooms/*/windows */rooms/*/furniture", "shape", "repair", _MADE),
+    *parameters("/interiors/*", "size at height wall door ceiling density seed entities", "shape", "repair", _MADE),
     *parameters("/terrains", ". *", "terrain", "repair", _JUDGED),
     *parameters("/terrains/*", "extent cell datum sea_level seed", "terrain", "repair", _JUDGED),
     *parameters("/terrains/*/zones", ". * */label */polygon */center */radius */line */width", "terrain", "repair", "where rows about a zone look; rows judge what is there"),

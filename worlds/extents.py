@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arrays import F64, pose_of
+from .sweeps import sweep_rings, sweep_volume
 
 if TYPE_CHECKING:
     from .shapes import Shape
@@ -35,12 +36,26 @@ def _ends(shape: Shape) -> tuple[F64, F64] | None:
         profile = np.array(shape.profile)
         reach = profile[:, 0].max()
         low, high = np.array([-reach, -reach, profile[:, 1].min()]), np.array([reach, reach, profile[:, 1].max()])
-    elif shape.kind == "mesh" and shape.vertices is not None and shape.faces is not None:
-        points = np.array(shape.vertices) * shape.scale
-        low, high = points.min(0), points.max(0)
     else:
-        return None
+        points = _points(shape)
+        if points is None:
+            return None
+        low, high = points.min(0), points.max(0)
     return low, high
+
+
+def _points(shape: Shape) -> F64 | None:
+    """Corners of a shape that says them [m], shape (n, 3); None for files and fields, and for sweeps that are refused where they are built."""
+    if shape.kind == "hull":
+        return np.array(shape.points)
+    if shape.kind == "mesh" and shape.vertices is not None and shape.faces is not None:
+        return np.array(shape.vertices) * shape.scale
+    if shape.kind == "sweep":
+        try:
+            return sweep_rings(shape).reshape(-1, 3)
+        except ValueError:
+            return None
+    return None
 
 
 def _corners(shape: Shape) -> F64 | None:
@@ -110,12 +125,25 @@ def shape_volume(shape: Shape) -> float | None:
         r, z = np.array(shape.profile).T
         next_r, next_z = np.roll(r, -1), np.roll(z, -1)
         return abs(float(((r + next_r) * (r * next_z - next_r * z)).sum())) * math.pi / 3  # Pappus, by triangles from the origin
+    if shape.kind == "hull":
+        return _hull_volume(np.array(shape.points))
+    if shape.kind == "sweep":
+        return None if _points(shape) is None else sweep_volume(shape)
     if shape.kind == "mesh" and shape.vertices is not None and shape.faces is not None:
         if np.max(shape.faces) >= len(shape.vertices):
             return None  # refused where it is built
         corner = (np.array(shape.vertices) * shape.scale)[np.array(shape.faces)]
         return abs(float(np.einsum("ij,ij->i", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])).sum())) / 6
     return None
+
+
+def _hull_volume(points: F64) -> float | None:
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return float(ConvexHull(points).volume)
+    except QhullError:
+        return None  # flat; refused where it is built
 
 
 def initial_volume(entity: Entity) -> float:

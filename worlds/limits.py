@@ -224,6 +224,10 @@ def _triangles(entity: Entity) -> int:
             total += 4 * len(shape.polygon)
         elif shape.kind == "revolution":
             total += 2 * len(shape.profile) * shape.segments
+        elif shape.kind == "hull":
+            total += 2 * len(shape.points)
+        elif shape.kind == "sweep":
+            total += 2 * len(shape.profile) * (len(shape.path) + 1)
         else:
             total += SMOOTH_TRIANGLES[shape.kind]
     return total

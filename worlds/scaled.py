@@ -10,7 +10,7 @@ from .spec import WorldSpec
 
 __all__ = ["scaled_entity"]
 
-LENGTHS = ("size", "radius", "height", "length", "polygon", "profile")
+LENGTHS = ("size", "radius", "height", "length", "polygon", "profile", "points", "path")
 """Fields of shapes that are lengths [m], alone or in lists."""
 FIXED = ("heightfield", "stems", "sheet")
 """Shapes of other matter or of files that stand for places, which are not scaled."""

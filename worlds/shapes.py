@@ -14,6 +14,7 @@ __all__ = [
     "Cylinder",
     "Extrusion",
     "HeightField",
+    "Hull",
     "Mesh",
     "Pose",
     "Revolution",
@@ -21,6 +22,7 @@ __all__ = [
     "Sheet",
     "Sphere",
     "StemField",
+    "Sweep",
     "Wedge",
 ]
 
@@ -107,6 +109,39 @@ class Revolution(SpecModel):
     segments: int = Field(default=32, ge=6, le=128, description="segments around the axis")
 
 
+class Hull(SpecModel):
+    """Convex hull of points: tapered legs, keystones, hipped roofs, faceted stones."""
+
+    kind: Literal["hull"] = "hull"
+    points: Annotated[list[Vec3], Field(min_length=4, max_length=256)]
+
+
+class Sweep(SpecModel):
+    """Profile carried along a path, mitred where it bends: handles, taps, pipes, rails, rims; with `scales` tapered legs and spouts.
+
+    The profile stands upright on the path: its v axis points as far up (+z) as it can on the first segment, along +y where that is
+    upright, and is turned no more than the path turns.
+    """
+
+    kind: Literal["sweep"] = "sweep"
+    path: Annotated[list[Vec3], Field(min_length=2, max_length=128)]
+    profile: Annotated[list[Vec2], Field(min_length=3, max_length=64)] = Field(
+        description="simple polygon (u, v) about the path [m]; seen along the path u is to the right, v up"
+    )
+    scales: Annotated[list[Positive], Field(min_length=2, max_length=128)] | None = Field(
+        default=None, description="size of the profile at each point of the path; default 1"
+    )
+    closed: bool = Field(default=False, description="the last point leads back to the first")
+
+    @model_validator(mode="after")
+    def _one_scale_each(self) -> Sweep:
+        if self.scales is not None and len(self.scales) != len(self.path):
+            raise ValueError(f"{len(self.scales)} scales for {len(self.path)} points of the path; give one each")
+        if self.closed and len(self.path) < 3:
+            raise ValueError("a closed path has at least 3 points")
+        return self
+
+
 class Mesh(SpecModel):
     """Closed triangle mesh, from a file in the world's `assets/` folder or written inline."""
 
@@ -179,6 +214,6 @@ class StemField(SpecModel):
 
 
 Shape = Annotated[
-    Box | Sphere | Cylinder | Capsule | Wedge | Extrusion | Revolution | Mesh | Sheet | HeightField | StemField,
+    Box | Sphere | Cylinder | Capsule | Wedge | Extrusion | Revolution | Hull | Sweep | Mesh | Sheet | HeightField | StemField,
     Field(discriminator="kind"),
 ]

@@ -10,7 +10,22 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, pose_of, rotation_matrix
 from ...worlds.errors import EvidenceError
-from ...worlds.spec import Box, Capsule, Cylinder, Extrusion, HeightField, Mesh, Revolution, Sheet, Sphere, StemField, Wedge
+from ...worlds.spec import (
+    Box,
+    Capsule,
+    Cylinder,
+    Extrusion,
+    HeightField,
+    Hull,
+    Mesh,
+    Revolution,
+    Sheet,
+    Sphere,
+    StemField,
+    Sweep,
+    Wedge,
+)
+from ...worlds.sweeps import sweep_rings
 from .bounds import SPECK
 
 if TYPE_CHECKING:
@@ -70,6 +85,10 @@ def _corners(shape: Shape) -> F64:
         return np.asarray(0.5 * signs * np.array(shape.size))
     if isinstance(shape, Sheet):
         return np.array([[sx * shape.size[0] / 2, sy * shape.size[1] / 2, 0.0] for sx in (-1, 1) for sy in (-1, 1)])
+    if isinstance(shape, Hull):
+        return np.array(shape.points, dtype=np.float64)
+    if isinstance(shape, Sweep):
+        return sweep_rings(shape).reshape(-1, 3)
     if isinstance(shape, Extrusion):
         flat = np.array(shape.polygon, dtype=np.float64)
         return np.concatenate([np.column_stack([flat, np.full(len(flat), z)]) for z in (-shape.height / 2, shape.height / 2)])

@@ -42,6 +42,7 @@ from ..shapes import (
     Cylinder,
     Extrusion,
     HeightField,
+    Hull,
     Mesh,
     Pose,
     Revolution,
@@ -49,12 +50,14 @@ from ..shapes import (
     Sheet,
     Sphere,
     StemField,
+    Sweep,
     Wedge,
 )
 from ..vocabulary import Ref, SpecModel
 from .claims import CLAIM_TYPES, Claim, ClaimType
-from .entities import Appearance, Dimensions, Entity, Material, Part, Rope
+from .entities import Appearance, Asset, Dimensions, Entity, Material, Part, Rope
 from .fields import FieldDriver
+from .interiors import Interior, Room
 from .simulation import (
     MOVED,
     ContactPair,
@@ -99,6 +102,7 @@ __all__ = [
     "Adjacent",
     "Appearance",
     "AreaLight",
+    "Asset",
     "BallJoint",
     "BallisticInstance",
     "BallisticSettings",
@@ -149,9 +153,11 @@ __all__ = [
     "GlassPattern",
     "HeightField",
     "HingeJoint",
+    "Hull",
     "IgnitionDriver",
     "InflowDriver",
     "Interacts",
+    "Interior",
     "Joint",
     "Limits",
     "LiquidInstance",
@@ -181,6 +187,7 @@ __all__ = [
     "RigidPhysics",
     "RigidSettings",
     "Robustness",
+    "Room",
     "Rope",
     "SceneGraph",
     "Settle",
@@ -198,6 +205,7 @@ __all__ = [
     "StemField",
     "Story",
     "Supports",
+    "Sweep",
     "VoronoiPattern",
     "WavesDriver",
     "Wedge",

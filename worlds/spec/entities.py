@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, model_serializer, model_validator
 
 from ..categories.cloth.models import ClothPhysics
 from ..categories.elastic.models import ElasticPhysics
@@ -16,6 +16,7 @@ from ..categories.rigid.models import RigidPhysics
 from ..shapes import Pose, Shape
 from ..vocabulary import (
     EntityRef,
+    Finite,
     FrameInterval,
     Id,
     MaterialRef,
@@ -26,7 +27,7 @@ from ..vocabulary import (
     Vec3,
 )
 
-__all__ = ["Appearance", "Dimensions", "Entity", "Material", "Part", "Physics", "Rope", "StateChannel"]
+__all__ = ["Appearance", "Asset", "Dimensions", "Entity", "Material", "Part", "Physics", "Rope", "StateChannel"]
 
 Unit = Annotated[float, Field(ge=0, le=1)]
 
@@ -108,6 +109,22 @@ class Part(SpecModel):
     collides: bool = Field(default=True, description="false: drawn only, and listed as an approximation")
 
 
+class Asset(SpecModel):
+    """How an entity was generated: what a generator made of parameters and a seed stands in its parts."""
+
+    generator: Annotated[str, StringConstraints(min_length=1, max_length=64)]
+    parameters: dict[
+        Annotated[str, StringConstraints(max_length=64)], bool | int | float | Annotated[str, StringConstraints(max_length=64)]
+    ] = {}
+    seed: int = Field(default=0, ge=0, le=2**32 - 1, description="of its variation")
+    positions: dict[Id, Finite] = Field(
+        default={}, description="of its joints at frame 0, from where they are made: [rad] or [m]"
+    )
+    bodies: Annotated[list[EntityRef], Field(max_length=500)] = Field(
+        default=[], description="further entities that belong to it: drawers, wheels"
+    )
+
+
 class Rope(SpecModel):
     """Generator: a chain of capsules with ball joints along a polyline in the entity's frame."""
 
@@ -170,10 +187,19 @@ class Entity(SpecModel):
     nominal_diagonal: Positive | None = Field(
         default=None, description="[m] bounding-box diagonal of such things in reality, if the role implies one"
     )
+    asset: Asset | None = Field(
+        default=None, description="the generator that made its parts; place_object(asset=...) makes them anew"
+    )
     afloat: Annotated[str, Field(min_length=12, max_length=300, pattern=r"\S\s+\S")] | None = Field(
         default=None,
         description="why nothing holds it up; printed",
     )
+
+    @model_serializer(mode="wrap")
+    def _said(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Entities that no generator made are written as they always were, so that digests of older worlds stay."""
+        written: dict[str, Any] = handler(self)
+        return {k: v for k, v in written.items() if v is not None or k != "asset"}
 
     @model_validator(mode="after")
     def _has_geometry(self) -> Entity:

@@ -10,6 +10,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, mo
 from ..vocabulary import Id, NonNegative, Positive, SpecModel, Text, Vec3
 from .claims import Claim
 from .entities import Entity, Material
+from .interiors import Interior
 from .simulation import SimulationPlan
 from .story import SceneGraph, Shot, Story
 from .terrain import Terrain
@@ -66,6 +67,7 @@ class WorldSpec(SpecModel):
     materials: Annotated[dict[Id, Material], Field(max_length=500)] = {}
     entities: Annotated[dict[Id, Entity], Field(max_length=20000)] = {}
     terrains: Annotated[dict[Id, Terrain], Field(max_length=4)] = {}
+    interiors: Annotated[dict[Id, Interior], Field(max_length=4)] = {}
     graph: SceneGraph = SceneGraph()
     shots: Annotated[dict[Id, Shot], Field(max_length=200)] = {}
     simulation: SimulationPlan
@@ -84,6 +86,8 @@ class WorldSpec(SpecModel):
         # Bytes and digests of worlds of version 1 stay as they were.
         document: dict[str, Any] = handler(self)
         document.pop("claims" if self.spec_version == "1" else "clauses", None)
+        if not self.interiors:  # digests of worlds without any stay as they always were
+            document.pop("interiors", None)
         return document
 
 

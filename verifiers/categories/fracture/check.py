@@ -93,6 +93,10 @@ def _specified_volume(part: Part) -> tuple[float, float] | None:
         moment = float((r * np.roll(z, -1) - np.roll(r, -1) * z) @ (r + np.roll(r, -1))) / 6
         # Pappus' 2 pi, of a turn in as many straight chords as the specification says.
         return abs(moment) * shape.segments * np.sin(2 * np.pi / shape.segments), VOLUME
+    if shape.kind == "hull":
+        from scipy.spatial import ConvexHull
+
+        return float(ConvexHull(np.array(shape.points)).volume), VOLUME
     if shape.kind == "mesh" and shape.vertices is not None:
         from scipy.spatial import ConvexHull
 

@@ -21,7 +21,7 @@ LEAST_SIZE = 10.0
 """Pieces are at least so many summed skins wide: below, their contacts would be all skin."""
 CRUMBLE_SHARE = 0.1
 """Depth of what crumbles, at most, in parts of a piece's least size."""
-CUTTABLE = ("box", "wedge", "cylinder", "capsule", "sphere", "extrusion", "revolution", "mesh")
+CUTTABLE = ("box", "wedge", "cylinder", "capsule", "sphere", "extrusion", "revolution", "hull", "mesh")
 
 
 def fracture_problems(spec: WorldSpec) -> list[Problem]:

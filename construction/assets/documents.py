@@ -1,0 +1,117 @@
+"""An asset as it stands in a specification: entities, joints and relations as JSON."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
+from ...worlds.assemblies import pose_json
+from ...worlds.shapes import Pose
+from ..primitives import build_shape
+from .made import MAIN, Body, Joint, Made
+
+__all__ = ["AssetDocuments", "asset_box", "asset_documents", "asset_size", "body_id"]
+
+DIGITS = 9
+
+
+class AssetDocuments(NamedTuple):
+    """Members of the collections of a specification that an asset is, by id."""
+
+    entities: dict[str, dict[str, Any]]
+    joints: dict[str, dict[str, Any]]
+    relations: dict[str, dict[str, Any]]
+
+
+def body_id(asset: str, body: str) -> str:
+    """Entity id of a body of an asset."""
+    return asset if body == MAIN else f"{asset}_{body}"
+
+
+def asset_documents(name: str, record: dict[str, Any], made: Made, pose: RigidPose, *, motion: str) -> AssetDocuments:
+    """Documents of an asset that stands at a pose.
+
+    Args:
+        name: id of the asset, which its main body bears.
+        record: its field `asset`: generator, parameters and seed.
+        made: its bodies.
+        pose: of the asset's frame in the world.
+        motion: of its bodies that do not say it.
+    """
+    entities = {body_id(name, key): _entity(body, pose, motion, whole=key == MAIN) for key, body in made.bodies.items()}
+    entities[name]["asset"] = record | {"bodies": [body_id(name, key) for key in made.bodies if key != MAIN]}
+    joints = {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}
+    relations = {
+        f"{body_id(name, a)}_carries_{b}": {"kind": "supports", "a": body_id(name, a), "b": body_id(name, b)}
+        for a, b in made.carries
+    }
+    return AssetDocuments(entities, joints, relations)
+
+
+def _entity(body: Body, pose: RigidPose, motion: str, *, whole: bool) -> dict[str, Any]:
+    """Entity whose own frame is the asset's for the main body, and stands under the middle of any other."""
+    low, high = _box(body)
+    own = np.zeros(3) if whole else np.array([*(0.5 * (low + high))[:2], low[2]])
+    parts = {}
+    for key, part in body.parts.items():
+        document = part.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
+        document["shape"] = part.shape.model_dump(mode="json", exclude_none=True, exclude_defaults=True) | {
+            "kind": part.shape.kind
+        }
+        position = np.array(part.pose.position) - own
+        document["pose"] = {**document.get("pose", {}), "position": [round(float(c), DIGITS) + 0.0 for c in position]}
+        parts[key] = document
+    return {
+        "role": body.role,
+        "motion": body.motion or motion,
+        "material": body.material,
+        "dimensions": {"size": [round(float(c), DIGITS) for c in high - low]},
+        "pose": pose_json(compose(pose, RigidPose(own, np.array([1.0, 0.0, 0.0, 0.0])))),
+        "parts": parts,
+        **({} if body.breakable is None else {"breakable": body.breakable}),
+        **({} if body.physics is None else {"physics": body.physics}),
+    }
+
+
+def _box(body: Body) -> tuple[F64, F64]:
+    """Least and greatest corner of a body's visible surfaces in the asset's frame [m]."""
+    points = [
+        pose_of(Pose.model_validate(p.pose)).apply(build_shape(p.shape, Path()).render.vertices) for p in body.parts.values()
+    ]
+    corners = np.concatenate(points)
+    return corners.min(0), corners.max(0)
+
+
+def asset_box(made: Made) -> tuple[F64, F64]:
+    """Least and greatest corner of an asset with all its bodies, in its own frame [m], shape (3,) each."""
+    boxes = [_box(body) for body in made.bodies.values()]
+    return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+
+def asset_size(made: Made) -> tuple[float, float, float]:
+    """Extents x, y, z of an asset with all its bodies [m]."""
+    low, high = asset_box(made)
+    x, y, z = high - low
+    return (float(x), float(y), float(z))
+
+
+def _joint(name: str, joint: Joint, pose: RigidPose) -> dict[str, Any]:
+    turn = rotation_matrix(pose.quaternion)
+    document: dict[str, Any] = {
+        "kind": joint.kind,
+        "parent": body_id(name, joint.parent),
+        "child": body_id(name, joint.child),
+        "anchor": _numbers(pose.apply(np.array([joint.anchor], dtype=np.float64))[0]),
+    }
+    if joint.axis is not None:
+        document["axis"] = _numbers(turn @ np.array(joint.axis, dtype=np.float64))
+    if joint.range is not None:
+        document["range"] = [float(v) for v in joint.range]
+    return document | {k: v for k, v in (("damping", joint.damping), ("friction", joint.friction)) if v}
+
+
+def _numbers(values: F64) -> list[float]:
+    return [round(float(v), DIGITS) + 0.0 for v in values]

@@ -1,0 +1,1 @@
+"""Rooms: plans, walls with openings, and what stands in them."""

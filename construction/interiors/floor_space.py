@@ -1,0 +1,153 @@
+"""The floor of one room: what stands where, what has to stay free, and whether one can still walk everywhere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from .plans import Rect
+from .walls import Opening
+
+__all__ = ["FloorSpace", "Spot", "turned_size"]
+
+GRID = 0.05
+"""[m] Own choice: cells in which ways are looked for."""
+WALKER = 0.6
+"""[m] Width of the way that stays between furniture: a person with something in the hands (Neufert); S4 asks for 0.51 m."""
+BEFORE_DOOR = 0.9
+"""[m] Own choice: depth that stays free on both sides of a door, so that its leaf turns and one passes."""
+APART = 0.01
+"""[m] Own choice: gap between things on the floor."""
+
+
+class Spot(NamedTuple):
+    """Where a thing stands: x, y of its origin [m] and its turn about z in quarters."""
+
+    x: float
+    y: float
+    quarter: int
+
+    @property
+    def yaw(self) -> float:
+        """[rad]"""
+        return self.quarter * math.pi / 2
+
+    def rect(self, box: Rect) -> Rect:
+        """A rectangle of the thing's own frame, in the room."""
+        c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[self.quarter % 4]
+        xs = [c * x - s * y for x in (box.x0, box.x1) for y in (box.y0, box.y1)]
+        ys = [s * x + c * y for x in (box.x0, box.x1) for y in (box.y0, box.y1)]
+        return Rect(self.x + min(xs), self.y + min(ys), self.x + max(xs), self.y + max(ys))
+
+
+def turned_size(box: Rect, quarter: int) -> tuple[float, float]:
+    """Extents x, y of a rectangle after so many quarter turns [m]."""
+    size = (box.x1 - box.x0, box.y1 - box.y0)
+    return size if quarter % 2 == 0 else (size[1], size[0])
+
+
+def _meet(a: Rect, b: Rect, gap: float = 0.0) -> bool:
+    return a.x0 < b.x1 + gap and b.x0 < a.x1 + gap and a.y0 < b.y1 + gap and b.y0 < a.y1 + gap
+
+
+def _inside(a: Rect, b: Rect) -> bool:
+    return a.x0 >= b.x0 - 1e-9 and a.y0 >= b.y0 - 1e-9 and a.x1 <= b.x1 + 1e-9 and a.y1 <= b.y1 + 1e-9
+
+
+@dataclass
+class FloorSpace:
+    """A room between its walls, with the doors and windows in them."""
+
+    room: Rect
+    openings: list[Opening]
+    wall: float
+    solid: list[Rect] = field(default_factory=list)
+    """Footprints of what stands there."""
+    access: list[Rect] = field(default_factory=list)
+    """Floor from which things are used; free of other things."""
+
+    def __post_init__(self) -> None:
+        self.doors = [self._before(o) for o in self.openings if o.kind == "door"]
+        self.entries = [self._entry(o) for o in self.openings if o.kind == "door"]
+        self.windows = [(o.plan(self.wall), o.sill) for o in self.openings if o.kind == "window"]
+
+    def _before(self, opening: Opening) -> Rect:
+        r = opening.plan(self.wall)
+        if opening.along == "x":
+            return Rect(r.x0, r.y0 - BEFORE_DOOR, r.x1, r.y1 + BEFORE_DOOR)
+        return Rect(r.x0 - BEFORE_DOOR, r.y0, r.x1 + BEFORE_DOOR, r.y1)
+
+    def _entry(self, opening: Opening) -> tuple[float, float]:
+        """Point just inside of a door."""
+        x, y = opening.center
+        reach = self.wall / 2 + WALKER / 2 + GRID
+        if opening.along == "x":
+            return (x, y + (reach if y < (self.room.y0 + self.room.y1) / 2 else -reach))
+        return (x + (reach if x < (self.room.x0 + self.room.x1) / 2 else -reach), y)
+
+    def fits(self, foot: Rect, use: Rect | None, height: float) -> str | None:
+        """The constraint that stands in the way of a thing, in words; None where it fits, ways not asked yet."""
+        if not _inside(foot, self.room):
+            return "the walls"
+        if any(_meet(foot, s, APART) for s in self.solid):
+            return "other furniture"
+        if any(_meet(foot, d) for d in self.doors):
+            return "the free space of a door"
+        if any(height > sill and _meet(foot, w, 0.05) for w, sill in self.windows):
+            return "a window"
+        if any(_meet(foot, a) for a in self.access):
+            return "floor from which other furniture is used"
+        if use is not None and (not _inside(use, self.room) or any(_meet(use, s) for s in self.solid)):
+            return "too little room before it"
+        return None
+
+    def add(self, foot: Rect, use: Rect | None) -> bool:
+        """Put a thing there if one can still walk from every door to every thing; says whether it stands."""
+        self.solid.append(foot)
+        if use is not None:
+            self.access.append(use)
+        if self._walkable():
+            return True
+        self.solid.pop()
+        if use is not None:
+            self.access.pop()
+        return False
+
+    def _walkable(self) -> bool:
+        """True if every door and every place of use is reached by a person from the first door."""
+        from scipy.ndimage import distance_transform_edt, label
+
+        room = self.room
+        nx, ny = math.ceil((room.x1 - room.x0) / GRID), math.ceil((room.y1 - room.y0) / GRID)
+        free = np.zeros((nx + 2, ny + 2), dtype=bool)
+        free[1:-1, 1:-1] = True
+        for s in self.solid:
+            i0, j0 = (math.floor((s.x0 - room.x0) / GRID), math.floor((s.y0 - room.y0) / GRID))
+            i1, j1 = (math.ceil((s.x1 - room.x0) / GRID), math.ceil((s.y1 - room.y0) / GRID))
+            free[max(0, i0) + 1 : i1 + 1, max(0, j0) + 1 : j1 + 1] = False
+        wide = distance_transform_edt(free) * GRID >= WALKER / 2
+        parts, _ = label(wide)
+        wanted = set()
+        for x, y in self.entries:
+            cell = parts[self._cell(x, room.x0, nx), self._cell(y, room.y0, ny)]
+            if cell == 0:
+                return False
+            wanted.add(int(cell))
+        if len(wanted) > 1:
+            return False
+        reach = wanted.pop() if wanted else int(np.bincount(parts[parts > 0]).argmax()) if parts.any() else 0
+        near = distance_transform_edt(parts != reach) * GRID <= WALKER / 2 + GRID if reach else np.zeros_like(wide)
+        return all(
+            near[
+                self._cell(u.x0, room.x0, nx) : self._cell(u.x1, room.x0, nx) + 1,
+                self._cell(u.y0, room.y0, ny) : self._cell(u.y1, room.y0, ny) + 1,
+            ].any()
+            for u in self.access
+        )
+
+    @staticmethod
+    def _cell(at: float, start: float, count: int) -> int:
+        return min(count, max(1, math.floor((at - start) / GRID) + 1))

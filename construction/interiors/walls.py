@@ -1,0 +1,224 @@
+"""Walls, openings and floors of a plan, as upright boxes that tile them without overlap (R48, R95)."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ...worlds.errors import InputError
+from .plans import OUTSIDE, Plan, Rect
+
+__all__ = ["Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "wall_blocks", "windows_of"]
+
+CORNER = 0.12
+"""[m] Own choice: wall that is left between an opening and the corner of a room."""
+MOST_WINDOW = 1.6
+"""[m] Own choice: width of a window at most; longer walls get several."""
+LEAST_WINDOW = 0.5
+PIER = 0.5
+"""[m] Own choice: wall between a window and the next, or a corner."""
+
+
+class Block(NamedTuple):
+    """An upright box: least and greatest corner [m]."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A door or window in a wall."""
+
+    id: str
+    kind: Literal["door", "window"]
+    along: Literal["x", "y"]
+    """Axis along which its wall runs."""
+    center: tuple[float, float]
+    """Middle in the plan [m]."""
+    width: float
+    sill: float
+    """Height of its lower edge [m]; 0 of a door."""
+    head: float
+    """Height of its upper edge [m]."""
+    rooms: tuple[str, str]
+    """Room from which it is seen, and what is behind."""
+
+    def plan(self, wall: float) -> Rect:
+        """Its rectangle in a wall of that thickness."""
+        x, y = self.center
+        half = (self.width / 2, wall / 2) if self.along == "x" else (wall / 2, self.width / 2)
+        return Rect(x - half[0], y - half[1], x + half[0], y + half[1])
+
+
+def clear_rect(room: Rect, wall: float) -> Rect:
+    """A room between the faces of its walls [m]."""
+    return Rect(room.x0 + wall / 2, room.y0 + wall / 2, room.x1 - wall / 2, room.y1 - wall / 2)
+
+
+class _Edge(NamedTuple):
+    """Straight piece of a wall: along which axis, where across, and from where to where [m]."""
+
+    along: Literal["x", "y"]
+    across: float
+    start: float
+    end: float
+
+    def at(self, where: float) -> tuple[float, float]:
+        return (where, self.across) if self.along == "x" else (self.across, where)
+
+
+def _shared(a: Rect, b: Rect) -> list[_Edge]:
+    """Pieces of wall that two rooms have in common."""
+    found: list[_Edge] = []
+    for one, two in ((a, b), (b, a)):
+        low, high = max(a.y0, b.y0), min(a.y1, b.y1)
+        if abs(one.x1 - two.x0) < 1e-9 and high > low:
+            found.append(_Edge("y", one.x1, low, high))
+        low, high = max(a.x0, b.x0), min(a.x1, b.x1)
+        if abs(one.y1 - two.y0) < 1e-9 and high > low:
+            found.append(_Edge("x", one.y1, low, high))
+    return found
+
+
+def _outer(plan: Plan, room: Rect) -> list[_Edge]:
+    """Pieces of a room's walls that are on the outside."""
+    sides = [
+        (room.x0 <= 1e-9, _Edge("y", room.x0, room.y0, room.y1)),
+        (room.x1 >= plan.width - 1e-9, _Edge("y", room.x1, room.y0, room.y1)),
+        (room.y0 <= 1e-9, _Edge("x", room.y0, room.x0, room.x1)),
+        (room.y1 >= plan.depth - 1e-9, _Edge("x", room.y1, room.x0, room.x1)),
+    ]
+    return [edge for there, edge in sides if there]
+
+
+def doors_of(
+    plan: Plan, pairs: Sequence[tuple[str, str]], *, wall: float, width: float, head: float, rng: np.random.Generator
+) -> list[Opening]:
+    """A door for each pair of rooms, near an end of the wall that they share, so that walls stay free for furniture.
+
+    Raises:
+        InputError: two rooms share no wall that is wide enough.
+    """
+    found = []
+    for a, b in pairs:
+        edges = _outer(plan, plan.rooms[a]) if b == OUTSIDE else _shared(plan.rooms[a], plan.rooms[b])
+        margin = wall / 2 + CORNER + width / 2
+        wide = [e for e in edges if e.end - e.start >= 2 * margin]
+        if not wide:
+            raise InputError(
+                f"rooms {a!r} and {b!r} share no wall of {2 * margin:.2f} m for a door {width:g} m wide; leave that door out or ask for larger rooms"
+            )
+        edge = min(wide, key=lambda e: e.end - e.start) if b == OUTSIDE else wide[0]
+        where = edge.start + margin if rng.random() < 0.5 else edge.end - margin
+        found.append(Opening(f"{a}_{b}", "door", edge.along, edge.at(where), width, 0.0, head, (a, b)))
+    return found
+
+
+def windows_of(
+    plan: Plan, rooms: Sequence[str], doors: Sequence[Opening], *, wall: float, sill: float, head: float
+) -> list[Opening]:
+    """Windows in the outer walls of rooms, as many as there is room for with piers between them."""
+    found: list[Opening] = []
+    for name in rooms:
+        for edge in _outer(plan, plan.rooms[name]):
+            taken = [
+                d for d in doors if d.along == edge.along and abs(d.center[0 if edge.along == "y" else 1] - edge.across) < 1e-6
+            ]
+            spans = sorted((d.center[1 if edge.along == "y" else 0], d.width / 2) for d in taken)
+            cuts = [edge.start + wall / 2, *itertools.chain.from_iterable((c - h, c + h) for c, h in spans), edge.end - wall / 2]
+            for start, end in zip(cuts[::2], cuts[1::2], strict=True):
+                found += _in_span(name, edge, start, end, len(found), sill, head)
+    return found
+
+
+def _in_span(room: str, edge: _Edge, start: float, end: float, first: int, sill: float, head: float) -> list[Opening]:
+    length = end - start
+    count = max(1, round((length - PIER) / (MOST_WINDOW + 2 * PIER)))
+    width = min(MOST_WINDOW, (length - PIER) / count - PIER)
+    if width < LEAST_WINDOW:
+        return []
+    width = round(width - 0.005, 2)
+    places = (start + length * (k + 0.5) / count for k in range(count))
+    return [
+        Opening(f"{room}_{first + k + 1}", "window", edge.along, edge.at(c), width, sill, head, (room, OUTSIDE))
+        for k, c in enumerate(places)
+    ]
+
+
+def wall_blocks(plan: Plan, openings: Sequence[Opening], *, wall: float, height: float) -> list[Block]:
+    """Boxes that fill all walls of a plan and leave its openings free."""
+    strips = [strip for room in plan.rooms.values() for strip in _strips(room, wall)]
+    holes = [(o.plan(wall), o.sill, o.head) for o in openings]
+    xs = _lines([r for r in (*strips, *(h[0] for h in holes))], "x0", "x1")
+    ys = _lines([r for r in (*strips, *(h[0] for h in holes))], "y0", "y1")
+    solid = np.full((len(xs) - 1, len(ys) - 1), -1, dtype=int)
+    kinds: list[tuple[tuple[float, float], ...]] = [((0.0, height),)]
+    for strip in strips:
+        solid[_cells(xs, strip.x0, strip.x1), _cells(ys, strip.y0, strip.y1)] = 0
+    for hole, sill, head in holes:
+        ranges = tuple(r for r in ((0.0, sill), (head, height)) if r[1] - r[0] > 1e-6)
+        if ranges not in kinds:
+            kinds.append(ranges)
+        solid[_cells(xs, hole.x0, hole.x1), _cells(ys, hole.y0, hole.y1)] = kinds.index(ranges)
+    return [
+        Block((xs[i0], ys[j0], low), (xs[i1], ys[j1], high))
+        for i0, i1, j0, j1, kind in _merged(solid)
+        for low, high in kinds[kind]
+    ]
+
+
+def _strips(room: Rect, wall: float) -> list[Rect]:
+    h = wall / 2
+    return [
+        Rect(room.x0 - h, room.y0 - h, room.x1 + h, room.y0 + h),
+        Rect(room.x0 - h, room.y1 - h, room.x1 + h, room.y1 + h),
+        Rect(room.x0 - h, room.y0 - h, room.x0 + h, room.y1 + h),
+        Rect(room.x1 - h, room.y0 - h, room.x1 + h, room.y1 + h),
+    ]
+
+
+def _lines(rects: Sequence[Rect], low: str, high: str) -> list[float]:
+    return sorted({round(getattr(r, k), 9) for r in rects for k in (low, high)})
+
+
+def _cells(lines: Sequence[float], low: float, high: float) -> slice:
+    return slice(lines.index(round(low, 9)), lines.index(round(high, 9)))
+
+
+def _merged(solid: np.ndarray[tuple[int, int], np.dtype[np.int_]]) -> list[tuple[int, int, int, int, int]]:
+    """Largest rectangles of equal cells, taken greedily: first and end of rows, of columns, and the kind; cells of -1 are left out."""
+    left, found = solid.copy(), []
+    for i, j in np.ndindex(*solid.shape):
+        kind = left[i, j]
+        if kind < 0:
+            continue
+        options = []
+        for first in (0, 1):
+            i1, j1 = i + 1, j + 1
+            for axis in (first, 1 - first):
+                if axis == 0:
+                    while i1 < solid.shape[0] and (left[i1, j:j1] == kind).all():
+                        i1 += 1
+                else:
+                    while j1 < solid.shape[1] and (left[i:i1, j1] == kind).all():
+                        j1 += 1
+            options.append(((i1 - i) * (j1 - j), i1, j1))
+        _, i1, j1 = max(options)
+        left[i:i1, j:j1] = -1
+        found.append((i, i1, j, j1, int(kind)))
+    return found
+
+
+def floor_blocks(plan: Plan, *, wall: float, thickness: float) -> dict[str, Block]:
+    """The slab under each room, to the middle of the walls between rooms and to the outer face of outer ones; upper side at z = 0."""
+    found = {}
+    for name, r in plan.rooms.items():
+        x0, x1 = (r.x0 - (wall / 2 if r.x0 <= 1e-9 else 0.0), r.x1 + (wall / 2 if r.x1 >= plan.width - 1e-9 else 0.0))
+        y0, y1 = (r.y0 - (wall / 2 if r.y0 <= 1e-9 else 0.0), r.y1 + (wall / 2 if r.y1 >= plan.depth - 1e-9 else 0.0))
+        found[name] = Block((x0, y0, -thickness), (x1, y1, 0.0))
+    return found

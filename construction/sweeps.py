@@ -1,0 +1,66 @@
+"""Profiles carried along paths: closed visible meshes, and a convex piece for each segment."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..geometry.booleans import union_volume
+from ..worlds.arrays import F64, RigidPose
+from ..worlds.built import Convex, TriangleMesh
+from ..worlds.errors import InputError
+from ..worlds.spec import Sweep
+from ..worlds.sweeps import side_faces, sweep_rings
+from .polygons import convex_partition, signed_area, triangulate
+
+__all__ = ["swept"]
+
+IDENTITY = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+SMOOTH_SIDES = 8
+"""Own choice: profiles of as many sides are drawn round."""
+CROSSING = 1e-6
+"""Own choice: share of the volume that pieces may have in common by rounding."""
+
+
+def swept(shape: Sweep) -> tuple[TriangleMesh, tuple[Convex, ...], bool]:
+    """Visible mesh, convex pieces and whether it is drawn smooth.
+
+    The pieces fill the mesh exactly where nothing is scaled; where it is, sides of bent segments are not plane, and what lies
+    between is measured as deviation.
+
+    Raises:
+        InputError: the profile or the path crosses itself.
+    """
+    if signed_area(shape.profile) < 0:
+        shape = shape.model_copy(update={"profile": shape.profile[::-1]})
+    try:
+        rings = sweep_rings(shape)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+    count, corners = rings.shape[:2]
+    caps = np.array(triangulate(shape.profile))
+    faces = [side_faces(count, corners, closed=shape.closed)]
+    if not shape.closed:
+        faces += [caps, caps[:, ::-1] + (count - 1) * corners]
+    mesh = TriangleMesh(rings.reshape(-1, 3), np.ascontiguousarray(np.concatenate(faces), dtype=np.int32))
+    ahead = np.concatenate([rings, rings[:1]]) if shape.closed else rings
+    pieces = tuple(
+        Convex("hull", (), IDENTITY, np.ascontiguousarray(np.concatenate([ahead[k, own], ahead[k + 1, own]])))
+        for own in convex_partition(shape.profile)
+        for k in range(len(ahead) - 1)
+    )
+    _require_apart([p.points for p in pieces])
+    return mesh, pieces, corners >= SMOOTH_SIDES
+
+
+def _require_apart(pieces: list[F64]) -> None:
+    """Refuse segments that pass through each other."""
+    from scipy.spatial import ConvexHull
+
+    if len(pieces) < 3:
+        return
+    alone = sum(float(ConvexHull(p).volume) for p in pieces)
+    shared = 1.0 - union_volume(pieces) / alone
+    if shared > CROSSING:
+        raise InputError(
+            f"the path passes through itself: {100 * shared:.2g} % of the volume is there twice; lead it past itself, or cut it"
+        )

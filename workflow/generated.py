@@ -1,0 +1,186 @@
+"""Entities that a generator makes, as operations of a patch: made, and made anew with what was changed by hand kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ..worlds.errors import InputError
+from .arrangements import AssetAsk
+
+if TYPE_CHECKING:
+    from ..construction.assets.documents import AssetDocuments
+    from ..construction.assets.made import Made
+    from ..worlds.arrays import RigidPose
+    from ..worlds.spec import Asset, Entity, WorldSpec
+
+__all__ = ["asset_operations", "made_of", "place_of", "supports_operation"]
+
+SHOWN = 12
+"""Places and kept parts that a reply names."""
+
+
+def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """Operations that put a generated thing into a specification under an id, and what the reply says of it.
+
+    An entity that a generator made before is made anew at its pose; parts that were changed by hand stay as they are.
+
+    Raises:
+        InputError: there is no such generator, a parameter is wrong, or the id belongs to something else.
+    """
+    from ..construction.assets.documents import asset_documents
+    from ..construction.assets.posing import posed
+    from ..construction.assets.registry import generator
+
+    before = spec.entities.get(name)
+    if before is not None and before.asset is None:
+        raise InputError(f"{name!r} was made by no generator; choose another id, or remove /entities/{name} first")
+    made = posed(generator(asked.generator).make(asked.parameters, asked.seed), asked.positions)
+    record = {
+        "generator": asked.generator,
+        "parameters": dict(asked.parameters),
+        "seed": asked.seed,
+        "positions": asked.positions,
+    }
+    motion = asked.motion or (before.motion if before is not None else generator(asked.generator).motion)
+    documents = asset_documents(name, record, made, _pose(before), motion=motion)
+    taken = [k for k in documents.entities if k in spec.entities and not _belongs(spec, name, k)]
+    if taken:
+        raise InputError(f"{taken[0]!r} would be a body of {name!r} and is an entity already; choose another id")
+    told = _told(made, documents)
+    if before is not None:
+        told |= _kept(spec, name, before, documents)
+    return _operations(spec, name, before, documents), told
+
+
+def made_of(asset: Asset) -> Made:
+    """Bodies that a generator makes for the record of an entity."""
+    from ..construction.assets.posing import posed
+    from ..construction.assets.registry import make
+
+    return posed(make(asset.generator, asset.parameters, asset.seed), asset.positions)
+
+
+def _pose(entity: Entity | None) -> RigidPose:
+    import numpy as np
+
+    from ..worlds.arrays import RigidPose, pose_of
+
+    return RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])) if entity is None else pose_of(entity.pose)
+
+
+def _belongs(spec: WorldSpec, name: str, body: str) -> bool:
+    asset = spec.entities[name].asset if name in spec.entities else None
+    return body == name or (asset is not None and body in asset.bodies)
+
+
+def _told(made: Made, documents: AssetDocuments) -> dict[str, Any]:
+    """Bodies, sizes and places of a thing for the reply."""
+    bodies = list(documents.entities)
+    size = documents.entities[bodies[0]]["dimensions"]["size"]
+    told: dict[str, Any] = {"size": [round(v, 4) for v in size], "parts": len(made.main.parts)}
+    if len(bodies) > 1:
+        told["bodies"] = bodies[:SHOWN] + ([f"and {len(bodies) - SHOWN} more"] if len(bodies) > SHOWN else [])
+    if made.places:
+        told["surfaces"] = {
+            k: {"height": round(float(p.center[2]), 4), "size": [round(v, 3) for v in p.size]}
+            | ({"clearance": round(p.clearance, 3)} if p.clearance < 1e6 else {})
+            for k, p in list(made.places.items())[:SHOWN]
+        }
+    return {"asset": told}
+
+
+def _kept(spec: WorldSpec, name: str, before: Entity, documents: AssetDocuments) -> dict[str, Any]:
+    """Carry parts that differ from what their generator made over to the new ones; names them for the reply."""
+    from ..construction.assets.documents import asset_documents
+    from ..worlds.spec import Part
+
+    assert before.asset is not None
+    asset = before.asset
+    record = asset.model_dump(mode="json", exclude={"bodies"})
+    old = asset_documents(name, record, made_of(asset), _pose(before), motion=before.motion)
+    kept = []
+    for key, document in documents.entities.items():
+        if key not in spec.entities or key not in old.entities:
+            continue
+        made = {k: Part.model_validate(p) for k, p in old.entities[key]["parts"].items()}
+        now = spec.entities[key].parts
+        changed = {k: p for k, p in now.items() if made.get(k) != p}
+        document["parts"] |= {k: p.model_dump(mode="json", exclude_none=True) for k, p in changed.items()}
+        for gone in set(made) - set(now):
+            document["parts"].pop(gone, None)
+        kept += [f"{key}/{k}" for k in (*changed, *sorted(set(made) - set(now)))]
+    return {"kept_as_changed_by_hand": kept[:SHOWN]} if kept else {}
+
+
+def _operations(spec: WorldSpec, name: str, before: Entity | None, documents: AssetDocuments) -> list[dict[str, Any]]:
+    edits: list[dict[str, Any]] = []
+
+    def put(pointer: str, value: Any) -> None:
+        edits.append({"op": "add", "path": pointer, "value": value})
+
+    gone = [] if before is None or before.asset is None else [b for b in before.asset.bodies if b not in documents.entities]
+    old = set(gone) | {name, *([] if before is None or before.asset is None else before.asset.bodies)}
+    for key, joint in spec.simulation.joints.items():
+        if joint.child in old and key not in documents.joints and key.startswith(f"{name}_"):
+            edits.append({"op": "remove", "path": f"/simulation/joints/{key}"})
+    for body in gone:
+        edits.append({"op": "remove", "path": f"/entities/{body}"})
+        edits += _left(spec, body)
+    for collection, members in (("/entities", documents.entities), ("/simulation/joints", documents.joints)):
+        for key, document in members.items():
+            put(f"{collection}/{key}", document)
+    for key, document in documents.relations.items():
+        put(f"/graph/relations/{key}", document)
+    instance, add_instance = _instance(spec, list(documents.entities))
+    if add_instance is not None:
+        put(f"/simulation/solvers/{instance}", add_instance)
+    else:
+        there = set(spec.simulation.solvers[instance].members)
+        for key in documents.entities:
+            if key not in there:
+                put(f"/simulation/solvers/{instance}/members/-", key)
+    return edits
+
+
+def _left(spec: WorldSpec, body: str) -> list[dict[str, Any]]:
+    """Operations that take a body that is no more out of solver instances and relations."""
+    edits = [
+        {"op": "replace", "path": f"/simulation/solvers/{k}/members", "value": [m for m in s.members if m != body]}
+        for k, s in spec.simulation.solvers.items()
+        if body in s.members
+    ]
+    return edits + [
+        {"op": "remove", "path": f"/graph/relations/{k}"} for k, r in spec.graph.relations.items() if body in (r.a, r.b)
+    ]
+
+
+def _instance(spec: WorldSpec, bodies: list[str]) -> tuple[str, dict[str, Any] | None]:
+    """The rigid instance that bodies belong to, the first by name, and its document where there is none yet."""
+    rigid = sorted(spec.simulation.rigid)
+    return (rigid[0], None) if rigid else ("rigid", {"engine": "mujoco", "members": bodies})
+
+
+def supports_operation(spec: WorldSpec, on: str, name: str) -> list[dict[str, Any]]:
+    """The relation that one entity carries another, where none says yet what carries it."""
+    if any(r.kind == "supports" and r.b == name for r in spec.graph.relations.values()):
+        return []
+    return [{"op": "add", "path": f"/graph/relations/{name}_stands", "value": {"kind": "supports", "a": on, "b": name}}]
+
+
+def place_of(spec: WorldSpec, on: str, surface: str) -> tuple[Mapping[str, Any], str]:
+    """Middle, size and clearance of a named surface of a generated entity, and the entity of the body that has it.
+
+    Raises:
+        InputError: the entity was not generated, or has no such surface.
+    """
+    from ..construction.assets.documents import body_id
+
+    asset = spec.entities[on].asset
+    if asset is None:
+        raise InputError(f"{on!r} was made by no generator and names no surfaces; leave surface out and give at in the world")
+    places = made_of(asset).places
+    if surface not in places:
+        raise InputError(f"{on!r} has no surface {surface[:60]!r}; a {asset.generator} has {sorted(places)}")
+    place = places[surface]
+    return {"center": place.center, "size": place.size, "clearance": place.clearance}, body_id(on, place.body)

@@ -14,6 +14,7 @@ from ..construction.assets.generator import Generator
 from ..construction.assets.made import MAIN, Body, Joint, Made, Point
 from ..construction.primitives import ShapeGeometry, build_shape
 from ..worlds.arrays import F64, RigidPose, pose_of
+from ..worlds.extents import least_extent
 from ..worlds.materials import row_named
 
 if TYPE_CHECKING:
@@ -25,12 +26,22 @@ OVERLAP = 1e-4
 """Own choice: share of the smaller part's volume that two parts may have in common by rounding and facets."""
 TOUCH = 1e-4
 """[m] Own choice: parts of one body that are closer touch."""
+SKINS = 1e-3
+"""[m] Gap between bodies that collide, at least: the two collision skins at the default; what lies loosely rests at this gap."""
 APART = 5e-4
-"""[m] Gap between bodies at least: half of the collision skins of two things at the default skin."""
+"""[m] Gap between the two bodies of a joint, which do not collide."""
+LOOSE = 2e-3
+"""[m] What lies loosely on another body is no further above it."""
+ROUNDED = 2e-6
+"""[m] Rounding of meshes in single precision."""
 COLLISION = 0.02
 """Share by which the collision pieces' volume may differ from the visible one's."""
 POSITIONS = 9
 """Positions of a joint that are tried over its range."""
+HELD = 3e-3
+"""[m] How far a joint may act from its bodies: the check of support asks for 3.5 mm with the default skins."""
+THINNEST = 1e-3
+"""[m] The audit refuses skins of more than half of a part's thickness; the default one is 0.5 mm."""
 FULL_TURN = 2 * math.pi
 INSIDE = 1e-3
 """[m] Own choice: the centre of mass stands at least so far inside of what a standing thing stands on."""
@@ -79,11 +90,18 @@ def faults(made: Made, *, stands: bool = True) -> list[str]:
         found.append(f"its lowest point is at z = {lowest:.4g} m, not 0")
     if stands and MAIN in bodies:
         found += _balance(made, bodies)
+    for name, body in made.bodies.items():
+        for key, part in body.parts.items():
+            thick = least_extent(part.shape)
+            if part.collides and thick is not None and thick < THINNEST:
+                found.append(
+                    f"part {key} of {name or 'the asset'} is {1000 * thick:g} mm thick, less than {1000 * THINNEST:g} mm"
+                )
     for name, place in made.places.items():
         if place.body not in made.bodies:
             found.append(f"the place {name} is on {place.body!r}, which is no body")
         else:
-            found += _on_surface(name, place.center, bodies[place.body])
+            found += _on_surface(name, place.center, bodies[place.body], [s for own in bodies.values() for s in own])
     return found
 
 
@@ -148,20 +166,22 @@ def _together(solids: Sequence[_Solid]) -> Manifold:
 
 
 def _between(made: Made, bodies: Mapping[str, Sequence[_Solid]]) -> Iterator[str]:
-    touching = {frozenset(pair) for pair in made.carries} | {
-        frozenset((j.child, j.parent)) for j in made.joints.values() if j.kind == "weld"
-    }
+    loose = {frozenset(pair) for pair in made.carries}
+    joined = {frozenset((j.child, j.parent)): j.kind for j in made.joints.values()}
     for a, b in itertools.combinations(bodies, 2):
+        pair = frozenset((a, b))
         shared = _shared(bodies[a], bodies[b])
         if shared > 0:
             yield f"bodies {a!r} and {b!r} overlap by {shared:.3g} m^3"
-        elif frozenset((a, b)) not in touching:
-            gap = min(
-                (s.solid.min_gap(t.solid, 2 * APART) for s in bodies[a] for t in bodies[b] if _near(s, t, 2 * APART)),
-                default=math.inf,
-            )
-            if gap < APART:
-                yield f"bodies {a!r} and {b!r} are {1000 * gap:.3g} mm apart, less than {1000 * APART:g} mm"
+            continue
+        if joined.get(pair) == "weld":
+            continue
+        least, reach = (APART if pair in joined else SKINS), 2 * LOOSE
+        gap = min((s.solid.min_gap(t.solid, reach) for s in bodies[a] for t in bodies[b] if _near(s, t, reach)), default=math.inf)
+        if gap < least - ROUNDED:
+            yield f"bodies {a!r} and {b!r} are {1000 * gap:.3g} mm apart, less than {1000 * least:g} mm"
+        elif pair in loose and gap > LOOSE:
+            yield f"body {b!r} is {1000 * min(gap, reach):.3g} mm or more from {a!r}, on which it is said to lie"
 
 
 def _near(a: _Solid, b: _Solid, reach: float) -> bool:
@@ -188,6 +208,7 @@ def _moved(made: Made, bodies: Mapping[str, Sequence[_Solid]], name: str, joint:
     moving = {joint.child}
     for _ in made.joints:
         moving |= {j.child for j in made.joints.values() if j.parent in moving}
+    yield from _held(bodies, name, joint)
     low, high = joint.range or (0.0, FULL_TURN if joint.kind == "hinge" else 0.0)
     for q in np.linspace(low, high, POSITIONS):
         there = {m: [_at(s, joint, float(q)) for s in bodies[m]] for m in moving}
@@ -197,6 +218,24 @@ def _moved(made: Made, bodies: Mapping[str, Sequence[_Solid]], name: str, joint:
                 if shared > 0:
                     yield f"joint {name} at {q:.3g}: {m!r} overlaps {other!r} by {shared:.3g} m^3"
                     return
+
+
+def _held(bodies: Mapping[str, Sequence[_Solid]], name: str, joint: Joint) -> Iterator[str]:
+    """That a joint acts where both bodies are: at its anchor, or at some point of a hinge's axis."""
+    from manifold3d import Manifold
+
+    anchor = np.array(joint.anchor, dtype=np.float64)
+    axis = (
+        np.array(joint.axis, dtype=np.float64) / np.linalg.norm(np.array(joint.axis)) if joint.axis is not None else np.zeros(3)
+    )
+    for end in (joint.child, joint.parent):
+        points = np.concatenate([s.points for s in bodies[end]])
+        along = (points - anchor) @ axis if joint.kind == "hinge" else np.zeros(1)
+        places = [anchor + q * axis for q in np.linspace(along.min(), along.max(), 60 if joint.kind == "hinge" else 1)]
+        probes = [Manifold.sphere(1e-4, 8).translate(tuple(p)) for p in places]
+        gap = min(s.solid.min_gap(q, 2 * HELD) for q in probes for s in bodies[end])
+        if gap > HELD:
+            yield f"joint {name} acts more than {1000 * HELD:g} mm away from {end or 'the asset'!r}: give that body a pin or knuckle on its axis"
 
 
 def _at(part: _Solid, joint: Joint, q: float) -> _Solid:
@@ -250,7 +289,7 @@ def _center(solid: Manifold) -> F64:
     return center
 
 
-def _on_surface(name: str, center: Point, solids: Sequence[_Solid]) -> Iterator[str]:
+def _on_surface(name: str, center: Point, solids: Sequence[_Solid], everything: Sequence[_Solid]) -> Iterator[str]:
     """That a place has a surface under its middle."""
     from manifold3d import Manifold
 
@@ -259,5 +298,5 @@ def _on_surface(name: str, center: Point, solids: Sequence[_Solid]) -> Iterator[
     over = Manifold.cube((2e-3, 2e-3, 2e-3), True).translate((x, y, z + 2e-3))
     if not any((s.solid ^ probe).volume() > 0 for s in solids):
         yield f"under the middle of the place {name} at z = {z:.4g} m is no surface"
-    if any((s.solid ^ over).volume() > 0 for s in solids):
+    if any((s.solid ^ over).volume() > 0 for s in everything):
         yield f"over the middle of the place {name} at z = {z:.4g} m is something in the way"

@@ -69,7 +69,8 @@ def interior_operations(spec: WorldSpec, name: str, asked: Interior, made: Built
     old = set(spec.interiors[name].entities) & set(spec.entities) if name in spec.interiors else set()
     edits = _cleared(spec, name, old)
     record = asked.model_dump(mode="json", exclude_none=True, exclude={"entities"}) | {"entities": list(made.entities)}
-    edits.append({"op": "add", "path": f"/interiors/{name}", "value": record})
+    whole = {"path": f"/interiors/{name}", "value": record} if spec.interiors else {"path": "/interiors", "value": {name: record}}
+    edits.append({"op": "add", **whole})
     for collection, members in (
         ("/entities", made.entities),
         ("/simulation/joints", made.joints),

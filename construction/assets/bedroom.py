@@ -111,8 +111,13 @@ def _headboard(body: Body, p: BedParameters, kind: str, corner: tuple[float, flo
             padded(body, f"pad_{number + 1}", at, (wide - 0.004, high - p.height - 0.06, 0.056), p.cover, lean=math.pi / 2)
         return
     if kind == "arched":
-        bow = [(inner, high - 0.14), *((inner * math.cos(a), high - 0.14 + 0.16 * math.sin(a)) for a in np.linspace(0, math.pi, 13)[1:-1])]
-        body.prism("head_panel", [(-inner, floor), (inner, floor), *bow, (-inner, high - 0.14)], front + 0.004, front + 0.022, axis="y")
+        bow = [
+            (inner, high - 0.14),
+            *((inner * math.cos(a), high - 0.14 + 0.16 * math.sin(a)) for a in np.linspace(0, math.pi, 13)[1:-1]),
+        ]
+        body.prism(
+            "head_panel", [(-inner, floor), (inner, floor), *bow, (-inner, high - 0.14)], front + 0.004, front + 0.022, axis="y"
+        )
         return
     body.box("head_rail_high", (-inner, front, high - 0.1), (inner, front + 0.03, high - 0.02))
     if kind == "panel":
@@ -141,7 +146,9 @@ class ChestOfDrawersParameters(Parameters):
 
 def _style(p: ChestOfDrawersParameters | BedsideTableParameters, rng: np.random.Generator) -> Style:
     handle = pick(p.handles, rng, "bar", "bow", "knob")
-    return Style(p.material, "birch" if p.material != "birch" else "plywood", p.metal, handle, pick(p.fronts, rng, "flat", "framed"))
+    return Style(
+        p.material, "birch" if p.material != "birch" else "plywood", p.metal, handle, pick(p.fronts, rng, "flat", "framed")
+    )
 
 
 def _chest_of_drawers(p: ChestOfDrawersParameters, rng: np.random.Generator) -> Made:

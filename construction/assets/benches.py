@@ -83,7 +83,13 @@ def _iron_end(body: Body, p: BenchParameters, number: int, x: float, tilt: float
     rear = y + 0.02 + flat / 2 / math.cos(tilt)
     bar = [(-0.02, -flat / 2), (0.02, -flat / 2), (0.02, flat / 2), (-0.02, flat / 2)]
     lean = math.tan(tilt)
-    path = [(rear + 0.1, 0.004), (rear + 0.1, 0.02), (rear + 0.05, 0.12), (rear - 0.015, 0.6 * under), (rear - 0.02, under - 0.02)]
+    path = [
+        (rear + 0.1, 0.004),
+        (rear + 0.1, 0.02),
+        (rear + 0.05, 0.12),
+        (rear - 0.015, 0.6 * under),
+        (rear - 0.02, under - 0.02),
+    ]
     path += [(rear + (z - p.seat) * lean, z) for z in (p.seat + 0.03, p.height)] if p.back else [(rear - 0.02, under - 0.001)]
     body.sweep(f"rear_bar_{number}", [(x, b, z) for b, z in path], bar, material=p.metal)
     side = x + (0.04 if x <= 0 else -0.04)
@@ -130,17 +136,31 @@ def _pew(p: PewParameters, rng: np.random.Generator) -> Made:
             f"support_{number + 1}", [(front + 0.06, 0.0), (rear - 0.02, 0.0), (rear - 0.02, p.seat - 0.03), (front + 0.05, p.seat - 0.03)],
             a - 0.016, a + 0.016, axis="x",
         )  # fmt: skip
+
     def plane(z: float, depth: float) -> tuple[float, float]:
         return (rear + (z - p.seat) * lean + depth, z)
 
     low, high = p.seat - 0.03, p.height - 0.035
     body.hull("back", [(x, *plane(z, d)) for x in (-inner, inner) for z in (low, high) for d in (0.0, 0.022)])
-    crest = [plane(high, -0.012), plane(high, 0.034), plane(p.height - 0.01, 0.038), plane(p.height, 0.028), plane(p.height, -0.004)]
+    crest = [
+        plane(high, -0.012),
+        plane(high, 0.034),
+        plane(p.height - 0.01, 0.038),
+        plane(p.height, 0.028),
+        plane(p.height, -0.004),
+    ]
     body.prism("crest", [*crest, plane(p.height - 0.01, -0.016)], -inner, inner, axis="x")
     if p.ledge:
         z = p.seat + 0.6 * (p.height - p.seat)
         b = plane(z, 0.022)[0]
-        body.hull("ledge", [(x, *q) for x in (-inner, inner) for q in (plane(z, 0.022), plane(z + 0.018, 0.022), (b + 0.16, z), (b + 0.16, z + 0.018))])
+        body.hull(
+            "ledge",
+            [
+                (x, *q)
+                for x in (-inner, inner)
+                for q in (plane(z, 0.022), plane(z + 0.018, 0.022), (b + 0.16, z), (b + 0.16, z + 0.018))
+            ],
+        )
         body.box("ledge_lip", (-inner, b + 0.16, z), (inner, b + 0.175, z + 0.04))
         made.places["ledge"] = Place((0, b + 0.085, z + 0.018), (2 * inner - 0.02, 0.13), p.height - z)
     made.places["seat"] = Place((0, 0, p.seat), (2 * inner - 0.02, p.depth - 0.06))
@@ -154,12 +174,28 @@ def _end(p: PewParameters, kind: str, front: float, rear: float) -> list[tuple[f
     fore = [(front + 0.05, arm - 0.1), (front + 0.04, 0.5 * p.seat), (front, 0.1), (front - 0.02, 0.08)]
     depth = rear - front
     if kind == "square":
-        head = [(rear, top), (front + 0.62 * depth, top), (front + 0.5 * depth, arm + 0.02), (front + 0.02, arm), (front + 0.02, arm - 0.03)]
+        head = [
+            (rear, top),
+            (front + 0.62 * depth, top),
+            (front + 0.5 * depth, arm + 0.02),
+            (front + 0.02, arm),
+            (front + 0.02, arm - 0.03),
+        ]
     elif kind == "pointed":
-        head = [(rear, top - 0.06), (front + 0.78 * depth, top + 0.1), (front + 0.55 * depth, top - 0.06), (front + 0.5 * depth, arm), (front, arm - 0.01), (front, arm - 0.05)]
+        head = [
+            (rear, top - 0.06),
+            (front + 0.78 * depth, top + 0.1),
+            (front + 0.55 * depth, top - 0.06),
+            (front + 0.5 * depth, arm),
+            (front, arm - 0.01),
+            (front, arm - 0.05),
+        ]
     else:
         scroll = arc((front + 0.045, arm - 0.05), 0.05, 0.45 * math.pi, 1.35 * math.pi, 7)
-        swan = [(front + depth * (0.85 - 0.55 * s), top - (top - arm - 0.01) * (3 * s * s - 2 * s**3)) for s in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        swan = [
+            (front + depth * (0.85 - 0.55 * s), top - (top - arm - 0.01) * (3 * s * s - 2 * s**3))
+            for s in (0.0, 0.25, 0.5, 0.75, 1.0)
+        ]
         head = [(rear, top - 0.02), (rear - 0.02, top), *swan, *scroll]
     return [*foot, *head, *fore]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -56,7 +57,7 @@ def _bind(body: Body, at: tuple[float, float], s: _Sizes, *, upright: bool, pref
         step, wide = s.height / (s.bands + 1), 0.006
         cuts = [h0 + step * (k + 1) for k in range(s.bands)]
         ends = [h0, *(e for q in cuts for e in (q - wide / 2, q + wide / 2)), h1]
-        levels = [(a, b, 0.0012 * (k % 2)) for k, (a, b) in enumerate(zip(ends[:-1], ends[1:], strict=True))]
+        levels = [(a, b, 0.0012 * (k % 2)) for k, (a, b) in enumerate(itertools.pairwise(ends))]
     half = s.thick / 2
     for k, (a, b, proud) in enumerate(levels, start=1):
         rise = s.bulge + proud
@@ -95,7 +96,7 @@ class RowOfBooksParameters(Parameters):
     depth: float = Field(default=0.17, ge=0.11, le=0.24, description="of the deepest [m]")
     thickness: float = Field(default=0.032, ge=0.018, le=0.05, description="mean of them [m]")
     variety: float = Field(default=0.5, ge=0.0, le=1.0, description="of their sizes: 0 a set of equal volumes, 1 all sorts")
-    one_body: bool = Field(default=False, description="one body for all of them, else each may be moved")
+    one_body: bool = Field(default=False, description="one body for all of them, with plain spines, else each may be moved")
 
 
 def _various(rng: np.random.Generator, variety: float, thick: float, depth: float, height: float) -> _Sizes:
@@ -121,6 +122,7 @@ def _row_of_books(p: RowOfBooksParameters, rng: np.random.Generator) -> Made:
     for number, (own, cover) in enumerate(zip(sizes, covers, strict=True), start=1):
         front = (own.depth - p.depth) / 2
         if p.one_body:
+            own.bands = 0
             body = made.bodies.setdefault("", Body("row of books", cover))
             mine = Body("book", cover)
             _bind(mine, (x, front), own, upright=True, prefix=f"book_{number}_")

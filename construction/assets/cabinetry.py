@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,7 +12,7 @@ import numpy as np
 from .made import MAIN, Body, Joint, Made, Place, Point
 from .profiles import circle, rounded
 
-__all__ = ["GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick"]
+__all__ = ["BACK", "GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick", "set_moving", "stacked"]
 
 Rect = tuple[float, float, float, float]
 """Least x, greatest x, least z, greatest z [m] of something that faces the front."""
@@ -50,6 +51,41 @@ def pick(value: str, rng: np.random.Generator, *options: str) -> str:
     """A choice as asked for, or one of the options by the seed where it is "varied"."""
     drawn = options[int(rng.integers(len(options)))]
     return drawn if value == "varied" else value
+
+
+def set_moving(made: Made) -> Made:
+    """The asset, with all that its joints carry dynamic, where the rest is built in."""
+    for joint in made.joints.values():
+        made.bodies[joint.child].motion = "dynamic"
+    return made
+
+
+def stacked(
+    body: Body, name: str, curve: Sequence[tuple[float, float]], at: Point = (0, 0, 0), *, segments: int = 32, material: str | None = None
+) -> None:
+    """Add a solid turned thing as convex pieces, one on the other, cut at its waists.
+
+    Args:
+        body: gets the parts.
+        name: of the parts.
+        curve: (r, z) from its foot to its head [m]; z never falls.
+        at: origin of the curve's axis.
+        segments: around the axis.
+        material: of the parts.
+    """
+    start, number = 0, 1
+    for k in range(1, len(curve)):
+        if k < len(curve) - 1:
+            (a, b), (c, d), (e, f) = curve[k - 1 : k + 2]
+            if (c - a) * (f - d) - (d - b) * (e - c) >= 0:
+                continue
+        piece = list(curve[start : k + 1])
+        if piece[-1][1] > piece[0][1]:
+            outline = [(0.0, piece[0][1]), *piece, (0.0, piece[-1][1])]
+            level = [q for q in outline if q[0] > 0 or q in (outline[0], outline[-1])]
+            body.turned(f"{name}_{number}", level, at, segments=segments, material=material)
+            number += 1
+        start = k
 
 
 def carcass(body: Body, low: Point, high: Point, thick: float, *, back: bool = True) -> None:
@@ -93,11 +129,20 @@ def knob(body: Body, name: str, at: Point, radius: float, *, material: str | Non
     x, y, z = at
     neck = 0.8 * radius
     body.cylinder(f"{name}_neck", (x, y, z), (x, y - neck, z), 0.45 * radius, material=material)
-    head = [(0, 0), (0.7 * radius, 0), (radius, 0.35 * radius), (0.95 * radius, 0.7 * radius), (0.5 * radius, radius), (0, radius)]
+    head = [
+        (0, 0),
+        (0.7 * radius, 0),
+        (radius, 0.35 * radius),
+        (0.95 * radius, 0.7 * radius),
+        (0.5 * radius, radius),
+        (0, radius),
+    ]
     body.turned(name, head, (x, y - neck, z), segments=20, euler=(math.pi / 2, 0, 0), material=material)
 
 
-def handle(body: Body, name: str, kind: str, at: Point, span: float, *, upright: bool = False, material: str | None = None) -> None:
+def handle(
+    body: Body, name: str, kind: str, at: Point, span: float, *, upright: bool = False, material: str | None = None
+) -> None:
     """A handle on a face that looks to the front, about a point of the face [m].
 
     Args:
@@ -190,9 +235,7 @@ def door(
     at = (x1 - stile / 2 if sign > 0 else x0 + stile / 2, back - style.thick, z0 + grip * (z1 - z0))
     handle(body, "handle", style.handle, at, min(0.14, 0.3 * (z1 - z0)), upright=True, material=style.metal)
     anchor = (x0 if sign > 0 else x1, back - style.thick, (z0 + z1) / 2)
-    made.joints[name] = Joint(
-        name, "hinge", anchor, parent, axis=(0, 0, -sign), range=(0.0, OPEN), damping=0.5, friction=0.5
-    )
+    made.joints[name] = Joint(name, "hinge", anchor, parent, axis=(0, 0, -sign), range=(0.0, OPEN), damping=0.5, friction=0.5)
 
 
 def drawer(

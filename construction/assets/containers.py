@@ -11,7 +11,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Joint, Made, Place
 from .profiles import arc, circle
-from .turning import facet, half, hollow, moved, solid
+from .turning import drawn, facet, half, hollow, moved, solid
 
 __all__ = ["GENERATORS"]
 
@@ -94,7 +94,7 @@ def _bucket(p: BucketParameters, rng: np.random.Generator) -> Made:
     for name, s in (("right", 1), ("left", -1)):
         body.hull(f"ear_{name}", [(s * x, y, f.z) for f in (low, high) for x in (f.x, ear) for y in (-0.013, 0.013)])
     wire = float(rng.uniform(0.0028, 0.0036))
-    reach = ear + GAP + wire * 1.06
+    reach = ear + GAP + wire * 1.06 + 5e-4
     bail = Body("handle of the bucket", p.handle)
     steps = 20
     points = [(reach * math.cos(a), -reach * math.sin(a), pivot) for a in np.linspace(0, math.pi, steps + 1)]
@@ -176,21 +176,15 @@ def _cardboard_box(p: CardboardBoxParameters, rng: np.random.Generator) -> Made:
         body.box("tape", (-x, -0.025, top), (x, 0.025, top + 0.0004), material="polypropylene")
         body.box("tape_left", (-x - 0.0004, -0.025, top - 0.06), (-x, 0.025, top + 0.0004), material="polypropylene")
         body.box("tape_right", (x, -0.025, top - 0.06), (x + 0.0004, 0.025, top + 0.0004), material="polypropylene")
+        drawn(body, "tape", "tape_left", "tape_right")
         made.places["top"] = Place((0, 0, top + 0.0004), (0.9 * p.width, 0.9 * p.depth))
         return made
     for name, turn, reach, long in (("front", -1, y, x), ("right", 0, x, y), ("back", 1, y, x), ("left", 2, x, y)):
         lean = float(rng.uniform(-0.5, 0.9))
         flap = 0.95 * min(x, y)
-        points = [
-            (
-                reach - (t if k == 0 else 0) + r * math.cos(lean) - h * math.sin(lean) * 0,
-                s * (long - 0.01),
-                top + r * math.sin(lean) + h,
-            )
-            for k, r in enumerate((t, flap))
-            for h in (0.0, t)
-            for s in (-1, 1)
-        ]
+        far, up = reach + flap * math.cos(lean), top + flap * math.sin(lean)
+        corners = ((reach, top), (reach - t, top + t), (far, up), (far - t * math.sin(lean), up + t * math.cos(lean)))
+        points = [(r, s * (long - 0.01), z) for r, z in corners for s in (-1, 1)]
         body.hull(f"flap_{name}", moved(points, turn=turn * math.pi / 2))
     made.places["inside"] = Place((0, 0, t), (p.width - 2 * t, p.depth - 2 * t), top)
     return made

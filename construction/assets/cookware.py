@@ -10,7 +10,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 from .profiles import circle, rounded
-from .turning import curve, facet, grip, half, hollow, lying, ring, solid
+from .turning import curve, drawn, facet, grip, half, hollow, lying, ring, solid
 from .vessels import CLEAR
 
 __all__ = ["GENERATORS"]
@@ -182,6 +182,7 @@ def _tin_can(p: TinCanParameters, rng: np.random.Generator) -> Made:
     if p.label:
         low = rim + float(rng.uniform(0.03, 0.1)) * top
         body.turned("label", ring(r, low, top - low, 0.0004), segments=segments, material="cardboard")
+        drawn(body, "label")
     made = Made.of(body)
     made.places["top"] = Place((0, 0, top - 0.001), (r, r))
     return made

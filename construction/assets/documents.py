@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from ...worlds.shapes import Pose
 from ..primitives import build_shape
 from .made import MAIN, Body, Joint, Made
 
-__all__ = ["AssetDocuments", "asset_box", "asset_documents", "asset_size", "body_id"]
+__all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_boxes", "body_id"]
 
 DIGITS = 9
 
@@ -31,7 +32,15 @@ def body_id(asset: str, body: str) -> str:
     return asset if body == MAIN else f"{asset}_{body}"
 
 
-def asset_documents(name: str, record: dict[str, Any], made: Made, pose: RigidPose, *, motion: str) -> AssetDocuments:
+def asset_documents(
+    name: str,
+    record: dict[str, Any],
+    made: Made,
+    pose: RigidPose,
+    *,
+    motion: str,
+    boxes: Mapping[str, tuple[F64, F64]] | None = None,
+) -> AssetDocuments:
     """Documents of an asset that stands at a pose.
 
     Args:
@@ -39,9 +48,13 @@ def asset_documents(name: str, record: dict[str, Any], made: Made, pose: RigidPo
         record: its field `asset`: generator, parameters and seed.
         made: its bodies.
         pose: of the asset's frame in the world.
-        motion: of its bodies that do not say it.
+        motion: of its main body where that does not say it; the others are dynamic.
+        boxes: of its bodies, where they are known, see `body_boxes`.
     """
-    entities = {body_id(name, key): _entity(body, pose, motion, whole=key == MAIN) for key, body in made.bodies.items()}
+    known = body_boxes(made) if boxes is None else boxes
+    entities = {
+        body_id(name, key): _entity(body, known[key], pose, motion, whole=key == MAIN) for key, body in made.bodies.items()
+    }
     entities[name]["asset"] = record | {"bodies": [body_id(name, key) for key in made.bodies if key != MAIN]}
     joints = {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}
     relations = {
@@ -51,9 +64,9 @@ def asset_documents(name: str, record: dict[str, Any], made: Made, pose: RigidPo
     return AssetDocuments(entities, joints, relations)
 
 
-def _entity(body: Body, pose: RigidPose, motion: str, *, whole: bool) -> dict[str, Any]:
+def _entity(body: Body, box: tuple[F64, F64], pose: RigidPose, motion: str, *, whole: bool) -> dict[str, Any]:
     """Entity whose own frame is the asset's for the main body, and stands under the middle of any other."""
-    low, high = _box(body)
+    low, high = box
     own = np.zeros(3) if whole else np.array([*(0.5 * (low + high))[:2], low[2]])
     parts = {}
     for key, part in body.parts.items():
@@ -66,7 +79,7 @@ def _entity(body: Body, pose: RigidPose, motion: str, *, whole: bool) -> dict[st
         parts[key] = document
     return {
         "role": body.role,
-        "motion": body.motion or motion,
+        "motion": body.motion or (motion if whole else "dynamic"),
         "material": body.material,
         "dimensions": {"size": [round(float(c), DIGITS) for c in high - low]},
         "pose": pose_json(compose(pose, RigidPose(own, np.array([1.0, 0.0, 0.0, 0.0])))),
@@ -85,16 +98,15 @@ def _box(body: Body) -> tuple[F64, F64]:
     return corners.min(0), corners.max(0)
 
 
-def asset_box(made: Made) -> tuple[F64, F64]:
-    """Least and greatest corner of an asset with all its bodies, in its own frame [m], shape (3,) each."""
-    boxes = [_box(body) for body in made.bodies.values()]
-    return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+def body_boxes(made: Made) -> dict[str, tuple[F64, F64]]:
+    """Least and greatest corner of each body of an asset, in its own frame [m], shape (3,) each."""
+    return {name: _box(body) for name, body in made.bodies.items()}
 
 
 def asset_size(made: Made) -> tuple[float, float, float]:
     """Extents x, y, z of an asset with all its bodies [m]."""
-    low, high = asset_box(made)
-    x, y, z = high - low
+    boxes = body_boxes(made).values()
+    x, y, z = np.max([high for _, high in boxes], axis=0) - np.min([low for low, _ in boxes], axis=0)
     return (float(x), float(y), float(z))
 
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
-from .profiles import circle, rectangle, rounded
+from .profiles import rectangle, rounded
 from .turning import facet, half, hollow, moved
 
 __all__ = ["GENERATORS"]
@@ -44,9 +44,12 @@ def _suitcase(p: SuitcaseParameters, rng: np.random.Generator) -> Made:
         at = (sx * (x - 0.07), sy * (y - 0.03))
         body.cylinder(f"foot_{number}", (*at, 0), (*at, low), 0.009, material=p.metal)
     for number, s in enumerate((-1, 1), start=1):
-        at = s * 0.3 * p.width
+        lock = s * 0.3 * p.width
         body.box(
-            f"lock_{number}", (at - 0.02, -y + 0.012, top), (at + 0.02, y - 0.012 - 0.5 * p.depth, top + 0.006), material=p.metal
+            f"lock_{number}",
+            (lock - 0.02, -y + 0.012, top),
+            (lock + 0.02, y - 0.012 - 0.5 * p.depth, top + 0.006),
+            material=p.metal,
         )
         hold = s * 0.075
         body.box(f"mount_{number}", (hold - 0.012, -0.014, top), (hold + 0.012, 0.014, top + 0.006), material=p.metal)
@@ -83,7 +86,7 @@ class BasketParameters(Parameters):
 
 
 def _basket(p: BasketParameters, rng: np.random.Generator) -> Made:
-    segments, rim, top = 16, p.diameter / 2, p.height
+    segments, rim, top = 14, p.diameter / 2, p.height
     foot = p.taper * rim
     outer = [(foot, 0), (rim, top)]
     body = Body("basket", p.material)
@@ -100,9 +103,9 @@ def _basket(p: BasketParameters, rng: np.random.Generator) -> Made:
         for number in range(bands - 1):
             low = 0.13 * top + number * (gap + 0.13 * top)
             ends = [facet(outer, z, segments) for z in (low, low + gap)]
-            proud = thick * float(rng.uniform(0.5, 0.9))
+            rise = thick * float(rng.uniform(0.5, 0.9))
             broad = 0.55 * ends[0].x * math.tan(math.pi / segments)
-            points = [(f.x + a, s * broad, f.z) for f in ends for a in (0.0, proud) for s in (-1, 1)]
+            points = [(f.x + a, s * broad, f.z) for f in ends for a in (0.0, rise) for s in (-1, 1)]
             body.hull(f"rib_{k + 1}_{number + 1}", moved(points, turn=2 * math.pi * k / segments))
     if p.bow:
         reach = rim * math.cos(math.pi / segments) + 0.5 * thick

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from .cabinetry import pick
+from .cabinetry import pick, stacked
 from .generator import Generator, Parameters, material
 from .made import MAIN, Body, Joint, Made, Place
 
@@ -47,9 +47,9 @@ def _piano(p: PianoParameters, rng: np.random.Generator) -> Made:
         arm = [(front, p.keys - 0.1), (face, p.keys - 0.1), (face, p.keys + 0.12), (face - 0.07, p.keys + 0.12), (front + 0.03, p.keys + 0.03), (front, p.keys + 0.005)]
         body.prism(f"cheek_{name}", arm, a, b, axis="x")
         leg = sign * (half + cheek / 2)
-        profile = [(0, 0.05), (0.026, 0.05), (0.03, 0.09), (0.018, 0.13), (0.026, 0.4), (0.016, p.keys - 0.14), (0.028, p.keys - 0.1), (0, p.keys - 0.1)]
+        profile = [(0.026, 0.05), (0.03, 0.09), (0.018, 0.13), (0.026, 0.4), (0.016, p.keys - 0.14), (0.028, p.keys - 0.1)]
         shift = 0.015 * sign
-        body.turned(f"leg_{name}", profile, (leg - shift, front + 0.06, 0), segments=20)
+        stacked(body, f"leg_{name}", profile, (leg - shift, front + 0.06, 0))
         body.box(f"shoe_{name}", (a - 0.008, front + 0.02, 0.03), (b + 0.008, face, 0.05))
         for end, c in (("front", front + 0.06), ("back", back - 0.06)):
             body.cylinder(f"castor_{name}_{end}", (leg - 0.009, c, 0.015), (leg + 0.009, c, 0.015), 0.015, material=p.metal)
@@ -141,8 +141,8 @@ def _piano_stool(p: PianoStoolParameters, rng: np.random.Generator) -> Made:
     body, made = (own := Body("piano stool", p.material)), Made.of(own)
     low, high = 0.14, p.seat - 0.115
     swell = float(rng.uniform(0.9, 1.25))
-    profile = [(0, low - 0.03), (0.02, low - 0.03), (0.045, low), (0.045, low + 0.05), (0.026, low + 0.07), (0.04 * swell, 0.55 * (low + high)), (0.026, high - 0.03), (0.036, high), (0, high)]
-    body.turned("column", profile, segments=8 * p.feet)
+    profile = [(0.02, low - 0.03), (0.045, low), (0.045, low + 0.05), (0.026, low + 0.07), (0.04 * swell, 0.55 * (low + high)), (0.026, high - 0.03), (0.036, high)]
+    stacked(body, "column", profile, segments=8 * p.feet)
     start = math.pi / (8 * p.feet)
     for number in range(p.feet):
         turn = start + math.tau * number / p.feet

@@ -10,12 +10,14 @@ from pydantic import Field
 
 from .generator import Generator, Parameters, material
 from .made import Body, Joint, Made, Place
-from .profiles import circle
+from .profiles import circle, convex_outline
 
 __all__ = ["GENERATORS"]
 
 KNUCKLE = 0.006
 """Radius of a hinge's knuckle [m]; its axis is so far before the leaf and half as far inside of its edge."""
+PLAY = 0.0008
+"""Gap between the knuckles of a hinge [m]."""
 JAMB = 0.045
 """Thickness of a frame [m]."""
 
@@ -51,6 +53,14 @@ def _swing(thick: float, width: float) -> float:
     return 0.002 + (thick + KNUCKLE) ** 2 / (2 * width)
 
 
+def _bearing(leaf: _Leaf) -> list[tuple[float, float]]:
+    """Outline of what the frame holds a hinge's pin with: round about the axis, and flat on the front of the jamb."""
+    x, y = leaf.axis
+    pin = [(x + 0.0045 * math.cos(a), y + 0.0045 * math.sin(a)) for a in (math.pi * k / 4 for k in range(8))]
+    foot = [(x + leaf.hinged * reach, leaf.front) for reach in (0.010, 0.018)]
+    return convex_outline([*pin, *foot])
+
+
 def _hang(made: Made, name: str, body: Body, leaf: _Leaf, limit_deg: float, *, metal: str) -> None:
     """Hang a leaf on its hinge, with knuckles that show."""
     x, y = leaf.axis
@@ -58,6 +68,8 @@ def _hang(made: Made, name: str, body: Body, leaf: _Leaf, limit_deg: float, *, m
     for number, share in enumerate((0.12, 0.5, 0.88) if height > 1.2 else (0.15, 0.85), start=1):
         z = leaf.low + share * height
         body.cylinder(f"knuckle_{number}", (x, y, z - 0.04), (x, y, z + 0.04), KNUCKLE, material=metal)
+        low, high = z + 0.04 + PLAY, z + 0.072
+        made.main.prism(f"hinge_{name}_{number}".strip("_"), _bearing(leaf), low, high, material=metal)
     made.bodies[name] = body
     made.joints[name] = Joint(
         name, "hinge", (x, y, leaf.low + height / 2), axis=(0, 0, leaf.hinged),

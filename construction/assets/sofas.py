@@ -85,7 +85,13 @@ def _legs(body: Body, p: _Frame, kind: str) -> None:
     feet: Sequence[float] = (-x, x) if p.width < 1.7 else (-x, 0.0, x)
     for number, (a, b) in enumerate(((a, b) for a in feet for b in (-y, y)), start=1):
         if kind == "turned":
-            body.turned(f"leg_{number}", [(0, 0), (0.016, 0), (0.026, 0.1), (0.022, LEG), (0, LEG)], (a, b, 0), segments=16, material=p.wood)
+            body.turned(
+                f"leg_{number}",
+                [(0, 0), (0.016, 0), (0.026, 0.1), (0.022, LEG), (0, LEG)],
+                (a, b, 0),
+                segments=16,
+                material=p.wood,
+            )
         else:
             body.taper(f"leg_{number}", (1.02 * a, 1.04 * b, 0), (a, b, LEG), (0.03, 0.03), (0.05, 0.05), material=p.wood)
 
@@ -135,7 +141,10 @@ def _arm(body: Body, name: str, sign: int, kind: str, p: _Frame, level: float) -
     center = (middle, top + radius * math.sin(0.27 * math.pi))
     outer = arc(center, radius, start, end, 10)
     thin = 1 - 0.006 / radius
-    inside = [(middle + thin * (a - middle), top if k in (0, 10) else center[1] + thin * (b - center[1])) for k, (a, b) in enumerate(outer)]
+    inside = [
+        (middle + thin * (a - middle), top if k in (0, 10) else center[1] + thin * (b - center[1]))
+        for k, (a, b) in enumerate(outer)
+    ]
     body.prism(f"{name}_roll_core", inside, -y + 0.006, y, axis="y", material="rigid_foam")
     body.prism(f"{name}_roll", [*outer, *inside[::-1]], -y + 0.006, y, axis="y")
     body.prism(f"{name}_roll_end", outer, -y, -y + 0.006, axis="y")
@@ -171,7 +180,12 @@ def _open_frame(p: _Frame, rng: np.random.Generator) -> Made:
     rungs = int(rng.integers(3, 6))
     for number in range(rungs):
         z = p.height - 0.05 - (p.height - p.seat - 0.06) * number / rungs
-        corners = [(s * (inner - 0.036), rear + (h - deck) * lean + d, h) for s in (-1, 1) for h in (z, z + 0.04) for d in (-0.008, 0.008)]
+        corners = [
+            (s * (inner - 0.036), rear + (h - deck) * lean + d, h)
+            for s in (-1, 1)
+            for h in (z, z + 0.04)
+            for d in (-0.008, 0.008)
+        ]
         body.hull(f"rung_{number + 1}", corners)
     long = rear - front - 0.01
     padded(body, "seat", (0, rear - 0.03 - long / 2, deck + 0.067), (2 * inner, long, 0.11), p.cover)

@@ -65,11 +65,15 @@ def _wardrobe(p: WardrobeParameters, rng: np.random.Generator) -> Made:
         for k in range(pair):
             a = first + k * (wide + GAP)
             side: Literal["left", "right"] = "right" if k == 1 else "left"
-            door(made, f"door_{2 * bay + k + 1}", (a, a + wide, lower, high - 0.004), front - 0.0015, style, hinge=side, grip=0.48)
+            door(
+                made, f"door_{2 * bay + k + 1}", (a, a + wide, lower, high - 0.004), front - 0.0015, style, hinge=side, grip=0.48
+            )
     return made
 
 
-def _bay(made: Made, p: WardrobeParameters, name: str, inside: tuple[float, float, float, float], levels: tuple[float, float]) -> None:
+def _bay(
+    made: Made, p: WardrobeParameters, name: str, inside: tuple[float, float, float, float], levels: tuple[float, float]
+) -> None:
     """A shelf with a clothes rail under it between two upright boards, in a room of least and greatest x and y [m]."""
     x0, x1, y0, y1 = inside
     shelf = levels[1] - 0.32
@@ -77,7 +81,9 @@ def _bay(made: Made, p: WardrobeParameters, name: str, inside: tuple[float, floa
     body.box(f"shelf_{name}", (x0, y0 + 0.03, shelf), (x1, y1, shelf + 0.018))
     body.cylinder(f"clothes_rail_{name}", (x0, middle, shelf - 0.06), (x1, middle, shelf - 0.06), 0.0125, material=p.metal)
     made.places[f"shelf_{name}"] = Place(((x0 + x1) / 2, middle, shelf + 0.018), (x1 - x0 - 0.02, y1 - y0 - 0.06), 0.3)
-    made.places[f"inside_{name}"] = Place(((x0 + x1) / 2, middle, levels[0]), (x1 - x0 - 0.02, y1 - y0 - 0.04), shelf - levels[0] - 0.08)
+    made.places[f"inside_{name}"] = Place(
+        ((x0 + x1) / 2, middle, levels[0]), (x1 - x0 - 0.02, y1 - y0 - 0.04), shelf - levels[0] - 0.08
+    )
 
 
 class BookcaseParameters(Parameters):
@@ -86,7 +92,9 @@ class BookcaseParameters(Parameters):
     width: float = Field(default=0.9, ge=0.4, le=1.8, description="along x [m]")
     depth: float = Field(default=0.3, ge=0.2, le=0.45, description="along y [m]")
     height: float = Field(default=1.8, ge=0.7, le=2.4, description="along z [m]")
-    shelves: int = Field(default=4, ge=1, le=7, description="shelves between the bottom and the top; fewer where books of 0.2 m would not fit")
+    shelves: int = Field(
+        default=4, ge=1, le=7, description="shelves between the bottom and the top; fewer where books of 0.2 m would not fit"
+    )
     back: bool = Field(default=True, description="a panel at the back")
     frame: Literal["varied", "plain", "faced", "cornice"] = Field(
         default="varied", description="plain boards; strips before their edges; or with a cornice as well"
@@ -249,7 +257,9 @@ def _display_case(p: DisplayCaseParameters, rng: np.random.Generator) -> Made:
             body.box(f"plinth_{side}", (-x + 0.01, b, 0.1), (x - 0.01, b + 0.02, deck))
         inner = x - 0.09
         foot = [(a, -y + 0.01, z) for a in (-inner, inner) for z in (0.14, deck - 0.06)]
-        body.hull("plinth_panel", [*foot, *((a, -y + 0.003, z) for a in (-inner + 0.02, inner - 0.02) for z in (0.16, deck - 0.08))])
+        body.hull(
+            "plinth_panel", [*foot, *((a, -y + 0.003, z) for a in (-inner + 0.02, inner - 0.02) for z in (0.16, deck - 0.08))]
+        )
     low, high = p.base, p.base + p.glass
     for number, (sx, sy) in enumerate(((-1, -1), (1, -1), (1, 1), (-1, 1)), start=1):
         a, b = sorted((sx * x, sx * (x - post))), sorted((sy * y, sy * (y - post)))
@@ -262,7 +272,9 @@ def _display_case(p: DisplayCaseParameters, rng: np.random.Generator) -> Made:
     rect = (-x + post + GAP, x - post - GAP, low + 0.002, high - 0.002)
     pane = made.bodies["door"] = Body("door", glass)
     pane.box("pane", (rect[0], -y, rect[2]), (rect[1], -y + t, rect[3]))
-    pane.cylinder("lock", (rect[1] - 0.03, -y, (low + high) / 2), (rect[1] - 0.03, -y - 0.018, (low + high) / 2), 0.011, material=p.metal)
+    pane.cylinder(
+        "lock", (rect[1] - 0.03, -y, (low + high) / 2), (rect[1] - 0.03, -y - 0.018, (low + high) / 2), 0.011, material=p.metal
+    )
     made.joints["door"] = Joint(
         "door", "hinge", (rect[0], -y, (low + high) / 2), MAIN, axis=(0, 0, -1), range=(0.0, 1.9), damping=0.5, friction=0.5
     )

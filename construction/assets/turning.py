@@ -15,10 +15,26 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ..polygons import convex_partition
-from .made import Point
+from .made import Body, Point
 from .profiles import Outline
 
-__all__ = ["Facet", "breaking", "bulged", "curve", "facet", "grip", "half", "hollow", "lying", "moved", "ring", "solid", "vessel"]
+__all__ = [
+    "Facet",
+    "breaking",
+    "bulged",
+    "curve",
+    "drawn",
+    "facet",
+    "grip",
+    "half",
+    "hollow",
+    "lying",
+    "moved",
+    "ring",
+    "solid",
+    "stacked",
+    "vessel",
+]
 
 BONDS = {
     "soda_lime_glass": (4e6, 6e6),
@@ -100,6 +116,22 @@ def vessel(outer: Sequence[Point], wall: float, floor: float, *, fine: Sequence[
     return [(0.0, float(p[0, 1])), *((float(r), float(z)) for r, z in fine or outer), *reversed(found), (0.0, float(level))]
 
 
+def stacked(
+    body: Body, name: str, outer: Sequence[Point], at: Point = (0, 0, 0), *, segments: int = 32, material: str | None = None
+) -> None:
+    """Add a full turned thing as one part for each stretch of its outline that is convex: one collision piece each."""
+    rows = [(float(r), float(z)) for r, z in outer]
+    start, number = 0, 1
+    for k in range(1, len(rows)):
+        done = k == len(rows) - 1
+        if not done:
+            (r0, z0), (r1, z1), (r2, z2) = rows[k - 1 : k + 2]
+            done = (r1 - r0) * (z2 - z1) - (z1 - z0) * (r2 - r1) < 0
+        if done:
+            body.turned(f"{name}_{number}", solid(rows[start : k + 1]), at, segments=segments, material=material)
+            start, number = k, number + 1
+
+
 def ring(radius: float, low: float, high: float, thick: float) -> Outline:
     """Rectangular outline of a hoop [m]: inner radius, least and greatest z, thickness outwards."""
     return [(radius, low), (radius + thick, low), (radius + thick, high), (radius, high)]
@@ -153,6 +185,12 @@ def moved(points: Sequence[Point], by: Point = (0, 0, 0), turn: float = 0.0) -> 
     c, s = math.cos(turn), math.sin(turn)
     rows = np.array([np.asarray(q, dtype=np.float64) for q in points])
     return list(rows @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + np.asarray(by, dtype=np.float64))
+
+
+def drawn(body: Body, *names: str) -> None:
+    """Make parts drawn only: labels, pips, tapes, thinner than the skin of a collision."""
+    for name in names:
+        body.parts[name] = body.parts[name].model_copy(update={"collides": False})
 
 
 def breaking(material: str, pieces: int, seed: int, wall: float) -> dict[str, Any]:

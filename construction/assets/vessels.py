@@ -10,7 +10,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 from .profiles import rounded
-from .turning import breaking, bulged, facet, grip, half, hollow, solid, vessel
+from .turning import breaking, bulged, drawn, facet, grip, half, hollow, solid, vessel
 
 __all__ = ["GENERATORS"]
 
@@ -97,6 +97,7 @@ def _bottle(p: BottleParameters, rng: np.random.Generator) -> Made:
         low, width = 0.2 * high, 0.6 * high
         own = [(wide, low), (wide + 0.0003, low), (wide + 0.0003, low + width), (wide, low + width)]
         body.turned("label", own, segments=segments, material="cardboard")
+        drawn(body, "label")
     body.breakable = breaking(p.material, 18, int(rng.integers(1000)), wall) if p.breakable else None
     made = Made.of(body)
     if p.stopper == "cork":

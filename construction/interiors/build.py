@@ -10,15 +10,15 @@ import numpy as np
 
 from ...worlds.arrays import RigidPose, euler_to_quaternion
 from ...worlds.spec import Interior
-from ..assets.documents import asset_box, asset_documents, body_id
+from ..assets.documents import asset_documents, body_id
 from ..assets.posing import posed
 from ..assets.registry import generator
 from .floor_space import FloorSpace
-from .furnishing import Standing, furnished
-from .pieces import Piece
+from .furnishing import Frame, Standing, furnished
+from .pieces import Piece, Stock, made_piece
 from .plans import OUTSIDE, Need, Plan, Rect, solve_plan
 from .programs import KINDS
-from .walls import Block, Opening, clear_rect, doors_of, floor_blocks, wall_blocks, windows_of
+from .walls import CORNER, Block, Opening, clear_rect, doors_of, floor_blocks, wall_blocks, windows_of
 
 __all__ = ["BuiltInterior", "build_interior"]
 
@@ -65,7 +65,7 @@ def build_interior(name: str, interior: Interior, *, gap: float) -> BuiltInterio
     wall, rng = interior.wall, np.random.default_rng(interior.seed)
     needs = {k: _need(r.kind, r.area, tuple(r.doors), r.windows) for k, r in interior.rooms.items()}
     opening = interior.door + 2 * JAMB + 2 * LOOSE
-    plan = solve_plan(needs, size=interior.size, wall=wall, door=opening + 0.1, seed=interior.seed)
+    plan = solve_plan(needs, size=interior.size, wall=wall, door=opening + 2 * CORNER, seed=interior.seed)
     pairs = list({frozenset((a, b)): (a, b) for a, r in interior.rooms.items() for b in r.doors}.values())
     doors = doors_of(plan, pairs, wall=wall, width=opening, head=DOOR_HEIGHT + JAMB + LOOSE, rng=rng)
     lit = [k for k, n in needs.items() if n.daylight]
@@ -76,8 +76,9 @@ def build_interior(name: str, interior: Interior, *, gap: float) -> BuiltInterio
         _hang_door(found, name, interior, door, rng)
     for window in windows:
         _set_window(found, name, interior, window)
+    stock = Stock(rng)
     for room, rect in plan.rooms.items():
-        _furnish(found, name, interior, room, clear_rect(rect, wall), [*doors, *windows], gap, rng)
+        _furnish(found, name, interior, room, clear_rect(rect, wall), [*doors, *windows], gap, stock, rng)
     _routes(found, name, interior, pairs)
     return found
 
@@ -148,16 +149,11 @@ def _asset(
     record: dict[str, Any] = {"generator": own.generator, "parameters": dict(own.parameters), "seed": own.seed}
     if positions:
         record["positions"] = positions
-    documents = asset_documents(key, record, posed(own.made, positions or {}), pose, motion=motion)
+    boxes = None if positions else own.boxes
+    documents = asset_documents(key, record, posed(own.made, positions or {}), pose, motion=motion, boxes=boxes)
     found.entities |= documents.entities
     found.joints |= documents.joints
     found.relations |= documents.relations
-
-
-def _made(kind: str, parameters: dict[str, Any], seed: int) -> Piece:
-    made = generator(kind).make(parameters, seed)
-    low, high = asset_box(made)
-    return Piece(kind, parameters, seed, made, Rect(float(low[0]), float(low[1]), float(high[0]), float(high[1])), float(high[2]))
 
 
 def _hang_door(found: BuiltInterior, name: str, interior: Interior, door: Opening, rng: np.random.Generator) -> None:
@@ -166,7 +162,7 @@ def _hang_door(found: BuiltInterior, name: str, interior: Interior, door: Openin
         "width": interior.door, "height": DOOR_HEIGHT, "depth": round(interior.wall + 2 * LOOSE, 6),
         "hinged": str(rng.choice(["left", "right"])), "style": "panelled" if door.rooms[1] != OUTSIDE else "planks",
     }  # fmt: skip
-    own = _made("door", parameters, int(rng.integers(2**31)))
+    own = made_piece("door", parameters, int(rng.integers(2**31)))
     _asset(
         found, f"{name}_{door.id}_door", own, _in_wall(found, interior, door, LOOSE), motion="static", positions={"leaf": AJAR}
     )
@@ -179,7 +175,7 @@ def _set_window(found: BuiltInterior, name: str, interior: Interior, window: Ope
         "width": round(window.width - 2 * JAMB - 2 * LOOSE, 6), "height": round(height, 6), "depth": round(interior.wall + 2 * LOOSE, 6),
         "sashes": 2 if window.width > 0.9 else 1,
     }  # fmt: skip
-    own = _made("window", parameters, interior.seed)
+    own = made_piece("window", parameters, interior.seed)
     _asset(found, f"{name}_{window.id}_window", own, _in_wall(found, interior, window, SILL + LOOSE), motion="static")
     found.relations[f"{name}_{window.id}_window_set"] = {
         "kind": "supports",
@@ -193,10 +189,7 @@ def _in_wall(found: BuiltInterior, interior: Interior, opening: Opening, z: floa
     origin, rect = _origin(found.plan, interior), found.plan.rooms[opening.rooms[0]]
     x, y = opening.center
     middle = ((rect.x0 + rect.x1) / 2, (rect.y0 + rect.y1) / 2)
-    if opening.along == "x":
-        quarter = 0 if middle[1] < y else 2
-    else:
-        quarter = 3 if middle[0] < x else 1
+    quarter = (0 if middle[1] < y else 2) if opening.along == "x" else (3 if middle[0] < x else 1)
     position = np.array([origin[0] + x, origin[1] + y, origin[2] + z])
     # Front -y: a quarter turn brings it to +x, two to +y, three to -x.
     return RigidPose(position, euler_to_quaternion((0.0, 0.0, quarter * math.pi / 2)))
@@ -210,6 +203,7 @@ def _furnish(
     rect: Rect,
     openings: list[Opening],
     gap: float,
+    stock: Stock,
     rng: np.random.Generator,
 ) -> None:
     origin, asked = _origin(found.plan, interior), interior.rooms[room]
@@ -224,7 +218,7 @@ def _furnish(
     if asked.furniture:
         space = FloorSpace(rect, own, interior.wall)
         standing, lacking = furnished(
-            f"{name}_{room}", KINDS[asked.kind], space, height=interior.height, gap=gap, density=interior.density, rng=rng
+            Frame(f"{name}_{room}", interior.height, gap), KINDS[asked.kind], space, stock, density=interior.density, rng=rng
         )
         found.lacking += lacking
     for thing in standing:

@@ -19,6 +19,8 @@ WALKER = 0.6
 """[m] Width of the way that stays between furniture: a person with something in the hands (Neufert); S4 asks for 0.51 m."""
 BEFORE_DOOR = 0.9
 """[m] Own choice: depth that stays free on both sides of a door, so that its leaf turns and one passes."""
+CASING = 0.08
+"""[m] How far the mouldings of a door reach beyond its opening, see `assets/openings.py`, and a little."""
 APART = 0.01
 """[m] Own choice: gap between things on the floor."""
 
@@ -77,8 +79,8 @@ class FloorSpace:
     def _before(self, opening: Opening) -> Rect:
         r = opening.plan(self.wall)
         if opening.along == "x":
-            return Rect(r.x0, r.y0 - BEFORE_DOOR, r.x1, r.y1 + BEFORE_DOOR)
-        return Rect(r.x0 - BEFORE_DOOR, r.y0, r.x1 + BEFORE_DOOR, r.y1)
+            return Rect(r.x0 - CASING, r.y0 - BEFORE_DOOR, r.x1 + CASING, r.y1 + BEFORE_DOOR)
+        return Rect(r.x0 - BEFORE_DOOR, r.y0 - CASING, r.x1 + BEFORE_DOOR, r.y1 + CASING)
 
     def _entry(self, opening: Opening) -> tuple[float, float]:
         """Point just inside of a door."""

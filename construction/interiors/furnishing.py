@@ -10,16 +10,16 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from ...worlds.errors import InputError
 from .floor_space import APART, FloorSpace, Spot, turned_size
-from .pieces import Piece, piece
+from .pieces import Piece, Stock
 from .plans import Rect
 from .programs import RoomKind, Wish
 
-__all__ = ["Standing", "furnished"]
+__all__ = ["Frame", "Standing", "furnished"]
 
 STEP = 0.1
 """[m] Own choice: distance of the places along a wall that are tried."""
@@ -35,8 +35,10 @@ STILL = 1e-4
 """[m] Gap between a wall and what hangs on it; both never move."""
 MOST_ON_SURFACE = 9
 """Own choice: small things on one surface at density 1."""
-FLAT = 0.03
-"""[m] What is lower is walked over."""
+BESIDE = 0.08
+"""[m] Own choice: wall that stays free about what hangs there; more than mouldings of openings take."""
+SHALLOW = 0.1
+"""[m] Own choice: what hangs on a wall and stands out further is in the way of people."""
 
 
 @dataclass
@@ -58,15 +60,24 @@ class Standing:
     """It never moves: what hangs on a wall."""
 
 
-@dataclass
-class _Room:
+class Frame(NamedTuple):
+    """What a room is beside its floor."""
+
     id: str
-    kind: RoomKind
-    space: FloorSpace
-    rng: np.random.Generator
+    """Of the room, with which ids begin."""
     height: float
+    """[m]"""
     gap: float
     """[m] between a thing and what carries it: two collision skins."""
+
+
+@dataclass
+class _Room:
+    frame: Frame
+    kind: RoomKind
+    space: FloorSpace
+    stock: Stock
+    rng: np.random.Generator
     standing: list[Standing] = field(default_factory=list)
     spots: dict[int, Spot] = field(default_factory=dict)
     hung: list[tuple[Rect, float, float]] = field(default_factory=list)
@@ -83,24 +94,23 @@ class _Room:
     def named(self, generator: str) -> str:
         self.names[generator] += 1
         number = self.names[generator]
-        return f"{self.id}_{generator}" if number == 1 else f"{self.id}_{generator}_{number}"
+        return f"{self.frame.id}_{generator}" if number == 1 else f"{self.frame.id}_{generator}_{number}"
 
 
 def furnished(
-    name: str, kind: RoomKind, space: FloorSpace, *, height: float, gap: float, density: float, rng: np.random.Generator
+    frame: Frame, kind: RoomKind, space: FloorSpace, stock: Stock, *, density: float, rng: np.random.Generator
 ) -> tuple[list[Standing], list[str]]:
     """Things of a room in their places, and sentences about what could not be placed with the constraint that stood in the way.
 
     Args:
-        name: id of the room, with which ids begin.
+        frame: of the room.
         kind: what belongs into it.
         space: its floor.
-        height: of the room [m].
-        gap: between a thing and what carries it [m].
+        stock: where things are taken from.
         density: 0 (only furniture) to 1 (every surface full).
         rng: decides among places that are as good.
     """
-    room = _Room(name, kind, space, rng, height, gap)
+    room = _Room(frame, kind, space, stock, rng)
     for wish in kind.wishes:
         low, high = wish.count
         for number in range(int(rng.integers(low, high + 1))):
@@ -113,13 +123,10 @@ def furnished(
 
 def _grant(room: _Room, wish: Wish, number: int, *, needed: bool) -> None:
     name = str(room.rng.choice(wish.generators))
-    own = piece(name, wish.parameters, room.rng)
-    if wish.rule in ("hung", "ceiling"):
-        why = _hang(room, wish, own)
-    else:
-        why = _stand(room, wish, own, number)
+    own = room.stock.take(name, wish.parameters)
+    why = _hang(room, wish, own) if wish.rule == "hung" else _stand(room, wish, own, number)
     if why is not None and needed:
-        room.lacking.append(f"{room.id}: a {name} found no place: {why} stood in the way")
+        room.lacking.append(f"{room.frame.id}: a {name} found no place: {why} stood in the way")
 
 
 def _stand(room: _Room, wish: Wish, own: Piece, number: int) -> str | None:
@@ -136,7 +143,7 @@ def _stand(room: _Room, wish: Wish, own: Piece, number: int) -> str | None:
                 reasons["furniture"] += 1
                 continue
             room.flat.append(foot)
-            room.put(own, spot, room.gap, "floor")
+            room.put(own, spot, room.frame.gap, "floor")
             return None
         why = room.space.fits(foot, before, own.height)
         if why is None and any(_over(foot, f) for f in room.flat):
@@ -144,7 +151,7 @@ def _stand(room: _Room, wish: Wish, own: Piece, number: int) -> str | None:
         if why is None and not room.space.add(foot, before):
             why = "a way that has to stay free"
         if why is None:
-            room.put(own, spot, room.gap, "floor")
+            room.put(own, spot, room.frame.gap, "floor")
             return None
         reasons[why] += 1
     return reasons.most_common(1)[0][0] if reasons else f"no {wish.to or 'wall'} to place it by"
@@ -212,7 +219,7 @@ def _relative(room: _Room, rule: str, own: Piece, other: Standing, spot: Spot, n
     base, mine = other.piece.foot, own.foot
     width, depth = mine.x1 - mine.x0, mine.y1 - mine.y0
     if rule == "facing":
-        walls = [s for s in _along_walls(room, own, [(spot.quarter + 2) % 4])]
+        walls = _along_walls(room, own, [(spot.quarter + 2) % 4])
         axis = 0 if spot.quarter % 2 == 0 else 1
         yield from sorted(walls, key=lambda s: abs(s[axis] - spot[axis]))
         return
@@ -266,18 +273,20 @@ def _hang(room: _Room, wish: Wish, own: Piece) -> str | None:
         dx, dy = ((0, back), (-back, 0), (0, -back), (back, 0))[spot.quarter]
         spot = Spot(spot.x + dx, spot.y + dy, spot.quarter)
         foot = spot.rect(own.foot)
-        near = Rect(foot.x0 - 0.02, foot.y0 - 0.02, foot.x1 + 0.02, foot.y1 + 0.02)
+        near = Rect(foot.x0 - BESIDE, foot.y0 - BESIDE, foot.x1 + BESIDE, foot.y1 + BESIDE)
         openings = [(o.plan(room.space.wall), o.sill, o.head) for o in room.space.openings]
-        if any(_over(near, rect) and z < head + 0.03 and z + tall > sill - 0.03 for rect, sill, head in openings):
+        if any(_over(near, rect) and z < head + 0.15 and z + tall > sill - 0.15 for rect, sill, head in openings):
             reasons["a door or window"] += 1
         elif any(_over(near, d) for d in room.space.doors) and thick > 0.08:
             reasons["the free space of a door"] += 1
         elif any(_over(near, rect) and z < high + 0.03 and z + tall > low - 0.03 for rect, low, high in room.hung):
             reasons["what hangs there"] += 1
-        elif z + tall > room.height - 0.05 or z < 0.05 or not _within(foot, Rect(r.x0 - 1, r.y0 - 1, r.x1 + 1, r.y1 + 1)):
+        elif z + tall > room.frame.height - 0.05 or z < 0.05 or not _within(foot, Rect(r.x0 - 1, r.y0 - 1, r.x1 + 1, r.y1 + 1)):
             reasons["the ceiling"] += 1
         elif any(_over(near, s.rect(p.piece.foot)) and z < p.z + p.piece.height + 0.35 for p, s in _on_ground(room)):
             reasons["furniture"] += 1
+        elif thick > SHALLOW and not room.space.add(foot, None):
+            reasons["a way that has to stay free"] += 1
         else:
             room.hung.append((foot, z, z + tall))
             room.put(own, spot, z, "walls", still=True)
@@ -292,7 +301,7 @@ def _on_ground(room: _Room) -> Iterator[tuple[Standing, Spot]]:
 def _on_floor(room: _Room, density: float) -> None:
     """Small things along the walls."""
     for _ in range(round(density * len(room.kind.loose))):
-        own = piece(str(room.rng.choice(room.kind.loose)), {}, room.rng)
+        own = room.stock.take(str(room.rng.choice(room.kind.loose)))
         _stand(room, Wish((own.generator,)), own, 0)
 
 
@@ -319,7 +328,7 @@ def _fill(room: _Room, carrier: Standing, density: float) -> None:
                     own,
                     carrier.x + c * px - s * py,
                     carrier.y + s * px + c * py,
-                    carrier.z + float(place.center[2]) + room.gap,
+                    carrier.z + float(place.center[2]) + room.frame.gap,
                     carrier.yaw + yaw,
                     carrier.id,
                     place.body,
@@ -331,9 +340,9 @@ def _fill(room: _Room, carrier: Standing, density: float) -> None:
 def _small(room: _Room, names: Sequence[str], across: float, clearance: float) -> Piece | None:
     """A small thing that fits between a surface and what is above it."""
     for _ in range(6):
-        own = piece(str(room.rng.choice(names)), {}, room.rng)
+        own = room.stock.take(str(room.rng.choice(names)))
         least = min(own.foot.x1 - own.foot.x0, own.foot.y1 - own.foot.y0)
-        if own.height + 2 * room.gap + 0.005 < clearance and least + 2 * EDGE < across:
+        if own.height + 2 * room.frame.gap + 0.005 < clearance and least + 2 * EDGE < across:
             return own
     return None
 
@@ -357,13 +366,3 @@ def _free(room: _Room, own: Piece, size: tuple[float, float], taken: Sequence[Re
         if not any(rect.x0 < t.x1 and t.x0 < rect.x1 and rect.y0 < t.y1 and t.y0 < rect.y1 for t in taken):
             return x, y, yaw, rect
     return None
-
-
-def require_kind(name: str, known: Sequence[str]) -> None:
-    """Refuse a kind of room that is none.
-
-    Raises:
-        InputError: with the kinds that there are.
-    """
-    if name not in known:
-        raise InputError(f"kind {name[:40]!r} of a room is not one of {sorted(known)}")

@@ -8,12 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from ..assets.documents import asset_box
+from ...worlds.arrays import F64
+from ..assets.documents import body_boxes
 from ..assets.made import Made
 from ..assets.registry import generator
 from .plans import Rect
 
-__all__ = ["Piece", "piece"]
+__all__ = ["Piece", "Stock", "made_piece"]
+
+VARIANTS = 3
+"""Own choice: different things of a kind in one interior."""
+VARIED = 0.7
+"""Own choice: share of materials that are not the default."""
 
 
 @dataclass(frozen=True)
@@ -28,19 +34,39 @@ class Piece:
     """Box around it seen from above, in its own frame [m]."""
     height: float
     """[m]"""
+    boxes: Mapping[str, tuple[F64, F64]]
+    """Least and greatest corner of each body, in the thing's own frame [m]."""
 
 
-def piece(name: str, parameters: Mapping[str, Any], rng: np.random.Generator) -> Piece:
-    """A thing of a kind; its materials vary among those that suit, its other parameters are the defaults."""
-    kind = generator(name)
-    schema = kind.model.model_json_schema()["properties"]
-    chosen = {
-        k: str(rng.choice(f["choices"]))
-        for k, f in schema.items()
-        if "choices" in f and k not in parameters and rng.random() < 0.7
-    }
-    seed = int(rng.integers(2**31))
-    given = {**chosen, **parameters}
-    made = kind.make(given, seed)
-    low, high = asset_box(made)
-    return Piece(name, given, seed, made, Rect(float(low[0]), float(low[1]), float(high[0]), float(high[1])), float(high[2]))
+class Stock:
+    """Things made so far, a few variants of each kind, which stand in many places.
+
+    Args:
+        rng: decides on variants.
+    """
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng, self._made = rng, {}  # type: tuple[np.random.Generator, dict[tuple[Any, ...], Piece]]
+
+    def take(self, name: str, parameters: Mapping[str, Any] | None = None) -> Piece:
+        """A thing of a kind; its materials vary among those that suit, its other parameters are the defaults."""
+        given = dict(parameters or {})
+        key = (name, tuple(sorted(given.items())), int(self._rng.integers(VARIANTS)))
+        if key not in self._made:
+            kind = generator(name)
+            for field, info in kind.model.model_fields.items():
+                choices = (info.json_schema_extra or {}).get("choices") if isinstance(info.json_schema_extra, dict) else None
+                if choices and field not in given and self._rng.random() < VARIED:
+                    given[field] = str(self._rng.choice(choices))
+            self._made[key] = made_piece(name, given, int(self._rng.integers(2**31)))
+        return self._made[key]
+
+
+def made_piece(name: str, parameters: Mapping[str, Any], seed: int) -> Piece:
+    """A thing of these parameters."""
+    made = generator(name).make(parameters, seed)
+    boxes = body_boxes(made)
+    low, high = np.min([b[0] for b in boxes.values()], axis=0), np.max([b[1] for b in boxes.values()], axis=0)
+    return Piece(
+        name, parameters, seed, made, Rect(float(low[0]), float(low[1]), float(high[0]), float(high[1])), float(high[2]), boxes
+    )

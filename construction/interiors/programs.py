@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 __all__ = ["KINDS", "RoomKind", "Wish"]
 
-Rule = Literal["wall", "free", "around", "before", "facing", "beside", "flat", "hung", "ceiling"]
+Rule = Literal["wall", "free", "around", "before", "facing", "beside", "flat", "hung"]
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Wish:
     """One of these."""
     rule: Rule = "wall"
     """wall: back to a wall; free: in the room; around, before, facing, beside: relative to `to`; flat: on the floor, walked over; hung: on a
-    wall; ceiling: from the ceiling."""
+    wall."""
     count: tuple[int, int] = (1, 1)
     to: str = ""
     """Generator of the thing that it belongs to."""
@@ -56,7 +56,7 @@ def _w(*generators: str, **more: Any) -> Wish:
     return Wish(tuple(generators), **more)
 
 
-BOOKS = ("book", "row_of_books", "book", "vase", "box", "candlestick", "jar", "flower_pot", "toy_duck", "lantern", "bowl")
+BOOKS = ("book", "row_of_books", "book", "vase", "chest", "candlestick", "jar", "flower_pot", "toy_duck", "lantern", "bowl")
 TABLEWARE = (
     "plate",
     "glass",
@@ -86,7 +86,7 @@ KINDS: Mapping[str, RoomKind] = {
             _w("television", rule="facing", to="sofa", use=0.5),
             _w("bookcase", count=(2, 3), use=0.5),
             _w("armchair", rule="wall", count=(1, 2), use=0.4),
-            _w("piano", count=(0, 1), use=0.7),
+            _w("upright_piano", count=(0, 1), use=0.7),
             _w("cupboard", use=0.6),
             _w("chest_of_drawers", use=0.6),
             _w("floor_lamp", count=(1, 2)),
@@ -122,11 +122,11 @@ KINDS: Mapping[str, RoomKind] = {
             "table": TABLEWARE,
             "wall_shelf": ("jar", "mug", "bowl", "plate", "tin_can", "jug", "glass"),
             "wall_cabinet": ("jar", "mug", "bowl", "tin_can", "glass"),
-            "fridge": ("box", "basket", "bowl", "tin_can"),
+            "fridge": ("chest", "basket", "bowl", "tin_can"),
             "stove": ("cooking_pot", "kettle", "frying_pan"),
             "": ("kettle", "jar", "chopping_board", "bowl", "bottle", "jug", "tin_can", "mug", "teapot", "apple", "pear", "carrot", "loaf", "egg", "knife", "spoon", "rolling_pin"),
         },
-        ("bucket", "crate", "basket"),
+        ("bucket", "wooden_crate", "basket"),
     ),
     "bedroom": RoomKind(
         15.0, 2.7, 2.0, True, "oak",
@@ -143,11 +143,12 @@ KINDS: Mapping[str, RoomKind] = {
             PICTURES,
         ),
         {
+            "bed": (),
             "bookcase": BOOKS,
             "wall_shelf": BOOKS,
             "bedside_table": ("table_lamp", "book", "glass", "candle"),
-            "wardrobe": ("box", "suitcase", "basket"),
-            "": ("book", "jar", "vase", "candle", "box", "mug", "bottle", "folded_towel", "candlestick", "toy_duck", "dice"),
+            "wardrobe": ("chest", "suitcase", "basket"),
+            "": ("book", "jar", "vase", "candle", "chest", "mug", "bottle", "folded_towel", "candlestick", "toy_duck", "dice"),
         },
         ("suitcase", "basket", "cardboard_box", "building_blocks"),
     ),
@@ -165,7 +166,7 @@ KINDS: Mapping[str, RoomKind] = {
             _w("wall_cabinet", rule="hung", height=1.6),
             _w("rug", rule="flat"),
         ),
-        {"": ("jar", "bottle", "folded_towel", "mug", "bowl", "toy_duck", "box", "tin_can", "candle", "glass", "flower_pot", "vase", "jug", "basket")},
+        {"": ("jar", "bottle", "folded_towel", "mug", "bowl", "toy_duck", "chest", "tin_can", "candle", "glass", "flower_pot", "vase", "jug", "basket")},
         ("bucket", "basket"),
     ),
     "hall": RoomKind(
@@ -182,7 +183,7 @@ KINDS: Mapping[str, RoomKind] = {
         ),
         {
             "bookcase": BOOKS,
-            "": ("vase", "bowl", "box", "book", "lantern", "jar", "candlestick", "flower_pot", "ball", "basket", "jug"),
+            "": ("vase", "bowl", "chest", "book", "lantern", "jar", "candlestick", "flower_pot", "ball", "basket", "jug"),
         },
         ("suitcase", "basket", "ball", "cardboard_box", "bucket"),
     ),
@@ -204,10 +205,10 @@ KINDS: Mapping[str, RoomKind] = {
         {
             "bookcase": BOOKS,
             "wall_shelf": BOOKS,
-            "desk": ("table_lamp", "book", "mug", "box", "jar", "dice", "candlestick", "apple"),
-            "": ("book", "vase", "box", "mug", "jar", "lantern", "flower_pot"),
+            "desk": ("table_lamp", "book", "mug", "chest", "jar", "dice", "candlestick", "apple"),
+            "": ("book", "vase", "chest", "mug", "jar", "lantern", "flower_pot"),
         },
-        ("cardboard_box", "basket", "suitcase", "crate"),
+        ("cardboard_box", "basket", "suitcase", "wooden_crate"),
     ),
     "workshop": RoomKind(
         18.0, 3.0, 2.0, True, "concrete_c30",
@@ -222,13 +223,13 @@ KINDS: Mapping[str, RoomKind] = {
             _w("wall_shelf", rule="hung", count=(2, 3), height=1.5),
             _w("clock", rule="hung", height=1.9),
         ),
-        {"": ("hammer", "saw", "spanner", "screwdriver", "tin_can", "jar", "box", "toolbox", "bottle", "mug", "lantern", "bucket", "rope_coil", "crate", "axe")},
-        ("bucket", "crate", "cardboard_box", "toolbox", "basket"),
+        {"": ("hammer", "saw", "spanner", "screwdriver", "tin_can", "jar", "chest", "toolbox", "bottle", "mug", "lantern", "bucket", "rope_coil", "wooden_crate", "axe")},
+        ("bucket", "wooden_crate", "cardboard_box", "toolbox", "basket"),
     ),
     "store": RoomKind(
         6.0, 1.6, 3.0, False, "concrete_c30",
         (_w("bookcase", count=(2, 4), use=0.6), _w("cupboard", count=(1, 2), use=0.6), _w("barrel", count=(0, 2))),
-        {"": ("tin_can", "jar", "box", "bottle", "bucket", "basket", "jug", "cooking_pot", "crate", "lantern", "flower_pot", "rope_coil", "bowl")},
-        ("crate", "cardboard_box", "bucket", "basket"),
+        {"": ("tin_can", "jar", "chest", "bottle", "bucket", "basket", "jug", "cooking_pot", "wooden_crate", "lantern", "flower_pot", "rope_coil", "bowl")},
+        ("wooden_crate", "cardboard_box", "bucket", "basket"),
     ),
 }  # fmt: skip

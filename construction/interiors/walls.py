@@ -12,7 +12,7 @@ import numpy as np
 from ...worlds.errors import InputError
 from .plans import OUTSIDE, Plan, Rect
 
-__all__ = ["Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "wall_blocks", "windows_of"]
+__all__ = ["CORNER", "Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "wall_blocks", "windows_of"]
 
 CORNER = 0.12
 """[m] Own choice: wall that is left between an opening and the corner of a room."""
@@ -126,10 +126,9 @@ def windows_of(
     found: list[Opening] = []
     for name in rooms:
         for edge in _outer(plan, plan.rooms[name]):
-            taken = [
-                d for d in doors if d.along == edge.along and abs(d.center[0 if edge.along == "y" else 1] - edge.across) < 1e-6
-            ]
-            spans = sorted((d.center[1 if edge.along == "y" else 0], d.width / 2) for d in taken)
+            own = 1 if edge.along == "y" else 0
+            taken = [d for d in doors if d.along == edge.along and abs(d.center[1 - own] - edge.across) < 1e-6]
+            spans = sorted((d.center[own], d.width / 2) for d in taken if edge.start < d.center[own] < edge.end)
             cuts = [edge.start + wall / 2, *itertools.chain.from_iterable((c - h, c + h) for c, h in spans), edge.end - wall / 2]
             for start, end in zip(cuts[::2], cuts[1::2], strict=True):
                 found += _in_span(name, edge, start, end, len(found), sill, head)
@@ -154,8 +153,8 @@ def wall_blocks(plan: Plan, openings: Sequence[Opening], *, wall: float, height:
     """Boxes that fill all walls of a plan and leave its openings free."""
     strips = [strip for room in plan.rooms.values() for strip in _strips(room, wall)]
     holes = [(o.plan(wall), o.sill, o.head) for o in openings]
-    xs = _lines([r for r in (*strips, *(h[0] for h in holes))], "x0", "x1")
-    ys = _lines([r for r in (*strips, *(h[0] for h in holes))], "y0", "y1")
+    rects = [*strips, *(h[0] for h in holes)]
+    xs, ys = _lines(rects, "x0", "x1"), _lines(rects, "y0", "y1")
     solid = np.full((len(xs) - 1, len(ys) - 1), -1, dtype=int)
     kinds: list[tuple[tuple[float, float], ...]] = [((0.0, height),)]
     for strip in strips:

@@ -26,16 +26,12 @@ def place_object(
     ] = None,
     asset: Annotated[
         AssetAsk | None,
-        Field(
-            description="Make the entity, or make it anew: tables, doors, vessels, carts, ... with their joints"
-        ),
+        Field(description="Make the entity, or make it anew: tables, doors, vessels, carts, ... with their joints"),
     ] = None,
     on: Annotated[str | None, Field(description="Entity it shall rest on; the height is found by exact clearance")] = None,
     surface: Annotated[
         str | None,
-        Field(
-            description="With on: a surface of that asset, e.g. 'shelf_2'; at and yaw_deg count from its middle"
-        ),
+        Field(description="With on: a surface of that asset, e.g. 'shelf_2'; at and yaw_deg count from its middle"),
     ] = None,
     at: Annotated[
         tuple[float, float] | None, Field(description="World x, y of the entity's origin [m]; default where it is")

@@ -34,12 +34,8 @@ class AssetAsk(BaseModel):
     generator: str = Field(max_length=64, description="inspect_world(part='assets', query='oak chair')")
     parameters: dict[str, Any] = Field(default={}, description="Other than the defaults [m]")
     seed: int = Field(default=0, ge=0, lt=2**32, description="Of its variation")
-    positions: dict[str, float] = Field(
-        default={}, description="Of its joints at frame 0, from closed [rad or m]"
-    )
-    motion: Literal["static", "dynamic"] | None = Field(
-        default=None, description="Default: the generator's"
-    )
+    positions: dict[str, float] = Field(default={}, description="Of its joints at frame 0, from closed [rad or m]")
+    motion: Literal["static", "dynamic"] | None = Field(default=None, description="Default: the generator's")
 
 
 class Station(BaseModel):

@@ -225,24 +225,27 @@ class CraneParameters(Parameters):
     material: str = material("oak", "mild_steel", "larch")
 
 
-def _crane(p: CraneParameters, rng: np.random.Generator) -> Made:
-    body = Body("crane mast", p.material)
-    made = Made.of(body)
-    h, r = p.height, 0.03 * p.height + 0.02
-    foot, reach = 0.09 * h, p.jib * h
-    wide = 0.32 * h
+def _mast(p: CraneParameters, wide: float, foot: float, r: float, collars: tuple[float, float], segments: int) -> Body:
+    """The mast of a crane on its foot, with the ledges that carry the collars of the jib."""
+    body, h = Body("crane mast", p.material), p.height
     body.hull(
         "foot",
         [(s * a, t * a, z) for s in (-1, 1) for t in (-1, 1) for a, z in ((wide, 0.0), (wide, 0.6 * foot), (0.9 * wide, foot))],
         material="concrete_c30",
     )
-    segments = 24
-    collars = (0.42 * h, 0.9 * h)
     head = collars[1] + 0.05 * h
     body.turned("mast", [(0, foot), (r, foot), (r, head), (0, head)], segments=segments)
     for k, z in enumerate(collars, start=1):
         ring = [(r, z - 0.04 * h), (1.6 * r, z - 0.035 * h), (1.6 * r, z - 0.005 * h), (r, z - 0.005 * h)]
         body.turned(f"ledge_{k}", ring, segments=segments, material=p.metal)
+    return body
+
+
+def _crane(p: CraneParameters, rng: np.random.Generator) -> Made:
+    h, r = p.height, 0.03 * p.height + 0.02
+    foot, reach, wide, segments = 0.09 * h, p.jib * h, 0.32 * h, 24
+    collars = (0.42 * h, 0.9 * h)
+    made = Made.of(_mast(p, wide, foot, r, collars, segments))
     arm = made.bodies["jib"] = Body("crane jib", p.material)
     tall, outer = 0.05 * h, r + 0.003 + 0.4 * r
     flat = outer * math.cos(math.pi / segments)

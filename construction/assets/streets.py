@@ -85,7 +85,12 @@ def _lantern(body: Body, p: LampPostParameters, z: float, g: float) -> None:
     body.hull("frame", [*ring(1.12 * wide, head), *ring(1.12 * wide, head + rim)])
     roof = head + rim
     body.hull("roof", [*ring(1.2 * wide, roof), *ring(1.2 * wide, roof + 0.02 * g), *ring(0.4 * wide, roof + 0.32 * g)])
-    vent = roof + 0.32 * g
+    _vent(body, wide, roof + 0.32 * g, g)
+    _burner(body, p, low, foot, g)
+
+
+def _vent(body: Body, wide: float, vent: float, g: float) -> None:
+    """The vent of a lantern's roof with its finial."""
     spindle(
         body,
         "vent",
@@ -101,6 +106,10 @@ def _lantern(body: Body, p: LampPostParameters, z: float, g: float) -> None:
         (0, 0, 0),
         segments=16,
     )
+
+
+def _burner(body: Body, p: LampPostParameters, low: float, foot: float, g: float) -> None:
+    """The burner of a lantern, which shines."""
     spindle(
         body,
         "burner",

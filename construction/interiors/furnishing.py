@@ -61,10 +61,10 @@ class Standing:
 
 
 class Frame(NamedTuple):
-    """What a room is beside its floor."""
+    """Name, height and gaps of a room."""
 
     id: str
-    """Of the room, with which ids begin."""
+    """Beginning of the ids of all that stands in it."""
     height: float
     """[m]"""
     gap: float

@@ -6,7 +6,7 @@ same value within `query_noise`, depths within their precision (`depth.PRECISION
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -84,7 +84,6 @@ def clearance_batch(
     tolerance: float = 0.0,
     enough: float | F64 = np.inf,
     device: str | None = None,
-    report: Callable[[str], None] | None = None,
 ) -> BatchClearance:
     """Signed clearance of many (solid, solid, poses) at once.
 
@@ -100,7 +99,6 @@ def clearance_batch(
         tolerance: depths may be too small by this [m] besides `depth.PRECISION`: a search that needs no more is much faster.
         enough: depth [m] from which on it is no matter how deep, one for all or shape (n,): the answer may be any depth from there on.
         device: `cpu`, `cuda`, ...; default as `launch.chosen_device` says. On a GPU every list goes to the kernels.
-        report: hears of a compilation before it begins.
     """
     own = solids.solids if isinstance(solids, Forest) else tuple(solids)
     where = chosen_device(device)
@@ -128,7 +126,7 @@ def clearance_batch(
         left[done] = False
         compute, chosen = compute[left], chosen.take(np.flatnonzero(left))
     if len(compute):
-        value[compute], more = _by_kernels(forest, chosen, where, tolerance, report)
+        value[compute], more = _by_kernels(forest, chosen, where, tolerance)
         exact += more
     return BatchClearance(value[anchor], computed, exact)
 
@@ -177,12 +175,10 @@ def _one_by_one(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDAr
     return np.concatenate([np.empty(0, dtype=np.intp), *done]), np.concatenate([np.empty(0), *values])
 
 
-def _by_kernels(
-    forest: Forest, asked: _Queries, device: str, tolerance: float, report: Callable[[str], None] | None
-) -> tuple[F64, int]:
+def _by_kernels(forest: Forest, asked: _Queries, device: str, tolerance: float) -> tuple[F64, int]:
     from . import clearance_kernels as kernels
 
-    load(kernels.nearest, device, report=report)
+    load(kernels.nearest, device)
     wood = wood_on(forest, device)
     solids = forest.solids
     size = np.array([s.size for s in solids])

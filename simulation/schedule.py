@@ -39,6 +39,14 @@ def _resume(run: Run, caches: Mapping[str, Cache], marks: list[int]) -> int:
     return -1
 
 
+def _cut(cache: Cache, *, whole: bool) -> None:
+    """Take away what lies beyond the last frame of the index, where a longer run of the same motion stood; `whole`: all up to that is there."""
+    for name in cache.beyond():
+        (cache.folder / name).unlink()
+    if whole and len(known := cache.digests()) > cache.index.frames:
+        cache.begin_digests(known[: cache.index.frames])
+
+
 def _take_over(cache: Cache, index: CacheIndex) -> Path | None:
     """Take an equal liquid's cache from another candidate of this world; its folder there, if there is one.
 
@@ -222,6 +230,8 @@ def _run_group(
         cache.write_index(indices[name])
     # A reader keeps the index that it saw first; another world's frames may have stood here.
     caches = {n: Cache(c.folder) for n, c in caches.items()}
+    for cache in caches.values():
+        _cut(cache, whole=trusted >= frames)
     if trusted >= frames:
         return caches
     marks = set(checkpoint_frames(spec, frames))

@@ -25,12 +25,14 @@ if TYPE_CHECKING:
 __all__ = [
     "JOINS",
     "PREPOSITIONS",
+    "SENTENCE",
     "STOP",
     "TURNS",
     "Misplaced",
     "Surroundings",
     "bodies_of",
     "misplaced_roles",
+    "says_touch",
     "sentence_end",
     "surroundings",
     "verb_of",
@@ -123,8 +125,7 @@ def _touched(spec: WorldSpec, span: Span, place: Surroundings, language: str) ->
         return
     quote, others = spec.claims[str(span.claim)].quote, sorted(pairs[0] - place.before)
     names = ", ".join(sorted(place.next)[:3])
-    verb = verb_of(spec.prompt, span).split()[:1] or [w for w in words_in(span.text) if TOUCHES & set(lemmas(w, "v"))]
-    known = language == "en" and any(TOUCHES & set(lemmas(w.casefold(), "v")) for w in verb)
+    known = language == "en" and says_touch(spec.prompt, span)
     clear = place.plain and not set(place.between) & (PREPOSITIONS - ONWARDS - {"by"})
     text = f"{quote!r} is judged by a touch of {', '.join(others)}, and what stands behind it is {names}: name a touch of {names}"
     if (known and clear) or pairs[0] & place.before:
@@ -171,6 +172,12 @@ def verb_of(prompt: str, span: Span) -> str:
     """The verb of an event, or of what a negation denies."""
     found = [w for w in labelled(prompt) if w.type == "event" and w.start < span.end and span.start < w.end]
     return prompt[found[-1].start : found[-1].end] if found else ""
+
+
+def says_touch(prompt: str, span: Span) -> bool:
+    """True where the English verb of an event, or of what a negation denies, is one that a touch judges."""
+    verb = verb_of(prompt, span).split()[:1] or words_in(span.text)
+    return any(TOUCHES & set(lemmas(w.casefold(), "v")) for w in verb)
 
 
 def sentence_end(text: str) -> str:

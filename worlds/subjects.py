@@ -17,7 +17,19 @@ from .claim_targets import Span, named_in
 from .postures import upright_said
 from .predicates import entities_of
 from .prompts.lexicon import known_kinds, verb_kinds
-from .roles import JOINS, PREPOSITIONS, STOP, TURNS, Misplaced, bodies_of, sentence_end, surroundings, verb_of, words_in
+from .roles import (
+    JOINS,
+    PREPOSITIONS,
+    STOP,
+    TURNS,
+    Misplaced,
+    bodies_of,
+    says_touch,
+    sentence_end,
+    surroundings,
+    verb_of,
+    words_in,
+)
 
 if TYPE_CHECKING:
     from .spec import WorldSpec
@@ -52,7 +64,7 @@ def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | N
         names, others = (", ".join(repr(n) for n in sorted(group)[:3]) for group in (subject, told))
         quote = spec.claims[span.claim].quote
         text = f"{quote!r} is told of {others}, and its words are about {names}: name a beat or requirement about {names}, or what {others} is in the words"
-        yield Misplaced(span.claim, text, sure=kinds is not None and bool(kinds & known_kinds()))
+        yield Misplaced(span.claim, text, sure=bool(kinds and kinds & known_kinds()) or says_touch(spec.prompt, span))
 
 
 def _told(spec: WorldSpec, claim: str) -> frozenset[str]:
@@ -106,7 +118,7 @@ def _sentence_before(spec: WorldSpec, spans: Sequence[Span], index: int) -> list
 
 def _led_in(spans: Sequence[Span], index: int) -> bool:
     """True where a preposition stands before a thing, descriptions of it aside."""
-    for span in reversed(spans[:index]):
+    for span in reversed([s for s in spans[:index] if not s.text.isspace()]):
         if span.claim is None:
             return bool(PREPOSITIONS & set(words_in(sentence_end(span.text))))
         if span.type not in ("property", "count", "look"):

@@ -24,6 +24,8 @@ _SHELF = ["floor", "shelf", "ball", "b1", "b2", "b3"]
 _PASSING = ["floor", "ball", "cube", "wall"]
 _FOURTH = block("wooden block 4", "wood", (0.03, 0.05, 0.05), (-0.35, 0.1, 0.326))
 _NEVER = "/story/requirements/"
+_WOODEN = {"/entities/plate/material": "wood", "/materials/wood": {"density": 600, "substance": "wood"}}
+_STEEL_BADGE = {"/entities/plate/parts/badge": {"shape": {"kind": "box", "size": [0.001, 0.01, 0.01]}, "material": "steel"}}
 
 
 def _never(text: str, predicate: dict[str, Any], **more: Any) -> dict[str, Any]:
@@ -37,7 +39,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
              marked="A [wooden](property steel_block) [block](thing steel_block) [slides](event slide) across a [floor](thing floor) and [hits](event hit) a [block](thing wooden_block)."),
         Case("the ball is the board", PASSING, AUDIT, "asks for steel",
              marked="A [steel](property wall) [board](thing wall) [hits](event strike) a [ball](thing ball) beside a [cube](thing cube)."),
-        Case("the doer is done to", BLOCKS, "claim:event:*|beat:hit", "does not hit", changes={"/story/beats/hit/predicate": {"kind": "hits", "entity": "wooden_block", "other": "steel_block"}}),
+        Case("the doer is done to", BLOCKS, AUDIT, "its words say the reverse", changes={"/story/beats/hit/predicate": {"kind": "hits", "entity": "wooden_block", "other": "steel_block"}}),
         Case("the pushed one pushes, in Spanish", PUSH_ES, "*:push*", changes={"/story/beats/push/predicate": {"kind": "pushes", "entity": "crate", "other": "plate"}}),
         Case("an entity that is not there", SHELF, says="which is nothing in the specification", marked=SHELF.marked.replace("(thing shelf)", "(thing cupboard)")),
         Case("a thing that is a beat", TURN_ZH, AUDIT, "a claim of type thing", marked=TURN_ZH.marked.replace("(thing left)", "(thing /story/beats/knock)")),
@@ -47,7 +49,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
     "event of another body": (
         Case("the fall is that of a pebble", SHELF, AUDIT, "which no claim of a thing names",
              changes=_joined(_SHELF, "pebble", ball("stone pebble", "stone", 0.02, (0.5, 0.4, 0.6))) | {"/story/beats/fall": beat("it falls", "pebble", (0, 22), {"kind": "falls", "entity": "pebble"})}),
-        Case("the roll is that of the block", BLOCKS, "claim:event:slides", changes={"/story/beats/slide/predicate": {"kind": "slides", "entity": "floor"}, "/story/beats/slide/subject": "floor"}),
+        Case("the roll is that of the block", BLOCKS, AUDIT, "'slides' is told of 'floor'", changes={"/story/beats/slide/predicate": {"kind": "slides", "entity": "floor"}, "/story/beats/slide/subject": "floor"}),
         Case("the one that falls is the first", SHELF, "audit:claims|*:fall", changes={"/story/beats/fall/predicate/entity": "b1", "/story/beats/fall/subject": "b1"}),
         Case("the second ball's fall told of the first", TURN, "audit:story|*second*", changes={"/story/beats/second/predicate/entity": "early", "/story/beats/second/subject": "early"}),
         Case("the beam's lift told of a post", LIFT, "audit:claims|*lift*", changes={"/story/beats/lift/predicate/other": "left_post", "/story/beats/lift/subject": "left_post"}),
@@ -94,7 +96,10 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("bronce", PUSH_ES, says="reading: bronce", marked="Una [placa](thing plate) de [bronce](property plate) [empuja](event push) una [caja](thing crate) por el [suelo](thing floor)."),
         Case("of substance other", PUSH, AUDIT, "asks for steel", changes={"/entities/plate/material": "stuff", "/materials/stuff": {"density": 100, "substance": "other"}}),
         Case("one part of steel", PUSH, AUDIT, "steel",
-             changes={"/entities/plate/material": "wood", "/materials/wood": {"density": 600, "substance": "wood"}, "/entities/plate/parts/badge": {"shape": {"kind": "box", "size": [0.001, 0.01, 0.01]}, "material": "steel"}}),
+             changes=_WOODEN | _STEEL_BADGE),
+        Case("a part of steel, named alone", PUSH, AUDIT, "asks for steel", marked=PUSH.marked.replace("(property plate)", "(property /entities/plate/parts/badge)"), changes=_WOODEN | _STEEL_BADGE),
+        Case("the steel of another part", PUSH, AUDIT, "beside it is of wood", marked=PUSH.marked.replace("(property plate)", "(property /materials/steel)"), changes=_WOODEN | _STEEL_BADGE),
+        Case("the steel of the floor", PUSH, AUDIT, "beside it is of wood", marked=PUSH.marked.replace("(property plate)", "(property floor)"), changes=_WOODEN | {"/entities/floor/material": "steel"}),
     ),
     "count": (
         Case("one too few", SHELF, AUDIT, "counts 3", marked=SHELF.marked.replace("(count b1 b2 b3)", "(count b1 b2)")),
@@ -122,8 +127,8 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("a name, not a number", PUSH, AUDIT, "is none", marked=PUSH.marked.replace("/story/beats/push/predicate/min", "/story/beats/push/predicate/kind")),
     ),
     "order": (
-        Case("the beats exchanged", TURN, "claim:order:*", "comes true at frame", marked=TURN.marked.replace("(order first second)", "(order second first)")),
-        Case("先后颠倒", TURN_ZH, "claim:order:*", "comes true at frame", marked=TURN_ZH.marked.replace("(order first second)", "(order second first)")),
+        Case("the beats exchanged", TURN, AUDIT, "the reverse", marked=TURN.marked.replace("(order first second)", "(order second first)")),
+        Case("先后颠倒", TURN_ZH, AUDIT, "the reverse", marked=TURN_ZH.marked.replace("(order first second)", "(order second first)")),
         Case("let go at once", TURN, "claim:order:*", "comes true at frame",
              changes={"/simulation/drivers/latch_late/time": 0.125, "/story/beats/second/frames": [3, 12], "/story/beats/blow/frames": [5, 16]}),
         Case("the later one first", TURN, "claim:order:*", "comes true at frame",

@@ -102,9 +102,9 @@ def _rewritten(agent: Agent, change: Callable[[dict[str, Any]], None]) -> str:
     with zipfile.ZipFile(source) as archive:
         members = {n: archive.read(n) for n in archive.namelist()}
     manifest = json.loads(members.pop("manifest.json"))
-    documents = {n: json.loads(d) for n, d in members.items() if n in ("world.json", "verdict.json", "history.json")}
+    documents = {n: json.loads(members[n]) for n in ("world/world.json", "verdict.json", "history.json")}
     change(documents)
-    members |= {n: json.dumps(d).encode() for n, d in documents.items()}
+    members |= {n: json.dumps(d).encode() for n, d in documents.items() if d != json.loads(members[n])}
     manifest["members"] = {n: {"bytes": len(d), "sha256": hashlib.sha256(d).hexdigest()} for n, d in members.items()}
     target = Path(agent.workspace) / "forged.zip"
     with zipfile.ZipFile(target, "w") as archive:
@@ -114,11 +114,11 @@ def _rewritten(agent: Agent, change: Callable[[dict[str, Any]], None]) -> str:
 
 
 def _bundle_prompt(agent: Agent) -> str:
-    return _rewritten(agent, lambda d: d["world.json"].update(prompt=_OTHER))
+    return _rewritten(agent, lambda d: d["world/world.json"].update(prompt=_OTHER))
 
 
 def _bundle_claims(agent: Agent) -> str:
-    return _rewritten(agent, lambda d: d["world.json"].update(claims={}))
+    return _rewritten(agent, lambda d: d["world/world.json"].update(claims={}))
 
 
 def _bundle_words(agent: Agent) -> str:
@@ -143,9 +143,9 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("taken away after the acceptance", BLOCKS, says="no claim says which words", act=_claims_away),
         Case("taken away by hand", BLOCKS, says="no candidate holds this specification", act=_claims_away_by_hand),
         Case("version 1 by a patch", BLOCKS, says="spec_version", act=_as_version_1),
-        Case("version 1 from the start", BOUNCE, says="prompt judged by clauses", marked="", prompt="A rubber ball falls onto a stone floor.", changes=_CLAUSE),
-        Case("version 1 for another prompt", BOUNCE, "audit:clauses", marked="", prompt="An anvil floats on a pond.", changes=_CLAUSE),
-        Case("version 1 in German", BOUNCE, "audit:clauses", marked="", prompt="Ein Amboss schwimmt auf einem Teich.", changes=_CLAUSE),
+        Case("version 1 from the start", BOUNCE, says="of which no world is made any more", marked="", prompt="A rubber ball falls onto a stone floor.", changes=_CLAUSE),
+        Case("version 1 for another prompt", BOUNCE, says="of which no world is made any more", marked="", prompt="An anvil floats on a pond.", changes=_CLAUSE),
+        Case("version 1 in German", BOUNCE, says="of which no world is made any more", marked="", prompt="Ein Amboss schwimmt auf einem Teich.", changes=_CLAUSE),
         Case("none given", SHELF, "audit:claims", "no claim says which words", marked="", prompt=SHELF.prompt),
         Case("things alone", PUSH, says="'pushes'", marked="A [steel](property plate) [plate](thing plate) pushes a [wooden](property crate) [crate](thing crate) across the [floor](thing floor)."),
         Case("nur ein Ding", BLOCKS_DE, says="filler: ", marked="Ein [Stahlklotz](thing steel_block) rutscht über einen Steinboden. Er trifft einen Holzklotz, und der rutscht weiter."),

@@ -21,6 +21,8 @@ BEATS: dict[str, dict[str, Any]] = {
     "hit": {"kind": "hits", "entity": "ball", "other": "b3"},
 }
 NEVER: dict[str, dict[str, Any]] = {
+    "apart": {"kind": "contact", "a": "ball", "b": "b3"},
+    "others_apart": {"kind": "contact", "a": "b3", "b": "b2"},
     "ball_falls": {"kind": "falls", "entity": "ball"},
     "block_falls": {"kind": "falls", "entity": "b3"},
     "block_never_rolls": {"kind": "rolls", "entity": "b3"},
@@ -55,6 +57,7 @@ HONEST = {
     "made to": f"A {BALL} [hits](event hit) and makes the {BLOCK} [tip over](event block_tips).",
     "negation": f"A {BALL} [hits](event hit) a {BLOCK}. The {BLOCK} [does not fall](negation block_falls).",
     "negation of the first": f"A {BALL} [does not roll](negation ball_never_rolls) but [hits](event hit) a {BLOCK}.",
+    "negation of a touch": f"A {BALL} [rolls](event ball_rolls) past a [wooden](property b3) {BLOCK}, [never touches it](negation apart).",
     "several": f"A {BALL} and a {BLOCK} [roll](event ball_rolls).",
 }
 
@@ -73,6 +76,9 @@ def test_honest_words_are_not_refused(name: str) -> None:
         f"A {BALL} [does not roll](negation block_never_rolls) but [hits](event hit) a {BLOCK}.",
         f"A {BALL} [rolls](event ball_rolls) and gets [knocked over](event block_tips) by a {BLOCK}.",
         f"A {BALL} beside the {BLOCK} [rolls](event block_rolls).",
+        f"A {BALL} beside the [wooden](property b3) {BLOCK} [rolls](event block_rolls).",
+        f"A {BALL} [rolls](event ball_rolls) past a {BLOCK}, [never touches it](negation others_apart).",
+        f"A {BALL} [rolls](event ball_rolls) past a [wooden](property b3) {BLOCK}, [never touches it](negation others_apart).",
     ],
 )
 def test_what_is_told_of_another_body_is_refused(marked: str) -> None:
@@ -108,3 +114,30 @@ def test_a_height_is_one_wherever_its_word_stands(axis: int) -> None:
     place = f"/entities/b3/dimensions/size/{axis}"
     found = quantity(f"A {BALL} [hits](event hit) a {BLOCK} [{cm('b3', axis)}](quantity {place}) tall.")
     assert bool(found) is (axis != 2)
+
+
+def ways(marked: str) -> list[str]:
+    return [p.text for p in claim_problems(world(marked)) if "up to the end of its sentence" in p.text]
+
+
+@pytest.mark.parametrize(
+    "marked",
+    [
+        f"A {BALL} [rolls](event ball_rolls) [along](route ball_rolls) a {OTHER}.",
+        f"A {BALL} [hits](event hit) a {BLOCK}. It goes on [along](route ball_rolls) a {OTHER}.",
+        f"[Along](route ball_rolls) a {OTHER} [rolls](event ball_rolls) a {BALL}.",
+    ],
+)
+def test_a_way_is_gone_by_what_is_named_by_then(marked: str) -> None:
+    assert ways(marked) == []
+
+
+@pytest.mark.parametrize(
+    "marked",
+    [
+        f"One can walk [along](route ball_rolls) a {OTHER}. A {BALL} [rolls](event ball_rolls).",
+        f"A {BLOCK} goes [along](route ball_rolls) a {OTHER}.",
+    ],
+)
+def test_a_way_that_something_else_goes_is_refused(marked: str) -> None:
+    assert "'ball' goes by 'ball_rolls'" in ways(marked)[0]

@@ -1,6 +1,6 @@
 """Rival readings of an event: other truths that its words exclude. One that holds in the recorded motion voids the claim (R154, R156).
 
-- *Roles swapped*, where the kind is directed: the block that is hit hits the one that hits it.
+- *Roles swapped*, where the kind is directed: the block that is hit hits the one that hits it, and not once that is over (`roles.py`).
 - *A body at rest*: the same of a body that rests throughout, in the place of who does it. What is true of it is no event.
 
 - *Before its onset*: the same before the beat's interval begins, unless another beat of the story tells of that. `beat:vacuous` asks this too,
@@ -16,12 +16,13 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...worlds.predicates import atoms_of, describe_predicate, entities_of
-from ...worlds.predicates.registry import PREDICATES, is_event
+from ...worlds.predicates.registry import is_event
 from ..categories.registry import judge_of
 from ..predicates.evaluators import beat_times
 from ..predicates.events import EVENTS
 from .bounds import STILL_BODIES
 from .mapping import mapped
+from .roles import swapped_roles
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -46,7 +47,7 @@ def rivals_of(candidate: Candidate, beat_id: str) -> list[Rival]:
     """Rivals of a beat's predicate over its own frames."""
     beat = candidate.spec.story.beats[beat_id]
     found = []
-    swapped = mapped(beat.predicate, _swapped)
+    swapped = swapped_roles(candidate, beat.predicate, beat.frames)
     if swapped != beat.predicate:
         found.append(Rival(beat_id, f"{describe_predicate(swapped)} (roles swapped)", swapped, beat.frames))
     told = set(entities_of(beat.predicate))
@@ -100,13 +101,6 @@ def still_bodies(candidate: Candidate) -> list[str]:
     moved = [n for n in candidate.solids if entities[n].motion != "static" and candidate.moves(n)]
     at_rest = [n for n in moved if not judge_of(candidate.spec, n).moving(candidate, n).any()]
     return at_rest + [n for n in candidate.solids if entities[n].motion == "static"]
-
-
-def _swapped(atom: SpecModel) -> SpecModel:
-    info = PREDICATES.get(str(getattr(atom, "kind", "")))
-    if info is None or not info.directed or getattr(atom, "other", None) is None:
-        return atom
-    return atom.model_copy(update={"entity": atom.other, "other": atom.entity})  # type: ignore[attr-defined]
 
 
 def _about(doer: str, body: str, atom: SpecModel) -> SpecModel:

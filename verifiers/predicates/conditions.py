@@ -76,26 +76,7 @@ def happens(
     found = bool(truth.any())
     best = np.where(truth, measure, -np.inf) if found else held.sum(axis=0) + 1e-6 * _ranked(measure)
     i = int(np.argmax(best))
-    shown = conditions[0] if found else next(c for c, ok in zip(conditions, held[:, i], strict=True) if not ok)
-    first, last = scope.frames
-    at = np.flatnonzero(truth)
-    name = (entity,)
-    return Outcome(
-        "pass" if found else "fail",
-        scope.frames,
-        shown.unit,
-        f"{entity} at frame {first + i}: " + "; ".join(c.text(i) for c in (conditions if found else [shown])),
-        value=finite(float(shown.value[i])),
-        bound=shown.bound_at(i),
-        comparison=shown.comparison,
-        truth=truth,
-        margin=finite(float(shown.over[i])),
-        first_true_frame=first + int(at[0]) if found else None,
-        first_failing_entity=None if found else entity,
-        first_failing_frame=None if found else last,
-        failing=() if found else name,
-        details={"frame": first + i, **_numbers(conditions, i), **detail(i)},
-    )
+    return _judged(scope, entity, conditions, truth, (found, i, scope.frames[1]), detail)
 
 
 def lasts(
@@ -122,8 +103,30 @@ def lasts(
     truth[:begin] = truth[begin]
     ok = bool(truth.all())
     i = begin + int(np.argmin(conditions[0].over[begin:] if ok else truth[begin:]))
-    shown = conditions[0] if ok else next(c for c, well in zip(conditions, held[:, i], strict=True) if not well)
-    first, name = scope.frames[0], (entity,)
+    return _judged(scope, entity, conditions, truth, (ok, i, scope.frames[0] + i), detail)
+
+
+def _judged(
+    scope: Scope,
+    entity: str,
+    conditions: Sequence[Condition],
+    truth: Truth,
+    found: tuple[bool, int, int],
+    detail: Callable[[int], Mapping[str, Any]],
+) -> Outcome:
+    """The outcome, shown at one place of the interval.
+
+    Args:
+        scope: the interval.
+        entity: to whom it happens.
+        conditions: the own measure first.
+        truth: of all together at every frame.
+        found: verdict, the place that is shown, and the frame at which it fails where it does.
+        detail: further measurements at a place.
+    """
+    ok, i, fails_at = found
+    shown = conditions[0] if ok else next(c for c in conditions if not c.holds[i])
+    first = scope.frames[0]
     return Outcome(
         "pass" if ok else "fail",
         scope.frames,
@@ -136,8 +139,8 @@ def lasts(
         margin=finite(float(shown.over[i])),
         first_true_frame=first + int(np.argmax(truth)) if truth.any() else None,
         first_failing_entity=None if ok else entity,
-        first_failing_frame=None if ok else first + i,
-        failing=() if ok else name,
+        first_failing_frame=None if ok else fails_at,
+        failing=() if ok else (entity,),
         details={"frame": first + i, **_numbers(conditions, i), **detail(i)},
     )
 

@@ -13,15 +13,17 @@ from typing import Any
 from ..claims import Reading, named_in, reading_of
 from ..denials import misdenied
 from ..documents import document_of
+from ..errors import InputError
 from ..postures import posture_problems
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
 from ..problems import Problem
 from ..prompts.languages import Held
+from ..prompts.marks import occurrence
 from ..prompts.numbers import number_in, ordinal_in
 from ..references import kinds_of, resolves
-from ..roles import misplaced_roles
+from ..roles import SENTENCE, misplaced_roles
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from ..subjects import misplaced_subjects
 from .acted_on import acted_on_problems
@@ -32,7 +34,7 @@ from .matter_words import matter_problems
 from .negations import negation_problems
 from .nouns import noun_problems
 from .orders import order_problems
-from .properties import substance_problems
+from .properties import described_problems, substance_problems
 from .quantities import quantity_problems
 from .sharing import sharing_problems
 from .unclaimed import unclaimed_problems
@@ -72,6 +74,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         *acted_on_problems(spec, reading),
         *sharing_problems(spec, reading),
         *noun_problems(spec, reading),
+        *described_problems(spec, reading),
         *order_problems(spec, reading),
     ]
     told = [
@@ -210,6 +213,30 @@ def _route(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
         if relation is not None and not isinstance(relation, Connects):
             text = f"{claim.quote!r} is a way: {key!r} is {relation.kind}; name a `connects` relation, a region on it, or a beat of the motion along it"
             yield Problem(f"/claims/{name}/by", text)
+    known = _named_by(spec, claim)
+    for key in named_in(spec, name, _BEATS):
+        body = spec.story.beats[key].subject if key in spec.story.beats else ""
+        if known and body in spec.entities and body not in known and spec.entities[body].physics.shape != "loose":
+            text = f"{claim.quote!r} is a way that {body!r} goes by {key!r}, and no claim of a thing up to the end of its sentence names that: name a beat of what goes there"
+            yield Problem(f"/claims/{name}/by", text)
+
+
+def _named_by(spec: WorldSpec, claim: Claim) -> frozenset[str]:
+    """Bodies of the things that the prompt has named by the end of the sentence of a claim; none where the claim is not in it."""
+    quoted = {n: _start(spec, c) for n, c in spec.claims.items() if c.type in ("thing", "count")}
+    start = _start(spec, claim)
+    if start is None:
+        return frozenset()
+    end = next((m.end() for m in SENTENCE.finditer(spec.prompt, start)), len(spec.prompt))
+    told = (n for n, at in quoted.items() if at is not None and at < end)
+    return frozenset(b for n in told for b in named_in(spec, n, "entities"))
+
+
+def _start(spec: WorldSpec, claim: Claim) -> int | None:
+    try:
+        return occurrence(spec.prompt, claim.quote, claim.nth)[0]
+    except InputError:
+        return None
 
 
 _DUTIES = {

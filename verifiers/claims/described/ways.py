@@ -1,8 +1,8 @@
 """Words of a way against routes that are proven, and motions that go them (`claim:route:<claim>`).
 
-- A `connects` relation is open: what the row of the relation finds.
+- A `connects` relation is open: what the row of the relation finds. Words of *walk*ing ask for one that a person can take.
 - A beat or requirement comes true, and while it does the centre of its subject goes *down* or *up* by a tenth of its size at least, or, of words
-  that lead *into*, *off* or *along* something, moves by half of its size. Own choices: less is a wobble.
+  that lead *into*, *off* or *along* something, moves by half of its size, of those of *walk*ing on the level. Own choices: less is a wobble.
 - Of a region alone: something claimed comes into it.
 """
 
@@ -16,6 +16,7 @@ import numpy as np
 from ....worlds.claim_targets import named_in
 from ....worlds.predicates import Reaches, entities_of
 from ....worlds.spec import Connects
+from ....worlds.walkers import carrier_words
 from ...categories.registry import judge_of
 from ...predicates.evaluators import beat_times, evaluate
 from ...routes.navigability import way_finding
@@ -27,6 +28,7 @@ from .places import things_of
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
     from ....worlds.described import Word
+    from ....worlds.spec import WorldSpec
 
 __all__ = ["judge"]
 
@@ -34,11 +36,12 @@ __all__ = ["judge"]
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
     """The finding on whether the way is open, or gone."""
     spec, quote = candidate.spec, candidate.spec.claims[name].quote
-    open_ways = list(_relations(candidate, name, quote))
+    open_ways = list(_relations(candidate, name))
     unknown = [f for f in open_ways if f.status == "unverified"]
     if unknown:
         return Finding("unverified", f"{quote!r}: {unknown[0].text}")
     answers = [Answer(quote, f.status == "pass", f.text, float(f.status != "pass"), 0.0, "<=") for f in open_ways]
+    answers += _walked(spec, name, words)
     for key in named_in(spec, name, "graph/regions"):
         if key in spec.graph.regions:
             answers.append(_reached(candidate, name, quote, key))
@@ -68,11 +71,25 @@ def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
     return finding_of(quote, answers, group="story", action=action, pointers=("/story/beats", "/graph/relations"))
 
 
-def _relations(candidate: Candidate, name: str, quote: str) -> Iterator[Finding]:
-    for key in named_in(candidate.spec, name, "graph/relations"):
-        relation = candidate.spec.graph.relations.get(key)
+def _relations(candidate: Candidate, name: str) -> Iterator[Finding]:
+    for key, relation in _ways(candidate.spec, name):
+        yield way_finding(candidate, key, relation)
+
+
+def _ways(spec: WorldSpec, name: str) -> Iterator[tuple[str, Connects]]:
+    """The `connects` relations that a claim names."""
+    for key in named_in(spec, name, "graph/relations"):
+        relation = spec.graph.relations.get(key)
         if isinstance(relation, Connects):
-            yield way_finding(candidate, key, relation)
+            yield key, relation
+
+
+def _walked(spec: WorldSpec, name: str, words: list[Word]) -> Iterator[Answer]:
+    """Answers of words of walking to relations: a person takes the way."""
+    for word in (w for w in words if w.term == "walk"):
+        for key, relation in _ways(spec, name):
+            text = f"{key!r} is a way for {'a person' if relation.carrier == 'walker' else carrier_words(relation)}, {word.text!r} asks for a person's"
+            yield Answer(word.text, relation.carrier == "walker", text, float(relation.carrier != "walker"), 0.0, "<=")
 
 
 def _reached(candidate: Candidate, name: str, quote: str, region: str) -> Answer:
@@ -95,7 +112,9 @@ def _gone(candidate: Candidate, word: Word, body: str, frames: tuple[int, int], 
     size = float(np.linalg.norm(candidate.spec.entities[body].dimensions.size))
     moved = float(np.linalg.norm(way - way[0], axis=1).max())
     down, up = float(way[0, 2] - way[:, 2].min()), float(way[:, 2].max() - way[0, 2])
-    value, bound = {"down": (down, RISES * size), "up": (up, RISES * size)}.get(word.term, (moved, MOVES * size))
+    level = float(np.linalg.norm((way - way[0])[:, :2], axis=1).max())
+    measures = {"down": (down, RISES * size), "up": (up, RISES * size), "walk": (level, MOVES * size)}
+    value, bound = measures.get(word.term, (moved, MOVES * size))
     text = (
         f"{body!r} goes {value:.3g} m {word.term if word.term in ('down', 'up') else 'along'}, {word.text!r} asks for {bound:.3g}"
     )

@@ -17,6 +17,7 @@ from worldagent.worlds.spec import (
     Beat,
     BoxRegion,
     CameraKey,
+    Connects,
     Cylinder,
     Entity,
     Look,
@@ -314,6 +315,26 @@ def test_a_way_is_gone_by_the_subject_of_its_beat(quote: str, track: Any, status
     spec = scene({"ball": ball(0.1, motion="dynamic", at=(0, 0, 2))}, beats={"go": moved})
     row = judged(tmp_path, spec, f"A ball goes {quote}.", quote, "route", ["/story/beats/go"], tracks={"ball": track})
     assert (row.id, row.status) == ("claim:route:it", status), row.evidence
+
+
+@pytest.mark.parametrize(("track", "status"), [(GONE, "pass"), (FALLEN, "fail")])
+def test_who_walks_goes_on_the_level(track: Any, status: str, tmp_path: Path) -> None:
+    moved = Beat(text="", owner="rigid", subject="ball", frames=(0, N - 1), predicate=Displacement(entity="ball", min=0.3))
+    spec = scene({"ball": ball(0.1, motion="dynamic", at=(0, 0, 2))}, beats={"go": moved})
+    row = judged(tmp_path, spec, "A ball walks away.", "walks away", "route", ["/story/beats/go"], tracks={"ball": track})
+    assert row.status == status, row.evidence
+
+
+@pytest.mark.parametrize(
+    ("prompt", "quote"),
+    [("You can walk to the window.", "walk to the window"), ("Man kann zum Fenster gehen.", "zum Fenster gehen")],
+)
+@pytest.mark.parametrize(("carrier", "status"), [("walker", "pass"), ("object", "fail")])
+def test_a_way_that_is_walked_is_one_for_a_person(prompt: str, quote: str, carrier: Any, status: str, tmp_path: Path) -> None:
+    ends = {n: BoxRegion(min=(x, -0.5, 0), max=(x + 1, 0.5, 1)) for n, x in (("hall", -2.5), ("window", 1.5))}
+    way = {"way": Connects(a="hall", b="window", carrier=carrier)}
+    row = judged(tmp_path, scene({}, regions=ends, relations=way), prompt, quote, "route", ["/graph/relations/way"])
+    assert row.status == status, row.evidence
 
 
 def test_a_way_into_a_region_is_gone_by_something_claimed(tmp_path: Path) -> None:

@@ -175,9 +175,7 @@ def _one_by_one(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDAr
     return np.concatenate([np.empty(0, dtype=np.intp), *done]), np.concatenate([np.empty(0), *values])
 
 
-def _by_kernels(
-    forest: Forest, asked: _Queries, device: str, tolerance: float
-) -> tuple[F64, int]:
+def _by_kernels(forest: Forest, asked: _Queries, device: str, tolerance: float) -> tuple[F64, int]:
     from . import clearance_kernels as kernels
 
     load(kernels.nearest, device)

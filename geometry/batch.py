@@ -30,7 +30,7 @@ compiled kernels costs about 1.5 s, compiling them at first use some 10 s more."
 COSTLY, CHEAP = 150e-6, 15e-6
 """[s] One query of `clearance` on one core, measured: through fcl, and for small convex bodies over many poses."""
 SETUP = 500e-6
-"""[s] What each pair of bodies costs besides, however few its poses, measured."""
+"""[s] Own estimate: what each pair of bodies costs besides, however few its poses."""
 DEPTHS = 6
 """Own choice: after so many overlaps of bodies that are not convex, 0.1 to 2 s each, the rest goes to the kernels (2 ms each)."""
 PORTION = 16

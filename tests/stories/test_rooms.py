@@ -61,7 +61,7 @@ def test_things_are_found_by_words_made_put_onto_surfaces_and_made_anew(world: A
     )
     assert chair["static_passed"], chair["open_rows"]
     assert chair["pose"]["position"][1] < -0.2, "the front of what a generator made is its -y"
-    mine = [{"op": "replace", "path": "/entities/chair/parts/crest/material", "value": "walnut"}]
+    mine = [{"op": "add", "path": "/entities/chair/parts/crest/material", "value": "walnut"}]
     world.call(
         "edit_spec",
         world="w",

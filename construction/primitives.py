@@ -208,6 +208,12 @@ def _extrusion(shape: Extrusion) -> ShapeGeometry:
     return _prism(list(shape.polygon), shape.height)
 
 
+def _turns_convex(ring: list[tuple[float, float]], on_axis: list[bool]) -> bool:
+    """True if a convex profile revolves into a convex body: with an edge on the axis that nothing of it is above or below."""
+    levels = [z for (_, z), axis in zip(ring, on_axis, strict=True) if axis]
+    return len(levels) >= 2 and all(min(levels) - 1e-12 <= z <= max(levels) + 1e-12 for _, z in ring)
+
+
 def _revolution(shape: Revolution) -> ShapeGeometry:
     """Each convex piece of the profile, times each segment, is a convex piece: an exact decomposition."""
     profile = list(shape.profile)
@@ -224,8 +230,8 @@ def _revolution(shape: Revolution) -> ShapeGeometry:
     mesh = _mesh(vertices, faces)
     pieces = []
     for ring in convex_partition(profile):
-        if sum(on_axis[i] for i in ring) >= 2:
-            # A convex profile with an edge on the axis revolves into one convex piece: a disc, not a cake of wedges.
+        if _turns_convex([profile[i] for i in ring], [on_axis[i] for i in ring]):
+            # One convex piece: a disc, not a cake of wedges.
             pieces.append(_hull(mesh.vertices[sorted({v for i in ring for v in index[i]})]))
             continue
         for s in range(segments):

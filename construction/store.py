@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ..worlds.built import BuiltEntity, load_built, save_built
 from ..worlds.errors import EvidenceError
@@ -23,6 +24,7 @@ def build_world(
     """
     built: dict[str, BuiltEntity] = {}
     fresh: list[str] = []
+    made: dict[str, BuiltEntity] = {}
     for name in spec.entities if only is None else only:
         recipe = entity_recipe(spec, name, folder.assets)
         path = folder.built(name, recipe)
@@ -30,7 +32,9 @@ def build_world(
             built[name] = load_built(path)
             continue
         except EvidenceError:
-            built[name] = build_entity(spec, name, folder.assets)
+            # Twenty plates are one: entities of one recipe differ in their name alone.
+            built[name] = replace(made[recipe], entity=name) if recipe in made else build_entity(spec, name, folder.assets)
+            made[recipe] = built[name]
         save_built(built[name], path)
         fresh.append(name)
     return built, fresh

@@ -6,7 +6,7 @@ same value within `query_noise`, depths within their precision (`depth.PRECISION
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -29,6 +29,8 @@ EFFORT = 3.0
 compiled kernels costs about 1.5 s, compiling them at first use some 10 s more."""
 COSTLY, CHEAP = 150e-6, 15e-6
 """[s] One query of `clearance` on one core, measured: through fcl, and for small convex bodies over many poses."""
+SETUP = 500e-6
+"""[s] What each pair of bodies costs besides, however few its poses, measured."""
 DEPTHS = 6
 """Own choice: after so many overlaps of bodies that are not convex, 0.1 to 2 s each, the rest goes to the kernels (2 ms each)."""
 PORTION = 16
@@ -47,10 +49,12 @@ class _Queries(NamedTuple):
     poses_b: tuple[F64, F64]
     skip_above: F64
     """[m], shape (n,)."""
+    enough: F64
+    """Depth [m] that ends a search, shape (n,)."""
 
     def take(self, rows: NDArray[np.intp] | slice) -> _Queries:
         (pa, qa), (pb, qb) = self.poses_a, self.poses_b
-        return _Queries(self.pairs[rows], (pa[rows], qa[rows]), (pb[rows], qb[rows]), self.skip_above[rows])
+        return _Queries(self.pairs[rows], (pa[rows], qa[rows]), (pb[rows], qb[rows]), self.skip_above[rows], self.enough[rows])
 
     def chunks(self) -> Iterator[tuple[slice, _Queries, Relative]]:
         for start in range(0, len(self.pairs), CHUNK):
@@ -78,8 +82,8 @@ def clearance_batch(
     *,
     skip_above: float | F64,
     tolerance: float = 0.0,
+    enough: float | F64 = np.inf,
     device: str | None = None,
-    report: Callable[[str], None] | None = None,
 ) -> BatchClearance:
     """Signed clearance of many (solid, solid, poses) at once.
 
@@ -93,20 +97,21 @@ def clearance_batch(
         poses_b: the same of the second.
         skip_above: distance [m] beyond which a lower bound is enough, one for all or shape (n,).
         tolerance: depths may be too small by this [m] besides `depth.PRECISION`: a search that needs no more is much faster.
+        enough: depth [m] from which on it is no matter how deep, one for all or shape (n,): the answer may be any depth from there on.
         device: `cpu`, `cuda`, ...; default as `launch.chosen_device` says. On a GPU every list goes to the kernels.
-        report: hears of a compilation before it begins.
     """
     own = solids.solids if isinstance(solids, Forest) else tuple(solids)
     where = chosen_device(device)
     pairs = np.asarray(pairs, dtype=np.int32).reshape(-1, 2)
     count = len(pairs)
     limit = np.broadcast_to(np.asarray(skip_above, dtype=np.float64), (count,))
-    asked = _Queries(pairs, poses_a, poses_b, limit)
+    deep = np.broadcast_to(np.asarray(enough, dtype=np.float64), (count,))
+    asked = _Queries(pairs, poses_a, poses_b, limit, deep)
     anchor = np.empty(count, dtype=np.intp)
     for part, some, poses in asked.chunks():
         anchor[part] = part.start + repeats(poses, some.pairs)
-    # One that asks farther than the query it repeats is answered by itself.
-    farther = np.flatnonzero(limit > limit[anchor])
+    # One that asks farther or deeper than the query it repeats is answered by itself.
+    farther = np.flatnonzero((limit > limit[anchor]) | (deep > deep[anchor]))
     anchor[farther] = farther
     compute = np.flatnonzero(anchor == np.arange(count))
     chosen = asked.take(compute)
@@ -121,7 +126,7 @@ def clearance_batch(
         left[done] = False
         compute, chosen = compute[left], chosen.take(np.flatnonzero(left))
     if len(compute):
-        value[compute], more = _by_kernels(forest, chosen, where, tolerance, report)
+        value[compute], more = _by_kernels(forest, chosen, where, tolerance)
         exact += more
     return BatchClearance(value[anchor], computed, exact)
 
@@ -129,9 +134,12 @@ def clearance_batch(
 def _effort(solids: Sequence[Solid], pairs: I32) -> float:
     """Seconds that `clearance` would need on one core, roughly."""
     few, count = np.unique(pairs, axis=0, return_counts=True)
-    if len(pairs) * COSTLY < EFFORT:
+    setup = len(few) * SETUP
+    if setup + len(pairs) * COSTLY < EFFORT:
         return 0.0
-    return float(sum(n * (CHEAP if _small(solids[i], solids[j]) else COSTLY) for (i, j), n in zip(few, count, strict=True)))
+    return setup + float(
+        sum(n * (CHEAP if _small(solids[i], solids[j]) else COSTLY) for (i, j), n in zip(few, count, strict=True))
+    )
 
 
 def _small(a: Solid, b: Solid) -> bool:
@@ -161,18 +169,16 @@ def _one_by_one(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDAr
                 break
             some = asked.take(portion)
             poses = relative_poses(some.poses_a, some.poses_b)
-            values.append(measure(a, b, poses, skip_above=some.skip_above, tolerance=tolerance))
+            values.append(measure(a, b, poses, skip_above=some.skip_above, tolerance=tolerance, enough=some.enough))
             done.append(portion)
             forest.overlaps += 0 if convex else int((values[-1] < 0.0).sum())
     return np.concatenate([np.empty(0, dtype=np.intp), *done]), np.concatenate([np.empty(0), *values])
 
 
-def _by_kernels(
-    forest: Forest, asked: _Queries, device: str, tolerance: float, report: Callable[[str], None] | None
-) -> tuple[F64, int]:
+def _by_kernels(forest: Forest, asked: _Queries, device: str, tolerance: float) -> tuple[F64, int]:
     from . import clearance_kernels as kernels
 
-    load(kernels.nearest, device, report=report)
+    load(kernels.nearest, device)
     wood = wood_on(forest, device)
     solids = forest.solids
     size = np.array([s.size for s in solids])
@@ -185,18 +191,26 @@ def _by_kernels(
         distance = np.where(found, distance, np.maximum(distance, np.nextafter(some.skip_above, np.inf)))
         both_convex = np.array([solids[i].convex and solids[j].convex for i, j in pairs[rows]], dtype=bool)
         rough = rows[~both_convex]
-        depth = depths(wood, pairs, poses, touch, rough, device, tolerance=tolerance)
+        depth = depths(wood, pairs, poses, touch, rough, device, tolerance=tolerance, enough=some.enough)
         distance[rough[depth > 0.0]] = -depth[depth > 0.0]
         left = np.concatenate([rows[both_convex], rough[depth < 0.0]])
         for (i, j), same in _by_pair(pairs, left):
-            distance[same] = measure(solids[i], solids[j], poses.take(same), tolerance=tolerance)
+            distance[same] = measure(solids[i], solids[j], poses.take(same), tolerance=tolerance, enough=some.enough[same])
         value[part] = distance
         exact += len(left)
     return value, exact
 
 
 def depths(
-    wood: Any, pairs: I32, poses: Relative, noise: F64, rows: NDArray[np.intp], device: str, *, tolerance: float = 0.0
+    wood: Any,
+    pairs: I32,
+    poses: Relative,
+    noise: F64,
+    rows: NDArray[np.intp],
+    device: str,
+    *,
+    tolerance: float = 0.0,
+    enough: F64 | None = None,
 ) -> F64:
     """Depth [m] of the queries in `rows`, which touch or overlap; -1 where `clearance` must tell."""
     if len(rows) == 0:
@@ -210,6 +224,7 @@ def depths(
         _put(noise, wp.float64, device),
         tolerance,
         PRECISION,
+        _put(np.full(len(pairs), np.inf) if enough is None else enough, wp.float64, device),
         _put(rows.astype(np.int32), wp.int32, device),
     ]
     launch(deepest, len(rows), [wood, *query, depth], device=device, slice_size=DEPTH_SLICE)

@@ -129,13 +129,13 @@ class _Found:
         self.value[index], self.point_a[index], self.point_b[index], self.method[index] = value, point_a, point_b, method
 
 
-def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, tolerance: float = 0.0) -> _Found:
+def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, tolerance: float = 0.0, enough: F64 | None = None) -> _Found:
     count = len(poses.translation)
     found = _Found(np.empty(count), np.empty((count, 3)), np.empty((count, 3)), np.full(count, "", dtype="<U10"))
     mesh = _Mesh(a, b, witness=witness)
     if not (a.convex and b.convex):
         for k in range(count):
-            _general(mesh, poses, k, found, tolerance)
+            _general(mesh, poses, k, found, (tolerance, np.inf if enough is None else float(enough[k])))
         return found
     work = len(a.facets.normals) * len(b.vertices) + len(b.facets.normals) * len(a.vertices)
     everything = np.arange(count)
@@ -225,7 +225,7 @@ def _is_copy(a: Solid, b: Solid, one: Relative, noise: float) -> bool:
     return np.array_equal(a.faces, b.faces) and bool(np.abs(one.forward(a.vertices)[0] - b.vertices).max() <= noise)
 
 
-def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, tolerance: float) -> None:
+def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, care: tuple[float, float]) -> None:
     a, b = mesh.a, mesh.b
     noise = NOISE * (a.size + b.size)
     here = np.array([k])
@@ -239,7 +239,7 @@ def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, tolerance: flo
         found.put(here, np.array(value), *mesh.nearest(one, i, j), "mesh")
         return
     pairs = mesh.crossings() if touching else np.empty((0, 2), dtype=np.int32)
-    into_b, into_a = _both_ways(a, b, one, pairs, noise, tolerance)
+    into_b, into_a = _both_ways(a, b, one, pairs, noise, care)
     if max(into_a.depth, into_b.depth) > noise:
         point_a, point_b, depth = _deep_points(one, into_b, into_a)
         found.put(here, np.array(-depth), point_a, point_b, "depth")
@@ -256,17 +256,21 @@ def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, tolerance: flo
             found.put(here, np.array(-reach), *mesh.nearest(one, i, j), "crossing")
 
 
-def _both_ways(a: Solid, b: Solid, one: Relative, pairs: I32, noise: float, tolerance: float) -> tuple[Deep, Deep]:
+def _both_ways(a: Solid, b: Solid, one: Relative, pairs: I32, noise: float, care: tuple[float, float]) -> tuple[Deep, Deep]:
     """Depth of a inside b and of b inside a, the lesser one 0 where the search had no need of it.
 
     The thicker body is asked first: a sheet through it is nowhere as deep in itself, which a search of its own, for a plateau of
-    half its thickness all along the cut, would take thousands of times as long to say.
+    half its thickness all along the cut, would take thousands of times as long to say. `care` is what `measure` takes as `tolerance` and
+    `enough`.
     """
     ways = [(a, one, b, pairs), (b, one.inverse(), a, pairs[:, ::-1])]
     turn = _thickness(a) > _thickness(b)
     first, second = ways[::-1] if turn else ways
-    found = surface_depth(*first, noise=noise, tolerance=tolerance)
-    deeper = surface_depth(*second, noise=noise, tolerance=tolerance, known=found.depth)
+    tolerance, enough = care
+    found = surface_depth(*first, noise=noise, tolerance=tolerance, enough=enough)
+    deeper = found
+    if found.depth < enough:
+        deeper = surface_depth(*second, noise=noise, tolerance=tolerance, known=found.depth, enough=enough)
     if deeper.depth <= found.depth:
         deeper = Deep(0.0, deeper.point, deeper.foot)
     return (deeper, found) if turn else (found, deeper)
@@ -329,15 +333,24 @@ def clearance_series(a: Solid, poses_a: tuple[F64, F64], b: Solid, poses_b: tupl
     return result
 
 
-def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float | F64 = np.inf, tolerance: float = 0.0) -> F64:
+def measure(
+    a: Solid,
+    b: Solid,
+    poses: Relative,
+    *,
+    skip_above: float | F64 = np.inf,
+    tolerance: float = 0.0,
+    enough: float | F64 = np.inf,
+) -> F64:
     """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`.
 
-    Depths may be too small by `tolerance` [m] besides `depth.PRECISION`.
+    Depths may be too small by `tolerance` [m] besides `depth.PRECISION`; where one reaches `enough` [m], it may be any from there on.
     """
     result = _box_gap(a, b, poses)
     near = np.flatnonzero(result <= skip_above)
     if len(near):
-        result[near] = _measure(a, b, poses.take(near), witness=False, tolerance=tolerance).value
+        some = np.broadcast_to(np.asarray(enough, dtype=np.float64), result.shape)[near]
+        result[near] = _measure(a, b, poses.take(near), witness=False, tolerance=tolerance, enough=some).value
     return result
 
 

@@ -70,7 +70,15 @@ def _evaluate(other: Solid, points: F64, best: Deep, *, within: F64 | float = np
 
 
 def surface_depth(
-    surface: Solid, pose: Relative, other: Solid, pairs: I32, *, noise: float, tolerance: float = 0.0, known: float = 0.0
+    surface: Solid,
+    pose: Relative,
+    other: Solid,
+    pairs: I32,
+    *,
+    noise: float,
+    tolerance: float = 0.0,
+    known: float = 0.0,
+    enough: float = np.inf,
 ) -> Deep:
     """Depth of `surface` inside the closed solid `other`.
 
@@ -82,6 +90,7 @@ def surface_depth(
         noise: depths [m] up to this are not refined.
         tolerance: the depth may be too small by this [m] besides `PRECISION`.
         known: depths [m] up to this are of no interest: thin bodies hold many that a deeper one elsewhere makes idle.
+        enough: a depth [m] that ends the search: whoever asks need not know how much deeper it goes.
 
     Returns:
         Depth and points in the frame of `other`; where nothing is deeper than `known`, that, and no points.
@@ -110,9 +119,9 @@ def surface_depth(
         triangles = pose.forward(surface.triangles[pairs[:, 0]].reshape(-1, 3)).reshape(-1, 3, 3)
         points, within = _curve_points(triangles, other.triangles[pairs[:, 1]], pairs[:, 0])
         best = _evaluate(other, points, best, within=within)
-    if best.depth <= noise:
+    if best.depth <= noise or best.depth >= enough:
         return best
-    return _refine(moved[faces[cut | vertex_inside[faces].any(axis=1)]], other, best, max(noise, tolerance))
+    return _refine(moved[faces[cut | vertex_inside[faces].any(axis=1)]], other, best, max(noise, tolerance), enough)
 
 
 def _curve_points(triangles: F64, others: F64, triangle: I32) -> tuple[F64, F64]:
@@ -184,15 +193,15 @@ def _below_planes(other: Solid, points: F64) -> tuple[F64, NDArray[np.intp]]:
     return depth, face
 
 
-def _refine(pieces: F64, other: Solid, best: Deep, noise: float) -> Deep:
-    """Split triangles, shape (n, 3, 3), until none can hold a point deeper than the best found: largest bound first."""
+def _refine(pieces: F64, other: Solid, best: Deep, noise: float, enough: float) -> Deep:
+    """Split triangles, shape (n, 3, 3), until none can hold a point deeper than the best found, or that is `enough`: largest bound first."""
     pool = _sample(other, pieces)
     best = _deepest(pool, other, best)
     upper = _upper(pool, other)
     for _ in range(ROUNDS):
         open_ones = upper > best.depth * (1.0 + PRECISION) + noise
         pool, upper = pool.take(open_ones), upper[open_ones]
-        if len(upper) == 0:
+        if len(upper) == 0 or best.depth >= enough:
             break
         order = np.argsort(-upper, kind="stable")
         corners, rest = pool.take(order[:PIECES]), order[PIECES:]

@@ -145,8 +145,9 @@ def one_way(
     noise: wp.float64,
     tolerance: wp.float64,
     precision: wp.float64,
+    enough: wp.float64,
 ) -> wp.float64:
-    """Depth of a surface inside a solid where it is more than `known`, else `known`; -1 where patience ended."""
+    """Depth of a surface inside a solid where it is more than `known`, else `known`; -1 where patience ended, and any depth from `enough` on."""
     best = deepest_corner(wood, surface, solid, turn, shift, known)
     pieces = wp.int32(0)
     stack = wp.zeros(shape=PIECES, dtype=wp.mat33d)
@@ -157,6 +158,8 @@ def one_way(
         stack[0] = t
         top = wp.int32(1)
         while top > 0:
+            if best >= enough:
+                return best
             top = top - 1
             piece = stack[top]
             pieces = pieces + 1
@@ -207,6 +210,7 @@ def deepest(
     noise: wp.array(dtype=wp.float64),
     tolerance: wp.float64,
     precision: wp.float64,
+    enough: wp.array(dtype=wp.float64),
     query: wp.array(dtype=wp.int32),
     depth: wp.array(dtype=wp.float64),
 ):
@@ -218,10 +222,10 @@ def deepest(
     shift = translation[i]
     best = ZERO
     if wood.volume[b] > 0:
-        best = one_way(wood, a, b, turn, shift, best, noise[i], tolerance, precision)
-    if best >= ZERO and wood.volume[a] > 0:
+        best = one_way(wood, a, b, turn, shift, best, noise[i], tolerance, precision, enough[i])
+    if best >= ZERO and best < enough[i] and wood.volume[a] > 0:
         back = wp.transpose(turn)
-        best = one_way(wood, b, a, back, -(back * shift), best, noise[i], tolerance, precision)
+        best = one_way(wood, b, a, back, -(back * shift), best, noise[i], tolerance, precision, enough[i])
     if best <= noise[i]:
         best = wp.float64(-1.0)
     depth[first + wp.tid()] = best

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64
+from ..worlds.arrays import F64, cross
 from .triangles import Nearest, nearest_on_triangles
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def winding_number(triangles: F64, points: F64) -> F64:
         length = np.linalg.norm(corner, axis=-1)
         a, b, c = corner[..., 0, :], corner[..., 1, :], corner[..., 2, :]
         la, lb, lc = length[..., 0], length[..., 1], length[..., 2]
-        top = np.einsum("...i,...i->...", a, np.cross(b, c))
+        top = np.einsum("...i,...i->...", a, cross(b, c))
         bottom = (
             la * lb * lc
             + np.einsum("...i,...i->...", a, b) * lc

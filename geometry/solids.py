@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64, I32
+from ..worlds.arrays import F64, I32, cross
 from ..worlds.built import TriangleMesh
 from ..worlds.errors import InputError
 from .crossings import RayGrid
@@ -76,7 +76,7 @@ class Solid:
         vertices, index = np.unique(points, axis=0, return_inverse=True)
         faces = index.reshape(-1)[triangles]
         corner = vertices[faces]
-        area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+        area = np.linalg.norm(cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
         faces = faces[area > 0.0]
         if len(faces) == 0:
             raise InputError(f"mesh with {len(triangles)} triangles has none with area > 0; give it at least one")
@@ -122,7 +122,7 @@ class Solid:
     def face_normals(self) -> F64:
         """Outward unit normals, shape (m, 3)."""
         t = self.triangles
-        n = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
+        n = cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
         return np.asarray(n / np.linalg.norm(n, axis=1)[:, None])
 
     @cached_property
@@ -174,7 +174,7 @@ class Solid:
         label = label.reshape(-1)
         members = np.unpackbits(keys, axis=1, count=len(self.vertices)).astype(bool)
         t = self.triangles
-        area = np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1)
+        area = np.linalg.norm(cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1)
         order = np.lexsort((area, label))
         largest = order[np.searchsorted(label[order], np.arange(len(keys)), side="right") - 1]
         normals = self.face_normals[largest]
@@ -185,7 +185,7 @@ class Solid:
             normals=normals,
             offsets=np.einsum("ij,ij->i", normals, t[largest, 0]),
             centers=centers,
-            tangents=np.stack([first, np.cross(normals, first)], axis=1),
+            tangents=np.stack([first, cross(normals, first)], axis=1),
             members=members,
             edges=self._sharp_edges(label),
         )
@@ -204,21 +204,21 @@ class Solid:
     def volume(self) -> float:
         """Enclosed volume by the divergence theorem [m^3]; negative where the winding is inside out."""
         t = self.triangles - self.sphere_center
-        return float(np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2])).sum() / 6.0)
+        return float(np.einsum("ij,ij->i", t[:, 0], cross(t[:, 1], t[:, 2])).sum() / 6.0)
 
     @cached_property
     def area(self) -> float:
         """Area of the surface [m^2]."""
         t = self.triangles
-        return float(0.5 * np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1).sum())
+        return float(0.5 * np.linalg.norm(cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1).sum())
 
     @cached_property
     def center(self) -> F64:
         """Centroid of the enclosed volume [m], shape (3,); of the surface where the volume is zero."""
         t = self.triangles - self.sphere_center
-        six = np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2]))
+        six = np.einsum("ij,ij->i", t[:, 0], cross(t[:, 1], t[:, 2]))
         if not self.closed or abs(self.volume) < 1e-14 * self.size**3:
-            weight = np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1)
+            weight = np.linalg.norm(cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1)
             return np.asarray(self.sphere_center + (weight[:, None] * t.mean(axis=1)).sum(axis=0) / weight.sum())
         return np.asarray(self.sphere_center + (six[:, None] * t.sum(axis=1)).sum(axis=0) / (24.0 * self.volume))
 
@@ -230,7 +230,7 @@ class Solid:
         Source: Blow and Binstock (2004), "How to find the inertia tensor of a 3D solid body".
         """
         t = self.triangles - self.center
-        det = np.einsum("ij,ij->i", t[:, 0], np.cross(t[:, 1], t[:, 2]))
+        det = np.einsum("ij,ij->i", t[:, 0], cross(t[:, 1], t[:, 2]))
         total = t.sum(axis=1)
         second = np.einsum("f,fki,fkj->ij", det, t, t) + np.einsum("f,fi,fj->ij", det, total, total)
         second *= density / 120.0

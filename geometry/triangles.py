@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..worlds.arrays import F64
+from ..worlds.arrays import F64, cross
 
 __all__ = ["Nearest", "nearest_on_triangles", "segment_points", "triangle_pair", "triangle_pair_segments"]
 
@@ -30,12 +30,12 @@ def nearest_on_triangles(points: F64, triangles: F64) -> Nearest:
         triangles: corners, shape (..., 3, 3), leading axes broadcast with those of `points`.
     """
     a, b, c = triangles[..., 0, :], triangles[..., 1, :], triangles[..., 2, :]
-    normal = np.cross(b - a, c - a)
+    normal = cross(b - a, c - a)
     square = np.maximum(_dot(normal, normal), np.finfo(float).tiny)
     # Edge tests against the plane of each edge and the normal: inside all three, the foot of the plane is nearest.
     side = np.minimum(
-        np.minimum(_dot(np.cross(normal, b - a), points - a), _dot(np.cross(normal, c - b), points - b)),
-        _dot(np.cross(normal, a - c), points - c),
+        np.minimum(_dot(cross(normal, b - a), points - a), _dot(cross(normal, c - b), points - b)),
+        _dot(cross(normal, a - c), points - c),
     )
     height = _dot(points - a, normal) / square
     best = points - height[..., None] * normal
@@ -60,10 +60,10 @@ def segment_points(p: F64, u: F64, q: F64, v: F64) -> tuple[F64, F64]:
     tiny = np.finfo(float).tiny
     uu, vv, uv = _dot(u, u), _dot(v, v), _dot(u, v)
     r = q - p
-    normal = np.cross(u, v)
+    normal = cross(u, v)
     square = _dot(normal, normal)
     crossing = square > 1e-30 * uu * vv
-    s = np.clip(np.where(crossing, _dot(np.cross(r, v), normal) / np.where(crossing, square, 1.0), 0.0), 0.0, 1.0)
+    s = np.clip(np.where(crossing, _dot(cross(r, v), normal) / np.where(crossing, square, 1.0), 0.0), 0.0, 1.0)
     ru, rv = _dot(r, u), _dot(r, v)
     t = np.clip((s * uv - rv) / np.maximum(vv, tiny), 0.0, 1.0)
     s = np.clip((t * uv + ru) / np.maximum(uu, tiny), 0.0, 1.0)
@@ -98,7 +98,7 @@ def triangle_pair_segments(a: F64, b: F64) -> F64:
     """
     found = []
     for one, other in ((a, b), (b, a)):
-        normal = np.cross(other[:, 1] - other[:, 0], other[:, 2] - other[:, 0])
+        normal = cross(other[:, 1] - other[:, 0], other[:, 2] - other[:, 0])
         height = np.einsum("nki,ni->nk", one - other[:, :1], normal)
         for k in range(3):
             h0, h1 = height[:, k], height[:, (k + 1) % 3]
@@ -108,6 +108,6 @@ def triangle_pair_segments(a: F64, b: F64) -> F64:
             inside = crosses
             for j in range(3):
                 along = other[:, (j + 1) % 3] - other[:, j]
-                inside = inside & (np.einsum("ni,ni->n", np.cross(normal, along), point - other[:, j]) >= 0.0)
+                inside = inside & (np.einsum("ni,ni->n", cross(normal, along), point - other[:, j]) >= 0.0)
             found.append(np.where(inside[:, None], point, np.nan))
     return np.stack(found, axis=1)

@@ -1,4 +1,4 @@
-"""What can be wrong with a generated asset, found by booleans of its own meshes, and random parameters to find it with."""
+"""Faults of generated assets, found by booleans of their own meshes, and random parameters to find them with."""
 
 from __future__ import annotations
 

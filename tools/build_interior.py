@@ -9,11 +9,11 @@ from pydantic import Field
 from ..workflow.arguments import Hypothesis, WorldId
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
-from ..worlds.spec import Interior
 from ..worlds.vocabulary import Id
 
 if TYPE_CHECKING:
     from ..execution import Job
+    from ..worlds.spec import Interior
 
 __all__ = ["build_interior", "interior_reply"]
 
@@ -21,23 +21,21 @@ __all__ = ["build_interior", "interior_reply"]
 def build_interior(
     context: ToolContext,
     world: WorldId,
-    interior: Annotated[Id, Field(description="Id of the interior, with which the ids of all that it makes begin, e.g. 'flat'")],
+    interior: Annotated[Id, Field(description="Its id, e.g. 'flat'; ids of all that it makes begin with it")],
     plan: Annotated[
         dict[str, Any] | None,
         Field(
-            description="rooms: {id: {kind, area, doors: [room ids, 'outside'], windows}}, size, at, height, ceiling, density, seed: "
-            "inspect_world(part='schema', pointer='Interior'). Omit to build the one under /interiors again"
+            description="{rooms: {id: {kind, area, doors: [room ids, 'outside']}}, seed, ...}: inspect_world(part='schema', pointer='Interior'). "
+            "Omit to build the one under /interiors again"
         ),
     ] = None,
     hypothesis: Hypothesis = "",
     wait_s: Annotated[float, Field(ge=0, le=240, description="Seconds to wait before a job id is returned")] = 30.0,
 ) -> ToolReply:
-    """Make rooms: plans them, puts up floor, walls, doors and windows, furnishes them by function, and checks all of it.
+    """Make rooms with floor, walls, doors, windows, furniture by function and what lies on it, as one revision, and check them.
 
-    One revision of ordinary entities <interior>_<room>_<thing>, made by generators: change them with place_object and edit_spec. A
-    region <interior>_<room> for each room, and a route through every door. What found no place is told with what stood in the way.
-    Building it again replaces what it made. Not for: single things (place_object with asset), land (build_terrain).
-    Next: place_object for what the prompt asks for beyond that, render_shot(kind='plan').
+    Makes ordinary entities <interior>_<room>_<thing>, a region <interior>_<room>, a route through every door; tells what found no place and why.
+    Repeating it replaces what it made. Not for: single things (place_object with asset). Next: place_object for what the prompt asks beyond that.
     """
     from ..workflow.session import Session
     from ..workflow.waiting import start_and_wait
@@ -52,6 +50,8 @@ def build_interior(
 
 def _asked(session: Any, interior: str, plan: dict[str, Any] | None) -> Interior:
     from pydantic import ValidationError
+
+    from ..worlds.spec import Interior
 
     known = session.spec.interiors
     if plan is None:

@@ -26,16 +26,12 @@ def place_object(
     ] = None,
     asset: Annotated[
         AssetAsk | None,
-        Field(
-            description="Make the entity with a generator (tables, doors, vessels, carts ...), or make it anew with other parameters"
-        ),
+        Field(description="Make the entity, or make it anew: tables, doors, vessels, carts, ... with their joints"),
     ] = None,
     on: Annotated[str | None, Field(description="Entity it shall rest on; the height is found by exact clearance")] = None,
     surface: Annotated[
         str | None,
-        Field(
-            description="With on: a surface of that generated entity, e.g. 'shelf_2'; at and yaw_deg are then in its frame, from the middle"
-        ),
+        Field(description="With on: a surface of that asset, e.g. 'shelf_2'; at and yaw_deg count from its middle"),
     ] = None,
     at: Annotated[
         tuple[float, float] | None, Field(description="World x, y of the entity's origin [m]; default where it is")
@@ -71,7 +67,7 @@ def place_object(
 
     Call it without `entity` after every edit of geometry. With `entity` and `on`, the entity is lowered along z onto that
     support until it rests with a gap of two collision skins (0.1 mm between static things); `at`, `beside` or `river`, and `yaw_deg`, choose where and how; `tilt`
-    lays it along the slope. `asset` makes the entity, its further bodies, joints, and that `on` carries it. `group` moves an assembly as one, `copy` copies it, `array` makes many. All of it is one revision and one
+    lays it along the slope. `group` moves an assembly as one, `copy` copies it, `array` makes many. All of it is one revision and one
     change; after a failed row it needs a hypothesis, except the first one onto a support while nothing else fails.
     Returns: ids and poses, overlaps, what was left behind, what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch.
     Not for: declaring that something carries something (a `supports` relation in /graph/relations, by edit_spec).

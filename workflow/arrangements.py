@@ -20,7 +20,7 @@ class Beside(BaseModel):
 
     entity: str = Field(description="The other entity")
     side: Side = Field(
-        description="Of the world (+x ... -y), top, or of the other entity: front is its own +x, left its own +y, both level; of a generated one front is where it is used from, its -y"
+        description="Of the world (+x ... -y), top, or of the other entity: front is its own +x, left its own +y, both level; of an asset front is its -y, from where it is used"
     )
     gap: float = Field(default=0.0, ge=0, le=1e6, description="Free distance [m]; at least what collision skins need")
     shift: Metres = Field(default=0.0, description="Along the side, to the left as seen from the other; on top along its x [m]")
@@ -31,15 +31,11 @@ class AssetAsk(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    generator: str = Field(max_length=64, description="Name: inspect_world(part='assets', query='oak chair')")
-    parameters: dict[str, Any] = Field(default={}, description="Those that differ from the generator's defaults; lengths in m")
-    seed: int = Field(default=0, ge=0, lt=2**32, description="Of its variation; equal seeds make equal things")
-    positions: dict[str, float] = Field(
-        default={}, description="Of its joints at frame 0, from where they are made (closed): doors ajar, drawers out [rad or m]"
-    )
-    motion: Literal["static", "dynamic"] | None = Field(
-        default=None, description="Default: as the generator has it (what is built in is static)"
-    )
+    generator: str = Field(max_length=64, description="inspect_world(part='assets', query='oak chair')")
+    parameters: dict[str, Any] = Field(default={}, description="Other than the defaults [m]")
+    seed: int = Field(default=0, ge=0, lt=2**32, description="Of its variation")
+    positions: dict[str, float] = Field(default={}, description="Of its joints at frame 0, from closed [rad or m]")
+    motion: Literal["static", "dynamic"] | None = Field(default=None, description="Default: the generator's")
 
 
 class Station(BaseModel):

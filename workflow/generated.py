@@ -162,10 +162,14 @@ def _instance(spec: WorldSpec, bodies: list[str]) -> tuple[str, dict[str, Any] |
 
 
 def supports_operation(spec: WorldSpec, on: str, name: str) -> list[dict[str, Any]]:
-    """The relation that one entity carries another, where none says yet what carries it."""
-    if any(r.kind == "supports" and r.b == name for r in spec.graph.relations.values()):
+    """The relation that an entity carries a generated one by its foot, where none says yet what carries it."""
+    from ..construction.assets.documents import body_id
+
+    asset = spec.entities[name].asset
+    foot = name if asset is None else body_id(name, made_of(asset).foot)
+    if any(r.kind == "supports" and r.b == foot for r in spec.graph.relations.values()):
         return []
-    return [{"op": "add", "path": f"/graph/relations/{name}_stands", "value": {"kind": "supports", "a": on, "b": name}}]
+    return [{"op": "add", "path": f"/graph/relations/{name}_stands", "value": {"kind": "supports", "a": on, "b": foot}}]
 
 
 def place_of(spec: WorldSpec, on: str, surface: str) -> tuple[Mapping[str, Any], str]:

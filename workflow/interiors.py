@@ -81,8 +81,8 @@ def interior_operations(spec: WorldSpec, name: str, asked: Interior, made: Built
     rigid = spec.simulation.rigid
     if rigid:
         there = min(rigid)
-        members = [m for m in rigid[there].members if m not in old]
-        edits.append({"op": "add", "path": f"/simulation/solvers/{there}/members", "value": members + list(made.entities)})
+        others = [m for m in rigid[there].members if m not in old]
+        edits.append({"op": "add", "path": f"/simulation/solvers/{there}/members", "value": [*others, *made.entities]})
     else:
         edits.append(
             {"op": "add", "path": "/simulation/solvers/rigid", "value": {"engine": "mujoco", "members": list(made.entities)}}

@@ -39,11 +39,14 @@ def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
     from ..worlds.assemblies import Edit, add_copy, add_move
     from ..worlds.limits import check_limits
     from ..worlds.patch import apply_patch
+    from .generated import supports_operation
 
     told: dict[str, Any] = {}
     spec, made = session.spec, _generated(session, asked, told)
     if made:
         spec = apply_patch(spec, made)
+        more = [] if asked.on is None else supports_operation(spec, asked.on, asked.entity)
+        spec, made = apply_patch(spec, more) if more else spec, made + more
     asked = _with_bodies(spec, asked)
     check_asked(spec, asked)
     names = asked.names
@@ -84,14 +87,14 @@ def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
 
 
 def _generated(session: Session, asked: Asked, told: dict[str, Any]) -> list[dict[str, Any]]:
-    """Operations that make the asset that is asked for, and that what it shall stand on carries it."""
-    from .generated import asset_operations, supports_operation
+    """Operations that make the asset that is asked for."""
+    from .generated import asset_operations
 
     if asked.asset is None:
         return []
     made, said = asset_operations(session.spec, asked.entity, asked.asset)
     told |= said
-    return made + ([] if asked.on is None else supports_operation(session.spec, asked.on, asked.entity))
+    return made
 
 
 def _with_bodies(spec: WorldSpec, asked: Asked) -> Asked:

@@ -168,7 +168,10 @@ class Session(OpenedWorld):
         return report
 
     def check_static(self) -> tuple[list[Row], list[Row], list[str]]:
-        """Build what is missing and run the static checks; returns (rows, changed rows, entities newly built)."""
+        """Build what is missing and run the static checks; returns (rows, changed rows, entities newly built).
+
+        Shots are not asked while the prompt has no beats or claims yet: what they shall show is not known.
+        """
         from ..construction import build_world
         from ..construction.crowding import check_crowding
         from ..verifiers.checks import names_of, run_checks
@@ -176,7 +179,8 @@ class Session(OpenedWorld):
 
         built, fresh = build_world(self.folder, self.spec)
         check_crowding(self.spec, built)
-        rows = run_checks(Candidate(self.folder.root, self.spec, built, "static"))
+        asked = None if self.audit().passed else [n for n in names_of("static") if n != "shots"]
+        rows = run_checks(Candidate(self.folder.root, self.spec, built, "static"), only=asked)
         with self.ledger.together():  # a probe may end this very moment
             stages = self.ledger.stages()
             # A verdict over motion outranks the same row judged at frame 0 only, while it is not stale.

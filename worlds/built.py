@@ -28,6 +28,10 @@ from .simulation_mesh import SimulationMesh, mesh_arrays, mesh_from
 __all__ = ["BuiltBody", "BuiltEntity", "BuiltPart", "Convex", "TriangleMesh", "load_built", "save_built"]
 
 
+KEPT_BYTES = 200_000
+"""Own choice: parts of more bytes are written anew each time, so that no landscape is held twice."""
+
+
 @dataclass(frozen=True)
 class TriangleMesh:
     """Triangle mesh: vertices [m], shape (n, 3); faces, shape (m, 3), counter-clockwise seen from outside."""
@@ -68,6 +72,21 @@ class BuiltPart:
     """True if the renderer should interpolate normals."""
     simulation: SimulationMesh | None = None
     """Mesh that the solver of a deforming part moves; None for other parts."""
+
+    @cached_property
+    def _raw(self) -> dict[str, bytes]:
+        return {name: _npy(array) for name, array in self._arrays().items()}
+
+    def _arrays(self) -> dict[str, Any]:
+        own = {"v": self.render.vertices, "f": self.render.faces, **{f"c{j}": c.points for j, c in enumerate(self.collision)}}
+        return own if self.simulation is None else own | dict(mesh_arrays(self.simulation, "s"))
+
+    def files(self) -> dict[str, bytes]:
+        """Its arrays as files, by name; those of small parts are kept, which entities of one recipe share."""
+        arrays = self._arrays()
+        if sum(np.asarray(a).nbytes for a in arrays.values()) <= KEPT_BYTES:
+            return self._raw
+        return {name: _npy(array) for name, array in arrays.items()}
 
 
 @dataclass(frozen=True)
@@ -120,15 +139,18 @@ def _pose_from(values: list[float]) -> RigidPose:
     return RigidPose(np.array(values[:3]), np.array(values[3:]))
 
 
+def _npy(array: Any) -> bytes:
+    raw = io.BytesIO()
+    np.lib.format.write_array(raw, np.ascontiguousarray(array), allow_pickle=False)
+    return raw.getvalue()
+
+
 def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
-    arrays: dict[str, Any] = {}
+    files: dict[str, bytes] = {}
     parts = []
     for i, part in enumerate(built.parts):
-        arrays[f"p{i}/v"], arrays[f"p{i}/f"] = part.render.vertices, part.render.faces
-        pieces = []
-        for j, piece in enumerate(part.collision):
-            arrays[f"p{i}/c{j}"] = piece.points
-            pieces.append({"kind": piece.kind, "params": list(piece.params), "pose": _pose_list(piece.pose)})
+        files |= {f"p{i}/{name}": raw for name, raw in part.files().items()}
+        pieces = [{"kind": c.kind, "params": list(c.params), "pose": _pose_list(c.pose)} for c in part.collision]
         parts.append(
             {
                 "part": part.part,
@@ -141,7 +163,6 @@ def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
             }
         )
         if part.simulation is not None:
-            arrays |= mesh_arrays(part.simulation, f"p{i}/s")
             parts[-1]["deforms"] = True
     bodies = [
         {
@@ -155,15 +176,13 @@ def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
         for b in built.bodies
     ]
     bonds = {} if built.bonds is None else bond_arrays(built.bonds)
-    arrays |= {f"bonds/{key}": value for key, value in bonds.items()}
+    files |= {f"bonds/{key}": _npy(value) for key, value in bonds.items()}
     meta = {"entity": built.entity, "bodies": bodies, "parts": parts, "recipe": built.recipe if with_recipe else ""}
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         archive.writestr(zipfile.ZipInfo("meta.json"), json.dumps(meta, sort_keys=True))
-        for name in sorted(arrays):
-            raw = io.BytesIO()
-            np.lib.format.write_array(raw, np.ascontiguousarray(arrays[name]), allow_pickle=False)
-            archive.writestr(zipfile.ZipInfo(name), raw.getvalue())
+        for name in sorted(files):
+            archive.writestr(zipfile.ZipInfo(name), files[name])
     return buffer.getvalue()
 
 

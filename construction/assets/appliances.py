@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from .cabinetry import GAP, Style, drawer, handle, leaf, pick
+from .cabinetry import GAP, Style, drawer, handle, leaf, pick, pivots, stacked
 from .generator import Generator, Parameters, material
 from .made import MAIN, Body, Joint, Made, Place, Point
 from .profiles import rounded
@@ -66,18 +66,34 @@ def _stove(p: StoveParameters, rng: np.random.Generator) -> Made:
     for number in range(knobs):
         a = (number - (knobs - 1) / 2) * (2 * x - 0.12) / (knobs - 1)
         at = (a, front - 0.018, middle)
-        body.turned(f"knob_{number + 1}", [(0, 0), (0.021, 0), (0.019, 0.022), (0, 0.022)], at, segments=20, euler=(math.pi / 2, 0, 0), material="abs" if p.material != "abs" else p.metal)
-        body.box(f"pointer_{number + 1}", (a - 0.002, front - 0.044, middle - 0.004), (a + 0.002, front - 0.04, middle + 0.017), material=p.metal)
+        body.turned(
+            f"knob_{number + 1}",
+            [(0, 0), (0.021, 0), (0.019, 0.022), (0, 0.022)],
+            at,
+            segments=20,
+            euler=(math.pi / 2, 0, 0),
+            material="abs" if p.material != "abs" else p.metal,
+        )
+        body.box(
+            f"pointer_{number + 1}",
+            (a - 0.002, front - 0.044, middle - 0.004),
+            (a + 0.002, front - 0.04, middle + 0.017),
+            material=p.metal,
+        )
     _oven_door(made, p, (-x + GAP / 2, x - GAP / 2, low - 0.01, high - 0.002), front - 0.0015)
     style = Style(p.material, "mild_steel", p.metal, "bar", "pressed", 0.016, 0.003)
     wide = inner
-    drawer(made, "drawer", (-x + GAP / 2, x - GAP / 2, 0.044, low - 0.014), (-wide, wide, 0.046, low - 0.004), (front, rear), style)
+    drawer(
+        made, "drawer", (-x + GAP / 2, x - GAP / 2, 0.044, low - 0.014), (-wide, wide, 0.046, low - 0.004), (front, rear), style
+    )
     for side, a, b in (("left", -x + t, -wide), ("right", wide, x - t)):
         body.box(f"guide_{side}", (a, front + 0.012, 0.08), (b, rear - 0.01, 0.14), material="mild_steel")
     if p.splash:
         body.box("splash", (-x, back - 0.012, p.height), (x, back, p.height + 0.12))
     _hobs(made, p, pick(p.hobs, rng, "gas", "plates"), (x, front, back))
-    made.places["oven"] = Place((0, (front + rear) / 2, low + 0.004), (2 * inner - 0.04, rear - front - 0.04), 0.3 * (high - low) - 0.02)
+    made.places["oven"] = Place(
+        (0, (front + rear) / 2, low + 0.004), (2 * inner - 0.04, rear - front - 0.04), 0.3 * (high - low) - 0.02
+    )
     return made
 
 
@@ -85,7 +101,7 @@ def _rack(made: Made, extent: tuple[float, float, float], level: float) -> None:
     """A rack of bars on the lower ledges of an oven, of half width x and least and greatest y [m]."""
     x, y0, y1 = extent
     rack = made.bodies["rack"] = Body("oven rack", STEEL)
-    z, edge = level + 0.0005, x - 0.0015
+    z, edge = level + 0.001, x - 0.0015
     for name, a, b in (("left", -edge, -edge + 0.008), ("right", edge - 0.008, edge)):
         rack.box(f"rim_{name}", (a, y0 + 0.01, z), (b, y1 - 0.004, z + 0.006))
     bars = 10
@@ -103,7 +119,12 @@ def _oven_door(made: Made, p: StoveParameters, rect: tuple[float, float, float, 
     leaf(oven, rect, back, Style(p.material, p.material, panel="glazed", thick=thick))
     handle(oven, "handle", "bar", (0, back - thick, z1 - 0.035), 0.7 * (x1 - x0), material=p.metal)
     anchor = (0, back - thick, z0)
-    made.joints["door"] = Joint("door", "hinge", anchor, MAIN, axis=(1, 0, 0), range=(0.0, math.pi / 2), damping=1.0, friction=1.5)
+    for side, a in (("left", x0), ("right", x1 - 0.016)):
+        low, high = (a, back - thick - 0.001, z0 - 0.0019), (a + 0.016, back + 0.0015, z0 - 0.0007)
+        made.main.box(f"pivot_door_{side}", low, high, material=p.metal)
+    made.joints["door"] = Joint(
+        "door", "hinge", anchor, MAIN, axis=(1, 0, 0), range=(0.0, math.pi / 2), damping=1.0, friction=1.5
+    )
 
 
 def _hobs(made: Made, p: StoveParameters, kind: str, extent: tuple[float, float, float]) -> None:
@@ -118,8 +139,8 @@ def _hobs(made: Made, p: StoveParameters, kind: str, extent: tuple[float, float,
             body.turned(f"hob_{number}", disc, (a, b, z), segments=40, material="cast_iron")
             made.places[f"hob_{number}"] = Place((a, b, z + 0.014), (1.6 * half, 1.6 * half))
             continue
-        burner = [(0, 0), (0.045, 0), (0.045, 0.006), (0.03, 0.009), (0.03, 0.016), (0, 0.016)]
-        body.turned(f"burner_{number}", burner, (a, b, z), segments=24, material="aluminium_alloy")
+        burner = [(0.045, 0.0), (0.045, 0.006), (0.03, 0.009), (0.03, 0.016)]
+        stacked(body, f"burner_{number}", burner, (a, b, z), material="aluminium_alloy")
         top, arm = z + 0.034, 0.5 * reach
         body.box(f"grate_{number}_x", (a - arm, b - 0.004, top - 0.01), (a + arm, b + 0.004, top), material="cast_iron")
         for end, sign in (("front", -1), ("back", 1)):
@@ -127,7 +148,9 @@ def _hobs(made: Made, p: StoveParameters, kind: str, extent: tuple[float, float,
             body.box(f"grate_{number}_{end}", (a - 0.004, c, top - 0.01), (a + 0.004, d, top), material="cast_iron")
         for foot, (u, v) in enumerate(((-1, 0), (1, 0), (0, -1), (0, 1)), start=1):
             c, d = a + u * (arm - 0.004), b + v * (arm - 0.004)
-            body.box(f"grate_{number}_foot_{foot}", (c - 0.004, d - 0.004, z), (c + 0.004, d + 0.004, top - 0.01), material="cast_iron")
+            body.box(
+                f"grate_{number}_foot_{foot}", (c - 0.004, d - 0.004, z), (c + 0.004, d + 0.004, top - 0.01), material="cast_iron"
+            )
         made.places[f"hob_{number}"] = Place((a, b, top), (1.6 * arm, 1.6 * arm))
 
 
@@ -163,32 +186,50 @@ def _fridge(p: FridgeParameters, rng: np.random.Generator) -> Made:
         body.box("divider_face", (-inner, front, split + 0.02), (inner, rear, split + 0.023), material="polystyrene")
         for number in (1, 2):
             level = floor + (split - floor) * number / 3
-            body.box(f"freezer_shelf_{number}", (-inner, front + 0.03, level - 0.004), (inner, rear, level), material="polystyrene")
+            body.box(
+                f"freezer_shelf_{number}", (-inner, front + 0.03, level - 0.004), (inner, rear, level), material="polystyrene"
+            )
         made.places["freezer"] = Place((0, 0, floor), (2 * inner - 0.04, rear - front - 0.08), (split - floor) / 3 - 0.01)
         floor = split + 0.023
     count = max(1, min(p.shelves, int((ceiling - floor) / 0.16) - 1))
     for number in range(1, count + 1):
         level = floor + (ceiling - floor) * (number + 0.25) / (count + 1.25)
         body.box(f"shelf_{number}", (-inner, front + 0.09, level - 0.005), (inner, rear, level), material="soda_lime_glass")
-        body.box(f"shelf_rim_{number}", (-inner, front + 0.08, level - 0.012), (inner, front + 0.09, level + 0.003), material="polystyrene")
+        body.box(
+            f"shelf_rim_{number}",
+            (-inner, front + 0.08, level - 0.012),
+            (inner, front + 0.09, level + 0.003),
+            material="polystyrene",
+        )
         free = (ceiling - floor) / (count + 1.25) - 0.015
-        made.places[f"shelf_{number}"] = Place((0, (front + rear) / 2 + 0.04, level), (2 * inner - 0.04, rear - front - 0.14), free)
+        made.places[f"shelf_{number}"] = Place(
+            (0, (front + rear) / 2 + 0.04, level), (2 * inner - 0.04, rear - front - 0.14), free
+        )
     made.places["bottom"] = Place((0, (front + rear) / 2 + 0.04, floor), (2 * inner - 0.04, rear - front - 0.14), 0.14)
     if split:
         _fridge_door(made, p, "freezer_door", (rise + 0.004, split - 0.003), (front, thick), 0.85)
     low = split + 0.003 if split else rise + 0.004
-    _fridge_door(made, p, "door", (low, p.height - 0.001), (front, thick), 0.25 if split else 0.6)
+    _fridge_door(made, p, "door", (low, p.height - 0.003), (front, thick), 0.25 if split else 0.6)
     _door_racks(made.bodies["door"], (inner - 0.02, front), (max(floor, low) + 0.06, ceiling - 0.25), 2 if p.height < 1.3 else 3)
     return made
 
 
-def _fridge_door(made: Made, p: FridgeParameters, name: str, levels: tuple[float, float], depths: tuple[float, float], grip: float) -> None:
+def _fridge_door(
+    made: Made, p: FridgeParameters, name: str, levels: tuple[float, float], depths: tuple[float, float], grip: float
+) -> None:
     """An insulated door before a front y, of a thickness [m], on an upright hinge at its front edge."""
     (z0, z1), (front, thick), x = levels, depths, p.width / 2
     leaf_body = made.bodies[name] = Body("door", p.material)
     back, face, skin = front - 0.003, front - thick - 0.003, 0.002
     rim = 0.012
-    outline = [(-x, face + rim), (-x + 0.4 * rim, face + 0.3 * rim), (-x + rim, face), (x - rim, face), (x - 0.4 * rim, face + 0.3 * rim), (x, face + rim)]
+    outline = [
+        (-x, face + rim),
+        (-x + 0.4 * rim, face + 0.3 * rim),
+        (-x + rim, face),
+        (x - rim, face),
+        (x - 0.4 * rim, face + 0.3 * rim),
+        (x, face + rim),
+    ]
     leaf_body.prism("panel", outline, z0, z1)
     y = face + rim
     for side, a in (("left", -x), ("right", x - skin)):
@@ -202,19 +243,24 @@ def _fridge_door(made: Made, p: FridgeParameters, name: str, levels: tuple[float
     at = (sign * (x - 0.045), face, z0 + grip * (z1 - z0) + (0.5 - grip) * span * 0.8)
     handle(leaf_body, "handle", "bar", at, span, upright=True, material=p.metal)
     anchor = (-sign * x, face + rim, (z0 + z1) / 2)
+    pivots(made.main, name, anchor[:2], (sign, front), levels, p.metal)
     made.joints[name] = Joint(name, "hinge", anchor, MAIN, axis=(0, 0, -sign), range=(0.0, 1.7), damping=0.8, friction=0.8)
 
 
 def _door_racks(body: Body, extent: tuple[float, float], levels: tuple[float, float], count: int) -> None:
     """Racks on the inside of a door: half width and y of the cabinet's front, least and greatest height [m]."""
-    (x, front), back = extent, extent[1] - 0.003
+    x, back = extent[0], extent[1] - 0.003
     wide = x - 0.02
     for number in range(count):
         z = levels[0] + (levels[1] - levels[0]) * number / max(1, count - 1)
         body.box(f"rack_{number + 1}_floor", (-wide, back, z), (wide, back + 0.075, z + 0.003), material="polystyrene")
-        body.box(f"rack_{number + 1}_rim", (-wide, back + 0.072, z + 0.003), (wide, back + 0.075, z + 0.06), material="polystyrene")
+        body.box(
+            f"rack_{number + 1}_rim", (-wide, back + 0.072, z + 0.003), (wide, back + 0.075, z + 0.06), material="polystyrene"
+        )
         for side, a in (("left", -wide), ("right", wide - 0.003)):
-            body.box(f"rack_{number + 1}_{side}", (a, back, z + 0.003), (a + 0.003, back + 0.072, z + 0.06), material="polystyrene")
+            body.box(
+                f"rack_{number + 1}_{side}", (a, back, z + 0.003), (a + 0.003, back + 0.072, z + 0.06), material="polystyrene"
+            )
 
 
 class TelevisionParameters(Parameters):
@@ -239,14 +285,30 @@ def _television(p: TelevisionParameters, rng: np.random.Generator) -> Made:
         body.box(f"bezel_{side}", (-x + rim, front, c), (x - rim, glass, c + rim))
     body.box("screen", (-x + rim, front + 0.002, z0 + rim), (x - rim, glass, z1 - rim), material="abs")
     shrink = [(-x, z0), (x, z0), (x, z1), (-x, z1)]
-    body.hull("rear", [(a, glass, c) for a, c in shrink] + [(0.96 * a, p.thick / 2, z0 + 0.02 + 0.93 * (c - z0)) for a, c in shrink])
+    body.hull(
+        "rear", [(a, glass, c) for a, c in shrink] + [(0.96 * a, p.thick / 2, z0 + 0.02 + 0.93 * (c - z0)) for a, c in shrink]
+    )
     body.box("housing", (-0.5 * x, p.thick / 2, z0 + 0.06), (0.5 * x, p.thick / 2 + 0.03, z0 + 0.5 * tall))
     deep = max(0.2, 0.24 * width)
     if pick(p.stand, rng, "column", "feet") == "feet":
         for side, sign in (("left", -1), ("right", 1)):
             a = sign * 0.72 * x
             for end, e in (("front", -1), ("back", 1)):
-                body.hull(f"leg_{side}_{end}", [(a + s * 0.008, *q) for s in (-1, 1) for q in ((0.0, z0), (e * 0.5 * p.thick, z0), (0.0, z0 - 0.02), (e * deep / 2, 0.0), (e * (deep / 2 - 0.03), 0.0))], material=p.metal)
+                body.hull(
+                    f"leg_{side}_{end}",
+                    [
+                        (a + s * 0.008, *q)
+                        for s in (-1, 1)
+                        for q in (
+                            (0.0, z0),
+                            (e * 0.5 * p.thick, z0),
+                            (0.0, z0 - 0.02),
+                            (e * deep / 2, 0.0),
+                            (e * (deep / 2 - 0.03), 0.0),
+                        )
+                    ],
+                    material=p.metal,
+                )
         return Made.of(body)
     plate = [(u, v + 0.01) for u, v in rounded(0.42 * width, deep, 0.03, 4)]
     body.prism("foot", plate, 0.0, 0.01, material=p.metal)
@@ -279,7 +341,12 @@ def _radiator(p: RadiatorParameters, rng: np.random.Generator) -> Made:
             body.prism(f"head_{number + 1}_{level}", rim, a - half, a + half, axis="x")
         for tube in range(tubes):
             b = (tube - (tubes - 1) / 2) * (p.depth - 0.04) / max(1, tubes - 1)
-            body.prism(f"tube_{number + 1}_{tube + 1}", [(a + u, b + v) for u, v in rounded(2 * half, 0.03, 0.35 * half, 2)], low + 0.035, high - 0.035)
+            body.prism(
+                f"tube_{number + 1}_{tube + 1}",
+                [(a + u, b + v) for u, v in rounded(2 * half, 0.03, 0.35 * half, 2)],
+                low + 0.035,
+                high - 0.035,
+            )
         if number:
             for level, z in (("low", low), ("high", high)):
                 body.cylinder(f"nipple_{number}_{level}", (a - pitch + half, 0, z), (a - half, 0, z), r)
@@ -289,7 +356,13 @@ def _radiator(p: RadiatorParameters, rng: np.random.Generator) -> Made:
             body.taper(f"foot_{side}_{number}", (a, 1.1 * b, 0), (a, b, low - 0.035), (0.02, 0.024), (1.6 * half, 0.03))
     edge = p.width / 2 - pitch / 2 + half
     body.cylinder("valve_pipe", (edge, 0, low), (edge + 0.05, 0, low), 0.011, material=p.metal)
-    body.turned("valve", [(0, -0.03), (0.016, -0.03), (0.016, 0.03), (0.02, 0.035), (0.02, 0.075), (0.014, 0.082), (0, 0.082)], (edge + 0.066, 0, low), segments=20, material=p.metal)
+    body.turned(
+        "valve",
+        [(0, -0.03), (0.016, -0.03), (0.016, 0.03), (0.02, 0.035), (0.02, 0.075), (0.014, 0.082), (0, 0.082)],
+        (edge + 0.066, 0, low),
+        segments=20,
+        material=p.metal,
+    )
     body.cylinder("pipe", (edge + 0.066, 0, 0), (edge + 0.066, 0, low - 0.03), 0.008, material=p.metal)
     return Made.of(body)
 

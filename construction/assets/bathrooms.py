@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from .cabinetry import pick, set_moving
+from .cabinetry import pick
 from .generator import Generator, Parameters, material
 from .made import MAIN, Body, Joint, Made, Place
 from .plumbing import tap
@@ -20,7 +20,9 @@ Flat = list[tuple[float, float]]
 METALS = ("stainless_steel", "brass", "copper", "bronze")
 
 
-def _walled(body: Body, name: str, outline: Flat, wall: Flat, floor: tuple[float, float, float], *, metal: str | None = None) -> None:
+def _walled(
+    body: Body, name: str, outline: Flat, wall: Flat, floor: tuple[float, float, float], *, metal: str | None = None
+) -> None:
     """A basin: a profile (outwards, up) carried about an outline, and a floor within.
 
     Args:
@@ -76,7 +78,7 @@ def _bathtub(p: BathtubParameters, rng: np.random.Generator) -> Made:
     drain = (0.5 * p.length - 0.42, 0.0)
     body.cylinder("drain", (*drain, floor), (*drain, floor + 0.003), 0.028, material=p.metal)
     made.places["inside"] = Place((0, 0, floor), (0.5 * (p.length - 2 * way), 0.5 * (p.width - 2 * way)), p.height - floor)
-    return set_moving(made)
+    return made
 
 
 def _rim(body: Body, outer: Flat, inner: Flat, levels: tuple[float, float], *, metal: str | None = None) -> None:
@@ -110,7 +112,13 @@ def _standpipe(body: Body, p: BathtubParameters, high: float) -> None:
     top = high + 0.18
     bend = [(y - 0.07 + 0.07 * math.cos(a), top + 0.07 * math.sin(a)) for a in np.linspace(0, math.pi / 2, 5)]
     body.turned("pipe_flange", [(0, 0), (0.035, 0), (0.03, 0.012), (0, 0.012)], (0, y, 0), segments=24, material=p.metal)
-    path = [(0.0, y, 0.012), *((0.0, b, c) for b, c in bend), (0.0, y - 0.18, top + 0.07), (0.0, y - 0.2, top + 0.05), (0.0, y - 0.2, top + 0.02)]
+    path = [
+        (0.0, y, 0.012),
+        *((0.0, b, c) for b, c in bend),
+        (0.0, y - 0.18, top + 0.07),
+        (0.0, y - 0.2, top + 0.05),
+        (0.0, y - 0.2, top + 0.02),
+    ]
     around = circle(0.013, 10)
     side_x, side_y = max(u for u, _ in around), max(v for _, v in around)
     body.sweep("pipe", path, around, material=p.metal)
@@ -135,17 +143,31 @@ class ShowerTrayParameters(Parameters):
 
 def _shower_tray(p: ShowerTrayParameters, rng: np.random.Generator) -> Made:
     body, made = (own := Body("shower tray", p.material)), Made.of(own)
-    x, y, high = p.width / 2, p.depth / 2, p.height
+    y, high = p.depth / 2, p.height
     outline = rounded(p.width, p.depth, 0.09, 4)
-    _walled(body, "tray", outline, [(-0.05, 0.0), (0.0, 0.0), (0.0, high - 0.006), (-0.006, high), (-0.04, high), (-0.05, 0.035)], (0.05, 0.0, 0.035))
+    _walled(
+        body,
+        "tray",
+        outline,
+        [(-0.05, 0.0), (0.0, 0.0), (0.0, high - 0.006), (-0.006, high), (-0.04, high), (-0.05, 0.035)],
+        (0.05, 0.0, 0.035),
+    )
     body.cylinder("drain", (0, 0.25 * p.depth, 0.035), (0, 0.25 * p.depth, 0.038), 0.045, material=p.metal)
     square = float(rng.choice([0.0, 1.0]))
     out, r = 0.25 * p.depth, 0.011
     wall = y - 0.03
     body.box("plate", (-0.13, wall, 1.02), (0.13, wall + 0.03, 1.1), material=p.metal)
     body.box("riser_foot", (-0.02, wall - 0.03, 1.04), (0.02, wall, 1.08), material=p.metal)
-    bend = [(wall - 0.015 - 0.06 + 0.06 * math.cos(a), p.head - 0.06 + 0.06 * math.sin(a)) for a in np.linspace(0, math.pi / 2, 5)]
-    path = [(0.0, wall - 0.015, 1.08), *((0.0, b, c) for b, c in bend), (0.0, wall - out, p.head), (0.0, wall - out - 0.02, p.head - 0.02), (0.0, wall - out - 0.02, p.head - 0.05)]
+    bend = [
+        (wall - 0.015 - 0.06 + 0.06 * math.cos(a), p.head - 0.06 + 0.06 * math.sin(a)) for a in np.linspace(0, math.pi / 2, 5)
+    ]
+    path = [
+        (0.0, wall - 0.015, 1.08),
+        *((0.0, b, c) for b, c in bend),
+        (0.0, wall - out, p.head),
+        (0.0, wall - out - 0.02, p.head - 0.02),
+        (0.0, wall - out - 0.02, p.head - 0.05),
+    ]
     body.sweep("riser", path, circle(r, 10), material=p.metal)
     tip = (0.0, wall - out - 0.02, p.head - 0.05)
     if square:
@@ -158,7 +180,7 @@ def _shower_tray(p: ShowerTrayParameters, rng: np.random.Generator) -> Made:
     made.places["floor"] = Place((0, 0, 0.035), (p.width - 0.14, p.depth - 0.3), 1.0)
     if p.screen:
         _screen(made, p)
-    return set_moving(made)
+    return made
 
 
 def _screen(made: Made, p: ShowerTrayParameters) -> None:
@@ -175,9 +197,16 @@ def _screen(made: Made, p: ShowerTrayParameters) -> None:
     z0, z1 = low + 0.006, high - 0.024
     door.box("pane", (a, -y - t / 2, z0), (b, -y + t / 2, z1))
     for side, sign in (("outside", -1), ("inside", 1)):
-        door.cylinder(f"knob_{side}", (b - 0.05, -y + sign * t / 2, 1.0), (b - 0.05, -y + sign * (t / 2 + 0.03), 1.0), 0.016, material=p.metal)
-    made.joints["door"] = Joint("door", "hinge", (a, -y - t / 2, 1.0), MAIN, axis=(0, 0, -1), range=(0.0, 1.6), damping=0.5, friction=0.5)
-
+        door.cylinder(
+            f"knob_{side}",
+            (b - 0.05, -y + sign * t / 2, 1.0),
+            (b - 0.05, -y + sign * (t / 2 + 0.03), 1.0),
+            0.016,
+            material=p.metal,
+        )
+    made.joints["door"] = Joint(
+        "door", "hinge", (a, -y - t / 2, 1.0), MAIN, axis=(0, 0, -1), range=(0.0, 1.6), damping=0.5, friction=0.5
+    )
 
 
 class WashbasinParameters(Parameters):
@@ -215,8 +244,8 @@ def _washbasin(p: WashbasinParameters, rng: np.random.Generator) -> Made:
     body.cylinder("drain", (0, middle, low), (0, middle, low + 0.002), 0.022, material=p.metal)
     kind = "arch" if rng.random() < 0.4 else "straight"
     tap(made, (0, y - 0.056, high), (0.13, 0.14), kind, p.metal)
-    made.places["bowl"] = Place((0, middle - 0.05, low), (0.1, 0.05), p.bowl)
-    return set_moving(made)
+    made.places["bowl"] = Place((0.064, middle, low), (0.07, 0.05), p.bowl)
+    return made
 
 
 class ToiletParameters(Parameters):
@@ -256,10 +285,12 @@ def _toilet(p: ToiletParameters, rng: np.random.Generator) -> Made:
     body.hull("cistern", [*base, *((a, b, top - 0.03) for a in (-wide, wide) for b in (tank, back))])
     cap = [(tank - 0.008, top - 0.03), (back, top - 0.03), (back, top), (tank + 0.004, top), (tank - 0.008, top - 0.012)]
     body.prism("cistern_lid", cap, -wide - 0.008, wide + 0.008, axis="x")
-    body.turned("button", [(0, 0), (0.028, 0), (0.024, 0.006), (0, 0.006)], (0, (tank + back) / 2, top), segments=24, material=p.metal)
+    body.turned(
+        "button", [(0, 0), (0.028, 0), (0.024, 0.006), (0, 0.006)], (0, (tank + back) / 2, top), segments=24, material=p.metal
+    )
     _seat(made, p, egg, rear)
     made.places["cistern"] = Place((0.55 * wide, (tank + back) / 2, top), (0.5 * wide, 0.13))
-    return set_moving(made)
+    return made
 
 
 def _seat(made: Made, p: ToiletParameters, egg: Flat, rear: float) -> None:
@@ -267,13 +298,21 @@ def _seat(made: Made, p: ToiletParameters, egg: Flat, rear: float) -> None:
     seat, lid = Body("seat", p.lid), Body("lid", p.lid)
     made.bodies["seat"], made.bodies["lid"] = seat, lid
     low, pivot = p.rim + 0.002, rear + 0.004
-    ring = [(-0.06, low), (0.004, low), (0.004, low + 0.012), (-0.006, low + 0.018), (-0.045, low + 0.018), (-0.06, low + 0.01)]
+    ring = [(-0.06, low), (0.004, low), (0.004, low + 0.016), (0.002, low + 0.018), (-0.045, low + 0.018), (-0.06, low + 0.01)]
     seat.sweep("ring", [(a, b, 0.0) for a, b in egg], ring, closed=True)
     over = low + 0.02
-    lid.hull("board", [(*q, z) for q in inset(egg, -0.004) for z in (over, over + 0.008)] + [(*q, over + 0.016) for q in inset(egg, 0.012)])
+    lid.hull(
+        "board",
+        [(*q, z) for q in inset(egg, -0.004) for z in (over, over + 0.008)] + [(*q, over + 0.016) for q in inset(egg, 0.012)],
+    )
+    for side, a in (("left", -0.085), ("right", 0.085)):
+        knuckle = ((a - 0.01, pivot - 0.006, p.rim), (a + 0.01, pivot + 0.006, low + 0.012))
+        made.main.box(f"knuckle_{side}", *knuckle, material=p.metal)
     anchor = (0, pivot, low + 0.009)
     made.joints["seat"] = Joint("seat", "hinge", anchor, MAIN, axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2)
-    made.joints["lid"] = Joint("lid", "hinge", (0, pivot, over + 0.004), "seat", axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2)
+    made.joints["lid"] = Joint(
+        "lid", "hinge", (0, pivot, over - 0.001), "seat", axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2
+    )
 
 
 GENERATORS = (

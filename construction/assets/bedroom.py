@@ -29,7 +29,7 @@ class BedParameters(Parameters):
     headboard: float = Field(default=1.0, ge=0.75, le=1.4, description="height of the headboard [m]")
     mattress: float = Field(default=0.2, ge=0.14, le=0.26, description="thickness of the mattress [m]")
     head: Literal["varied", "slats", "panel", "arched", "padded"] = Field(default="varied", description="kind of headboard")
-    blanket: bool = Field(default=True, description="a quilt over the lower part")
+    quilt: bool = Field(default=True, description="a quilt over the lower part")
     linen: str = material("cotton", "linen", "silk", of="mattress and pillows")
     cover: str = material("wool", "felt", "carpet", "linen", of="quilt and padding")
     material: str = material("oak", "pine", "walnut", "beech", "birch")
@@ -64,19 +64,20 @@ def _bed(p: BedParameters, rng: np.random.Generator) -> Made:
     for number in range(count):
         pillow = made.bodies[f"pillow_{number + 1}"] = Body("pillow", "cotton")
         middle = (number - (count - 1) / 2) * (p.width - 0.06) / count
-        at = (middle, p.length / 2 - 0.3, p.height + 0.0005 + thick / 2)
-        padded(pillow, "pillow", at, (wide, 0.4, thick), p.linen, lens=True)
+        spot = (middle, p.length / 2 - 0.3, p.height + 0.001 + thick / 2)
+        padded(pillow, "pillow", spot, (wide, 0.4, thick), p.linen, form="lens")
         made.carries.append(("", f"pillow_{number + 1}"))
-    if p.blanket:
-        _blanket(made, p, float(rng.uniform(0.55, 1.0)))
-    made.places["top"] = Place((0, -0.05 * p.length, p.height), (0.8 * p.width, 0.3 * p.length))
+    if p.quilt:
+        _quilt(made, p, float(rng.uniform(0.55, 1.0)))
+    else:
+        made.places["top"] = Place((0, -0.1 * p.length, p.height), (0.8 * p.width, 0.5 * p.length))
     return made
 
 
-def _blanket(made: Made, p: BedParameters, share: float) -> None:
+def _quilt(made: Made, p: BedParameters, share: float) -> None:
     """A quilt over the lower part of the mattress that hangs down at both sides, with its edge turned back."""
     quilt = made.bodies["quilt"] = Body("quilt", p.cover)
-    x, z, thick = p.width / 2 + 0.001, p.height + 0.0005, 0.009
+    x, z, thick = p.width / 2 + 0.001, p.height + 0.001, 0.009
     low = p.height - 0.5 * (p.mattress - 0.06)
     y0 = -p.length / 2
     y1 = y0 + share * (p.length - 0.62)
@@ -85,6 +86,8 @@ def _blanket(made: Made, p: BedParameters, share: float) -> None:
     turned = [(y1 - 0.24, z + thick), (y1, z + thick), (y1 - 0.004, z + thick + 0.008), (y1 - 0.236, z + thick + 0.008)]
     quilt.prism("turned_back", turned, -x + 0.01, x - 0.01, axis="x", material=p.linen)
     made.carries.append(("", "quilt"))
+    end = y1 - 0.26
+    made.places["top"] = Place((0, (y0 + end) / 2, z + thick), (0.8 * p.width, 0.8 * (end - y0)), body="quilt")
 
 
 def _headboard(body: Body, p: BedParameters, kind: str, corner: tuple[float, float]) -> None:
@@ -107,8 +110,9 @@ def _headboard(body: Body, p: BedParameters, kind: str, corner: tuple[float, flo
         count = max(2, round(2 * inner / 0.5))
         wide = 2 * inner / count
         for number in range(count):
-            at = (-inner + wide * (number + 0.5), front - 0.028, (p.height + 0.04 + high) / 2)
-            padded(body, f"pad_{number + 1}", at, (wide - 0.004, high - p.height - 0.06, 0.056), p.cover, lean=math.pi / 2)
+            spot = (-inner + wide * (number + 0.5), front - 0.028, (p.height + 0.04 + high) / 2)
+            size = (wide - 0.004, high - p.height - 0.06, 0.056)
+            padded(body, f"pad_{number + 1}", spot, size, p.cover, form="sharp" if count > 2 else "box", lean=math.pi / 2)
         return
     if kind == "arched":
         bow = [

@@ -32,7 +32,7 @@ class BenchParameters(Parameters):
 def _bench(p: BenchParameters, rng: np.random.Generator) -> Made:
     ends, body = pick(p.ends, rng, "timber", "iron"), Body("bench", p.material)
     made, board = Made.of(body), 0.03
-    y, under, tilt = p.depth / 2, p.seat - board, math.radians(float(rng.uniform(8, 16)))
+    y, tilt = p.depth / 2, math.radians(float(rng.uniform(8, 16)))
     pieces = 2 if p.width < 1.7 else 3
     outer = p.width / 2 - (0.06 if ends == "timber" else 0.1)
     for number in range(pieces):

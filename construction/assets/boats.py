@@ -134,7 +134,7 @@ def _rowing_boat(p: RowingBoatParameters, rng: np.random.Generator) -> Made:
 
     def breadth(s: float) -> float:
         if s < 0.1:
-            return 0.035 + (half - 0.035) * (1 - ((0.1 - s) / 1.1) ** fine)
+            return float(0.035 + (half - 0.035) * (1 - ((0.1 - s) / 1.1) ** fine))
         return half * (1 - 0.28 * ((s - 0.1) / 0.9) ** 2)
 
     def bottom(s: float) -> float:
@@ -142,7 +142,7 @@ def _rowing_boat(p: RowingBoatParameters, rng: np.random.Generator) -> Made:
 
     def rise(s: float) -> float:
         ends = max(0.0, -s - 0.3) / 0.7 if s < 0 else max(0.0, s - 0.6) / 0.4
-        return ends**2.2 * p.depth * (0.38 if s < 0 else 0.1)
+        return float(ends**2.2 * p.depth * (0.38 if s < 0 else 0.1))
 
     stations = tuple(np.linspace(-1, 1, SEGMENTS + 1))
     lines = _Lines(
@@ -165,7 +165,7 @@ def _rowing_boat(p: RowingBoatParameters, rng: np.random.Generator) -> Made:
         points += [(s * (q[0] + 0.006), q[1] + t, q[2] + 0.03 * (j == STRAKES)) for s in (-1, 1) for t in (0.0, 0.026)]
     body.hull("transom", points)
     seat = 0.62 * p.depth
-    top = min(_thwart(body, f"thwart_{n}", lines, k, seat) for n, k in enumerate(lines.level, start=1))
+    tops = [_thwart(body, f"thwart_{n}", lines, k, seat) for n, k in enumerate(lines.level, start=1)]
     for s, side in ((-1, "left"), (1, "right")):
         q = (lines.outer(4, STRAKES) + lines.outer(5, STRAKES)) / 2
         for t in (-0.03, 0.03):
@@ -176,24 +176,19 @@ def _rowing_boat(p: RowingBoatParameters, rng: np.random.Generator) -> Made:
                 0.009,
             )
     if p.oars:
-        _oars(made, p, lines, top)
+        _oars(made, p, lines, max(tops))
     y = (lines.outer(4, 0)[1] + lines.outer(5, 0)[1]) / 2
-    made.places["thwart"] = Place((0, y, _level(body, "thwart_2")), (0.3 * p.beam, 0.12), 1.0)
+    made.places["thwart"] = Place((0, y, tops[1]), (0.3 * p.beam, 0.12), 1.0)
     return made
 
 
-def _level(body: Body, name: str) -> float:
-    return float(max(q[2] for q in body.parts[name].shape.points))  # type: ignore[union-attr]
-
-
-def _oars(made: Made, p: RowingBoatParameters, lines: _Lines, top: float) -> None:
+def _oars(made: Made, p: RowingBoatParameters, lines: _Lines, high: float) -> None:
     """Oars that lie across the thwarts, blades towards the stern."""
     r = 0.019
-    high = max(_level(made.main, f"thwart_{n}") for n in (1, 2, 3))
     a, b = lines.outer(2, 0)[1] - 0.1, lines.outer(SEGMENTS, 0)[1] - 0.12
     for s, side in ((-1, "left"), (1, "right")):
         oar = made.bodies[f"oar_{side}"] = Body("oar", p.oar)
-        x, z = s * 0.13 * p.beam, high + 6e-4 + r * 1.02
+        x, z = s * 0.13 * p.beam, high + 1.1e-3 + r
         blade = min(0.55, 0.25 * (b - a))
         oar.sweep("shaft", [(x, a + 0.12, z), (x, b - blade, z)], circle(r, 12))
         oar.sweep("handle", [(x, a, z), (x, a + 0.12, z)], circle(0.8 * r, 12))
@@ -226,10 +221,10 @@ def _canoe(p: CanoeParameters, rng: np.random.Generator) -> Made:
     half, fine = p.beam / 2, float(rng.uniform(2.0, 2.5))
 
     def breadth(s: float) -> float:
-        return 0.026 + (half - 0.026) * (1 - abs(s) ** fine)
+        return float(0.026 + (half - 0.026) * (1 - abs(s) ** fine))
 
     def rise(s: float) -> float:
-        return (max(0.0, abs(s) - 0.45) / 0.55) ** 3 * 0.3 * p.depth
+        return float((max(0.0, abs(s) - 0.45) / 0.55) ** 3 * 0.3 * p.depth)
 
     stations = tuple(np.linspace(-1, 1, SEGMENTS + 1))
     lines = _Lines(

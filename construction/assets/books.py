@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from pydantic import Field
 
+from ...worlds.spec import Pose
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 from .profiles import arc
@@ -16,7 +18,7 @@ __all__ = ["GENERATORS"]
 
 COVERS = ("leather", "carpet", "linen", "felt", "cardboard", "cotton", "polyester", "mahogany", "slate")
 """Rows whose colours a shelf of books shows, drawn by seed."""
-GAP = 6e-4
+GAP = 1.01e-3
 """[m] Between two books."""
 
 
@@ -96,6 +98,7 @@ class RowOfBooksParameters(Parameters):
     depth: float = Field(default=0.17, ge=0.11, le=0.24, description="of the deepest [m]")
     thickness: float = Field(default=0.032, ge=0.018, le=0.05, description="mean of them [m]")
     variety: float = Field(default=0.5, ge=0.0, le=1.0, description="of their sizes: 0 a set of equal volumes, 1 all sorts")
+    leaning: int = Field(default=1, ge=0, le=3, description="of the last that lean on the others, at most a quarter of them")
     one_body: bool = Field(default=False, description="one body for all of them, with plain spines, else each may be moved")
 
 
@@ -113,27 +116,55 @@ def _cover(rng: np.random.Generator) -> str:
     return COVERS[int(rng.integers(len(COVERS)))]
 
 
+def _spots(sizes: Sequence[_Sizes], leaning: int, gap: float, rng: np.random.Generator) -> tuple[list[float], float]:
+    """Places along x [m] of the lower left edges of books, about the middle of the row, and the lean of the last of them [rad]."""
+    tilt = math.radians(float(rng.uniform(10.0, 15.0)))
+    for own in sizes[len(sizes) - leaning :]:
+        tilt = max(tilt, math.atan(1.3 * own.thick / own.height))
+    first, x, found = len(sizes) - leaning, 0.0, []
+    for number, own in enumerate(sizes):
+        if number == first:
+            before = sizes[number - 1].height
+            x += (own.height * math.sin(tilt) if own.height * math.cos(tilt) <= before else before * math.tan(tilt)) + 0.1 * gap
+        found.append(x)
+        x += (own.thick + gap) / (math.cos(tilt) if number >= first else 1.0)
+    last = sizes[-1].thick
+    width = found[-1] + last * (math.cos(tilt) if leaning else 1.0)
+    return [q - width / 2 for q in found], tilt
+
+
+def _tilted(body: Body, x: float, tilt: float) -> None:
+    """Turn parts that stand upright about the level edge (x, 0) along y, their tops to the left."""
+    for key, part in body.parts.items():
+        a, b, c = part.pose.position
+        at = (x + (a - x) * math.cos(tilt) - c * math.sin(tilt), b, (a - x) * math.sin(tilt) + c * math.cos(tilt))
+        body.parts[key] = part.model_copy(update={"pose": Pose(position=at, euler=(0.0, -tilt, 0.0))})
+
+
 def _row_of_books(p: RowOfBooksParameters, rng: np.random.Generator) -> Made:
     sizes = [_various(rng, p.variety, p.thickness, p.depth, p.height) for _ in range(p.count)]
-    gap = 0.0 if p.one_body else GAP
-    x = -(sum(s.thick for s in sizes) + gap * (p.count - 1)) / 2
+    leaning = min(p.leaning, p.count // 4)
+    if any(own.thick > 0.3 * own.height for own in sizes[p.count - leaning :]):
+        leaning = 0
+    spots, tilt = _spots(sizes, leaning, 0.0 if p.one_body else GAP, rng)
     covers = [_cover(rng) for _ in sizes] if p.variety > 0 else [_cover(rng)] * p.count
     made = Made({})
-    for number, (own, cover) in enumerate(zip(sizes, covers, strict=True), start=1):
-        front = (own.depth - p.depth) / 2
-        if p.one_body:
-            own.bands = 0
-            body = made.bodies.setdefault("", Body("row of books", cover))
-            mine = Body("book", cover)
-            _bind(mine, (x, front), own, upright=True, prefix=f"book_{number}_")
-            for key, part in mine.parts.items():
-                given = part.material or (None if cover == body.material else cover)
-                body.parts[key] = part.model_copy(update={"material": given})
-        else:
-            body = Body("book", cover)
-            _bind(body, (x, front), own, upright=True)
-            made.bodies[f"book_{number}" if number > 1 else ""] = body
-        x += own.thick + gap
+    for number, (own, x, cover) in enumerate(zip(sizes, spots, covers, strict=True), start=1):
+        body = Body("book", cover)
+        own.bands = 0 if p.one_body else own.bands
+        _bind(body, (x, (own.depth - p.depth) / 2), own, upright=True, prefix=f"book_{number}_" if p.one_body else "")
+        if number > p.count - leaning:
+            _tilted(body, x, tilt)
+        name = f"book_{number}" if number > 1 else ""
+        if not p.one_body:
+            made.bodies[name] = body
+            if number > p.count - leaning:
+                made.carries.append((f"book_{number - 1}", name))
+            continue
+        whole = made.bodies.setdefault("", Body("row of books", cover))
+        for key, part in body.parts.items():
+            given = part.material or (None if cover == whole.material else cover)
+            whole.parts[key] = part.model_copy(update={"material": given})
     return made
 
 

@@ -1,4 +1,4 @@
-"""What cabinets share: carcasses, doors on hinges, drawers on slides, handles, cornices."""
+"""Parts that cabinets share: carcasses, doors on hinges, drawers on slides, handles, cornices."""
 
 from __future__ import annotations
 
@@ -12,7 +12,24 @@ import numpy as np
 from .made import MAIN, Body, Joint, Made, Place, Point
 from .profiles import circle, rounded
 
-__all__ = ["BACK", "GAP", "SIDE", "Rect", "Style", "carcass", "cornice", "door", "drawer", "feet", "handle", "knob", "leaf", "pick", "set_moving", "stacked"]
+__all__ = [
+    "BACK",
+    "GAP",
+    "SIDE",
+    "Rect",
+    "Style",
+    "carcass",
+    "cornice",
+    "door",
+    "drawer",
+    "feet",
+    "handle",
+    "knob",
+    "leaf",
+    "pick",
+    "pivots",
+    "stacked",
+]
 
 Rect = tuple[float, float, float, float]
 """Least x, greatest x, least z, greatest z [m] of something that faces the front."""
@@ -42,7 +59,7 @@ class Style:
     panel: str = "flat"
     """flat, framed, glazed, or pressed (of sheet metal, with edges folded back)."""
     thick: float = 0.019
-    """Of fronts [m]."""
+    """Thickness of fronts [m]."""
     wall: float = 0.012
     """Thickness of the sides of drawers [m]; their bottom has half of it."""
 
@@ -53,15 +70,14 @@ def pick(value: str, rng: np.random.Generator, *options: str) -> str:
     return drawn if value == "varied" else value
 
 
-def set_moving(made: Made) -> Made:
-    """The asset, with all that its joints carry dynamic, where the rest is built in."""
-    for joint in made.joints.values():
-        made.bodies[joint.child].motion = "dynamic"
-    return made
-
-
 def stacked(
-    body: Body, name: str, curve: Sequence[tuple[float, float]], at: Point = (0, 0, 0), *, segments: int = 32, material: str | None = None
+    body: Body,
+    name: str,
+    curve: Sequence[tuple[float, float]],
+    at: Point = (0, 0, 0),
+    *,
+    segments: int = 32,
+    material: str | None = None,
 ) -> None:
     """Add a solid turned thing as convex pieces, one on the other, cut at its waists.
 
@@ -162,7 +178,7 @@ def handle(
     x, y, z = at
     half, reach = span / 2, 0.03
     if kind == "bow":
-        curve = [(half * math.cos(a), 0.008 + (reach - 0.008) * math.sin(a)) for a in np.linspace(0, math.pi, 7)]
+        curve = [(half * math.cos(a), 0.008 + (reach - 0.008) * math.sin(a)) for a in np.linspace(0, math.pi, 6)]
         way = [(half, 0.0), *curve, (-half, 0.0)]
     else:
         way = [(half, 0.0), (half, reach), (-half, reach), (-half, 0.0)]
@@ -202,6 +218,25 @@ def leaf(body: Body, rect: Rect, back: float, style: Style) -> None:
     body.hull("field", [*foot, *((x, middle - 0.007, z) for x in (x0 + field, x1 - field) for z in (z0 + field, z1 - field))])
 
 
+def pivots(
+    body: Body, name: str, at: tuple[float, float], reach: tuple[int, float], levels: tuple[float, float], metal: str
+) -> None:
+    """Thin plates under and over a door, which bear the pins on which it turns.
+
+    Args:
+        body: the cabinet.
+        name: of the door.
+        at: x, y of the door's axis [m].
+        reach: side of the axis on which the door is when shut (1: at greater x), and y of the cabinet's front [m].
+        levels: lower and upper edge of the door [m].
+        metal: material.
+    """
+    (x, y), (sign, front) = at, reach
+    left, right = sorted((x, x + sign * 0.016))
+    for end, low in (("low", levels[0] - 0.0019), ("high", levels[1] + 0.0007)):
+        body.box(f"pivot_{name}_{end}", (left, y - 0.001, low), (right, front, low + 0.0012), material=metal)
+
+
 def door(
     made: Made,
     name: str,
@@ -235,6 +270,7 @@ def door(
     at = (x1 - stile / 2 if sign > 0 else x0 + stile / 2, back - style.thick, z0 + grip * (z1 - z0))
     handle(body, "handle", style.handle, at, min(0.14, 0.3 * (z1 - z0)), upright=True, material=style.metal)
     anchor = (x0 if sign > 0 else x1, back - style.thick, (z0 + z1) / 2)
+    pivots(made.bodies[parent], name, anchor[:2], (sign, back + 0.0015), (z0, z1), style.metal)
     made.joints[name] = Joint(name, "hinge", anchor, parent, axis=(0, 0, -sign), range=(0.0, OPEN), damping=0.5, friction=0.5)
 
 
@@ -281,7 +317,7 @@ def drawer(
         handle(body, "handle", style.handle, at, min(0.16, 0.35 * width), material=style.metal)
     _runners(made.bodies[parent], name, (x0, x1, low, high), (depths[0], rear))
     length = rear - front
-    anchor = (middle, front, (low + high) / 2)
+    anchor = (x0 + SIDE - 0.0005, (depths[0] + rear) / 2, (low + high) / 2)
     made.joints[name] = Joint(
         name, "slide", anchor, parent, axis=(0, -1, 0), range=(0.0, 0.75 * length), damping=10.0, friction=4.0
     )

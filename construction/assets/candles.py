@@ -12,7 +12,7 @@ from .turning import curve, ring, solid, stacked
 
 __all__ = ["GENERATORS"]
 
-GAP = 6e-4
+GAP = 1.01e-3
 """[m] Between bodies."""
 
 

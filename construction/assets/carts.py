@@ -55,12 +55,13 @@ def _cart(p: CartParameters, rng: np.random.Generator) -> Made:
         body.box(f"sill_{side}", (u - 0.035, front, z), (u + 0.035, back, z + sill))
     deck = z + sill
     count = max(5, round(p.length / 0.16))
+    worn = [float(v) for v in rng.uniform(0, 0.003, count)]
     for k in range(count):
         a, b = front + p.length * k / count, front + p.length * (k + 1) / count
         body.box(
             f"floor_{k + 1}",
             (-p.width / 2, a + 0.002, deck),
-            (p.width / 2, b - 0.002 * (k < count - 1), deck + board - float(rng.uniform(0, 0.003)) * (0 < k < count - 1)),
+            (p.width / 2, b - 0.002 * (k < count - 1), deck + board - worn[k] * (0 < k < count - 1)),
         )
     _sides(body, p, (front, back), deck, board)
     if two:
@@ -79,7 +80,7 @@ def _cart(p: CartParameters, rng: np.random.Generator) -> Made:
         body.box("crossbar", (-0.3 * p.width + 0.035, front, z), (0.3 * p.width - 0.035, front + 0.06, z + sill))
         body.box("swingletree", (-0.4, tip - 0.045, z - 0.085), (0.4, tip, z - 0.035))
     made.places["bed"] = Place(
-        (0, front + (count // 2 + 0.5) * p.length / count, _top(body, count)), (p.width - 0.1, p.length - 0.1)
+        (0, front + (count // 2 + 0.5) * p.length / count, deck + board - worn[count // 2]), (p.width - 0.1, p.length - 0.1)
     )
     return made
 
@@ -87,11 +88,6 @@ def _cart(p: CartParameters, rng: np.random.Generator) -> Made:
 def _wheel_height(p: CartParameters) -> float:
     probe = Body("", p.material)
     return spoked(probe, Axle((0, 0, 0)), p.wheel, 0.07, p.spokes, wood=p.material, tyre=p.tyre)
-
-
-def _top(body: Body, count: int) -> float:
-    part = body.parts[f"floor_{count // 2 + 1}"]
-    return float(part.pose.position[2] + part.shape.size[2] / 2)  # type: ignore[union-attr]
 
 
 def _sides(body: Body, p: CartParameters, ends: tuple[float, float], deck: float, board: float) -> None:

@@ -94,7 +94,7 @@ def _bucket(p: BucketParameters, rng: np.random.Generator) -> Made:
     for name, s in (("right", 1), ("left", -1)):
         body.hull(f"ear_{name}", [(s * x, y, f.z) for f in (low, high) for x in (f.x, ear) for y in (-0.013, 0.013)])
     wire = float(rng.uniform(0.0028, 0.0036))
-    reach = ear + GAP + wire * 1.06 + 5e-4
+    reach = max(ear + GAP + wire * 1.06 + 5e-4, math.hypot(rim + 0.006 + 1.1 * wire, top - pivot))
     bail = Body("handle of the bucket", p.handle)
     steps = 20
     points = [(reach * math.cos(a), -reach * math.sin(a), pivot) for a in np.linspace(0, math.pi, steps + 1)]

@@ -52,7 +52,7 @@ def _cooking_pot(p: CookingPotParameters, rng: np.random.Generator) -> Made:
         body.sweep(f"handle_{name}", path, circle(0.0055, 8))
     made = Made.of(body)
     if p.lid:
-        made.bodies["lid"] = _lid("lid of the pot", p.material, p.knob, wide + 0.002, wide - p.wall - 0.0025, top)
+        made.bodies["lid"] = _lid("lid of the pot", p.material, p.knob, wide + 0.002, face - p.wall - 0.0015, top)
         made.carries.append(("", "lid"))
     else:
         made.places["inside"] = Place((0, 0, 2 * p.wall), (wide, wide), top - 2 * p.wall)
@@ -84,7 +84,7 @@ class FryingPanParameters(Parameters):
 
     diameter: float = Field(default=0.26, ge=0.16, le=0.34, description="of the rim [m]")
     height: float = Field(default=0.045, ge=0.03, le=0.07, description="of the rim [m]")
-    handle: float = Field(default=0.19, ge=0.12, le=0.24, description="length of the handle [m]")
+    handle: float = Field(default=0.19, ge=0.12, le=0.24, description="length of the handle, 0.72 of the diameter at most [m]")
     grip: str = material("abs", "beech", "cast_iron", of="the handle")
     material: str = material("cast_iron", "aluminium_alloy", "stainless_steel", "copper")
 
@@ -99,7 +99,8 @@ def _frying_pan(p: FryingPanParameters, rng: np.random.Generator) -> Made:
     body.turned("pan", profile, segments=segments, euler=half(segments))
     root = facet(outer, 0.62 * top, segments)
     start = root.out(0.012)
-    end = np.array([root.x + p.handle, 0, top + 0.18 * p.handle])
+    long = min(p.handle, 0.72 * p.diameter)
+    end = np.array([root.x + long, 0, top + 0.18 * long])
     mid = start + 0.35 * (end - start) + (0, 0, 0.02)
     broad = min(0.026, 0.95 * 2 * root.x * math.tan(math.pi / segments))
     path = [root.out(0), start, *(np.array(q) for q in curve([start, mid, end], 3)[1:]), end + np.array([0.01, 0, 0])]

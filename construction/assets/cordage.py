@@ -70,7 +70,7 @@ def _chain(p: ChainParameters, rng: np.random.Generator) -> Made:
     reach = max(math.hypot(u, v) for u, v in profile)
     high, wide = p.length / 2 - r, p.width * p.length / 2 - r
     straight = high - wide
-    pitch = 2 * (straight + wide * math.cos(math.pi / 10)) - 2 * reach - 7e-4
+    pitch = 2 * (straight + wide * math.cos(math.pi / 10)) - 2 * reach - 1.2e-3
     bows = [(wide * math.cos(a), straight + wide * math.sin(a)) for a in np.linspace(0, math.pi, 6)]
     loop = [*bows, *((-u, -v) for u, v in bows)]
     made, turn = Made({}), float(rng.uniform(0, math.pi))

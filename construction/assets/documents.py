@@ -52,8 +52,10 @@ def asset_documents(
         boxes: of its bodies, where they are known, see `body_boxes`.
     """
     known = body_boxes(made) if boxes is None else boxes
+    moved = {j.child for j in made.joints.values()}
     entities = {
-        body_id(name, key): _entity(body, known[key], pose, motion, whole=key == MAIN) for key, body in made.bodies.items()
+        body_id(name, key): _entity(body, known[key], pose, "dynamic" if key in moved else motion, whole=key == MAIN)
+        for key, body in made.bodies.items()
     }
     entities[name]["asset"] = record | {"bodies": [body_id(name, key) for key in made.bodies if key != MAIN]}
     joints = {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}

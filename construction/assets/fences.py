@@ -119,7 +119,7 @@ class GardenGateParameters(Parameters):
 def _garden_gate(p: GardenGateParameters, rng: np.random.Generator) -> Made:
     made = Made.of(Body("gate posts", p.material, "static"))
     body, half, base = made.main, p.post / 2, 0.06
-    gap, thick, back = 0.02, 0.045, 0.02
+    gap = 0.02
     x = p.width / 2 + gap + half
     body.box("sill", (-x - half, -0.16, 0), (x + half, 0.16, base), material=p.sill)
     for sign, name in ((-1, "left"), (1, "right")):
@@ -132,6 +132,13 @@ def _garden_gate(p: GardenGateParameters, rng: np.random.Generator) -> Made:
             for z in (p.height + 0.2, p.height + 0.225)
         ]
         body.hull(f"cap_{name}", [*rim, (a, 0, p.height + 0.225 + 0.7 * half)])
+    _gate_leaf(made, p, base, gap)
+    return made
+
+
+def _gate_leaf(made: Made, p: GardenGateParameters, base: float, gap: float) -> None:
+    """Pickets before rails with a brace, straps with knuckles, a latch with a ring."""
+    half, thick, back = p.post / 2, 0.045, 0.02
     leaf = made.bodies["leaf"] = Body("gate", p.material)
     low, w = base + 0.05, p.width / 2
     rails = (low + 0.1, low + 0.1 + 0.6 * (p.height - low))
@@ -180,7 +187,6 @@ def _garden_gate(p: GardenGateParameters, rng: np.random.Generator) -> Made:
         damping=0.5,
         friction=0.6,
     )
-    return made
 
 
 class PergolaParameters(Parameters):

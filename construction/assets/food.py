@@ -14,9 +14,6 @@ from .turning import solid, stacked
 
 __all__ = ["GENERATORS"]
 
-GAP = 6e-4
-"""[m] Between bodies."""
-
 
 def _stalk(
     body: Body, foot: tuple[float, float, float], long: float, radius: float, rng: np.random.Generator, *, leaf: bool
@@ -154,10 +151,10 @@ def _carrot(p: CarrotParameters, rng: np.random.Generator) -> Made:
         path = [
             (crown, y, z),
             (crown - 0.01, y, z),
-            (crown - 0.4 * reach, y + 0.4 * spread * reach, z + 0.1 * reach),
-            (crown - reach, y + spread * reach, z + 0.04 * reach),
+            (crown - 0.18 * long, y + 0.18 * spread * long, z + 0.1 * reach),
+            (crown - reach, y + spread * (0.18 * long + 0.6 * (reach - 0.18 * long)), z + 0.04 * reach),
         ]
-        body.sweep(f"leaf_{k + 1}", path, circle(0.045 * p.diameter, 6), scales=[1, 1, 1.6, 0.6], material="grass")
+        body.sweep(f"leaf_{k + 1}", path, circle(0.036 * p.diameter, 6), scales=[1, 1, 1.1, 0.6], material="grass")
     return Made.of(body)
 
 

@@ -36,10 +36,10 @@ def _plank_bridge(p: PlankBridgeParameters, rng: np.random.Generator) -> Made:
         body.box(f"beam_{side}", (-half, s * y - 0.07, sill), (half, s * y + 0.07, z))
     number = min(56, round(p.length / (p.plank + 0.012)))
     step = p.length / number
-    for k in range(number):
+    rises = [float(v) for v in rng.uniform(0, 0.004, number)]
+    for k, rise in enumerate(rises):
         x = -half + k * step
         ends = [p.width / 2 + float(rng.uniform(-1, 1)) * p.sag for _ in range(2)]
-        rise = float(rng.uniform(0, 0.004))
         c = 0.004
         points = [(u, v, h) for u, h in ((x + 0.006, z), (x + step - 0.006, z), (x + 0.006, z + thick - c + rise), (x + step - 0.006, z + thick - c + rise),
                   (x + 0.006 + c, z + thick + rise), (x + step - 0.006 - c, z + thick + rise)) for v in (-ends[0], ends[1])]  # fmt: skip
@@ -60,9 +60,7 @@ def _plank_bridge(p: PlankBridgeParameters, rng: np.random.Generator) -> Made:
             body.box(f"rail_{side}", (-half + 0.1, a, z + 0.5), (half - 0.1, b, z + 0.6))
     made = Made.of(body)
     x = -half + (number // 2 + 0.5) * step
-    made.places["deck"] = Place(
-        (x, 0, float(max(q[2] for q in body.parts[f"plank_{number // 2 + 1}"].shape.points))), (p.length - 0.4, p.width - 0.1)
-    )
+    made.places["deck"] = Place((x, 0, z + thick + rises[number // 2]), (p.length - 0.4, p.width - 0.1))
     return made
 
 
@@ -98,8 +96,8 @@ def _scaffold(p: ScaffoldParameters, rng: np.random.Generator) -> Made:
     for level in range(1, p.levels + 1):
         z = level * p.lift - 0.12 + 2 * r
         for k, x in enumerate(xs, start=1):
-            side = 2 * r if k < len(xs) else -2 * r
-            body.cylinder(f"transom_{level}_{k}", (x + side, -y - 0.12, z), (x + side, y + 0.12, z), r)
+            by = 2 * r if k < len(xs) else -2 * r
+            body.cylinder(f"transom_{level}_{k}", (x + by, -y - 0.12, z), (x + by, y + 0.12, z), r)
         wide = p.depth - 2 * r - 0.12
         count = max(2, round(wide / 0.22))
         step = wide / count

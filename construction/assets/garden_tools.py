@@ -107,7 +107,11 @@ def _broom(p: BroomParameters, rng: np.random.Generator) -> Made:
         long = hair * float(rng.uniform(0.94, 1.0))
         for row, (low, high) in enumerate(((0.004, 0.023), (0.027, 0.046)), start=1):
             points = [(head, y + s * root, z) for s in (-1, 1) for z in (low, high)]
-            points += [(head + long, y + lean + s * end, z) for s in (-1, 1) for z in (low - 0.002, high + 0.002)]
+            points += [
+                (head + long, y + lean + s * end, z)
+                for s in (-1, 1)
+                for z in ((0.0, 0.025) if row == 1 else (0.025, high + 0.002))
+            ]
             body.hull(f"tuft_{k + 1}_{row}", points, material=p.bristles)
     end = -right
     middle = r * math.cos(math.pi / 16)

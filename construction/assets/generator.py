@@ -52,7 +52,7 @@ class Generator:
     tags: tuple[str, ...] = ()
     """Other words by which it is found."""
     motion: Literal["static", "dynamic"] = "dynamic"
-    """Of its bodies, where nothing else is asked for."""
+    """Motion of its main body, where nothing else is asked for."""
     stands: bool = True
     """It stands by itself on level ground."""
 

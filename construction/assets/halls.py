@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Literal
 
@@ -50,7 +51,15 @@ def _coat_rack(p: CoatRackParameters, rng: np.random.Generator) -> Made:
     for number in range(p.feet):
         turn = math.pi / sides + math.tau * number / p.feet
         c, s = math.cos(turn), math.sin(turn)
-        way = [(edge, low + 0.05), (edge + 0.03, low + 0.05), (0.45 * p.reach, low - 0.0), (0.72 * p.reach, 0.08), (0.88 * p.reach, 0.024), (p.reach, 0.016), (p.reach + 0.02, 0.016)]
+        way = [
+            (edge, low + 0.05),
+            (edge + 0.03, low + 0.05),
+            (0.45 * p.reach, low - 0.0),
+            (0.72 * p.reach, 0.08),
+            (0.88 * p.reach, 0.024),
+            (p.reach, 0.016),
+            (p.reach + 0.02, 0.016),
+        ]
         path = [(d * c, d * s, h) for d, h in way]
         body.sweep(f"foot_{number + 1}", path, rounded(0.024, 0.032, 0.006, 2), scales=[1.3, 1.25, 1.1, 1.0, 0.95, 1.0, 1.0])
     for row, level in enumerate(levels, start=1):
@@ -64,7 +73,14 @@ def _hooks(body: Body, p: CoatRackParameters, row: int, at: tuple[float, float])
     """A row of hooks that bend upwards from the post, whose radius and height there are `at` [m]."""
     (r, z), sides = at, 8 * p.feet
     edge = r * math.cos(math.pi / sides)
-    way = [(edge, z), (edge + 0.03, z), (edge + 0.065, z + 0.008), (edge + 0.092, z + 0.03), (edge + 0.1, z + 0.055), (edge + 0.1, z + 0.075)]
+    way = [
+        (edge, z),
+        (edge + 0.03, z),
+        (edge + 0.065, z + 0.008),
+        (edge + 0.092, z + 0.03),
+        (edge + 0.1, z + 0.055),
+        (edge + 0.1, z + 0.075),
+    ]
     for number in range(p.hooks):
         facet = round((number + 0.5 * (row == 2)) / p.hooks * sides)
         a = math.tau * (facet + 0.5) / sides
@@ -93,7 +109,9 @@ class RugParameters(Parameters):
     width: float = Field(default=2.0, ge=0.6, le=3.5, description="along x [m]; a round one is as deep as wide")
     depth: float = Field(default=1.4, ge=0.5, le=2.5, description="along y [m]")
     thick: float = Field(default=0.01, ge=0.006, le=0.02, description="thickness [m]")
-    pattern: Literal["varied", "plain", "bordered", "medallion", "stripes", "round"] = Field(default="varied", description="of the rug")
+    pattern: Literal["varied", "plain", "bordered", "medallion", "stripes", "round"] = Field(
+        default="varied", description="of the rug"
+    )
     fringe: bool = Field(default=True, description="fringes at both narrow ends, if it is not round")
     border: str = material("wool", "cotton", "leather", "linen", of="borders")
     figure: str = material("felt", "cotton", "wool", "leather", of="the figure, and of stripes")
@@ -107,11 +125,17 @@ def _rug(p: RugParameters, rng: np.random.Generator) -> Made:
     made.places["top"] = Place((0, 0, t), (1.3 * x, 1.3 * (x if kind == "round" else y)))
     if kind == "round":
         edges = [0.0, *np.sort(rng.uniform(0.3, 0.8, 2)).tolist(), 0.9, 1.0]
-        stuffs = [p.figure, p.material, p.border, p.material] if edges[2] - edges[1] > 0.1 else [p.material, p.material, p.border, p.material]
-        for number, (a, b) in enumerate(zip(edges[:-1], edges[1:], strict=True), start=1):
+        stuffs = (
+            [p.figure, p.material, p.border, p.material]
+            if edges[2] - edges[1] > 0.1
+            else [p.material, p.material, p.border, p.material]
+        )
+        for number, (a, b) in enumerate(itertools.pairwise(edges), start=1):
             if b - a < 1e-3:
                 continue
-            body.turned(f"ring_{number}", [(a * x, 0.0), (b * x, 0.0), (b * x, t), (a * x, t)], segments=40, material=stuffs[number - 1])
+            body.turned(
+                f"ring_{number}", [(a * x, 0.0), (b * x, 0.0), (b * x, t), (a * x, t)], segments=40, material=stuffs[number - 1]
+            )
         return made
     least = min(x, y)
     if kind != "plain":
@@ -123,10 +147,10 @@ def _rug(p: RugParameters, rng: np.random.Generator) -> Made:
         _medallion(body, p, (x, y), float(rng.uniform(0.4, 0.75)))
     elif kind == "stripes":
         count = 2 * int(rng.integers(3, 7)) + 1
-        edges = np.linspace(-x, x, count + 1)
+        cuts = np.linspace(-x, x, count + 1)
         for number in range(count):
             stuff = p.material if number % 2 == 0 else (p.figure if number % 4 == 1 else p.border)
-            body.box(f"stripe_{number + 1}", (float(edges[number]), -y, 0), (float(edges[number + 1]), y, t), material=stuff)
+            body.box(f"stripe_{number + 1}", (float(cuts[number]), -y, 0), (float(cuts[number + 1]), y, t), material=stuff)
     else:
         body.box("field", (-x, -y, 0), (x, y, t))
     if p.fringe:
@@ -140,7 +164,9 @@ def _band(body: Body, name: str, extent: tuple[float, float], way: float, stuff:
     outer = [(-x, -y), (x, -y), (x, y), (-x, y)]
     inner = [(-x + way, -y + way), (x - way, -y + way), (x - way, y - way), (-x + way, y - way)]
     for number in range(4):
-        body.prism(f"{name}_{number + 1}", [outer[number - 1], outer[number], inner[number], inner[number - 1]], 0.0, t, material=metal)
+        body.prism(
+            f"{name}_{number + 1}", [outer[number - 1], outer[number], inner[number], inner[number - 1]], 0.0, t, material=metal
+        )
 
 
 def _medallion(body: Body, p: RugParameters, extent: tuple[float, float], share: float) -> None:
@@ -167,7 +193,12 @@ def _fringe(body: Body, p: RugParameters) -> None:
         for number in range(count):
             b = -p.depth / 2 + pitch * (number + 0.5)
             low, high = sorted((sign * p.width / 2, sign * (p.width / 2 + 0.05)))
-            body.box(f"tassel_{side}_{number + 1}", (low, b - 0.28 * pitch, 0), (high, b + 0.28 * pitch, 0.35 * p.thick), material="cotton")
+            body.box(
+                f"tassel_{side}_{number + 1}",
+                (low, b - 0.28 * pitch, 0),
+                (high, b + 0.28 * pitch, 0.35 * p.thick),
+                material="cotton",
+            )
 
 
 GENERATORS = (

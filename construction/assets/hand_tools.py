@@ -32,9 +32,8 @@ def _hammer(p: HammerParameters, rng: np.random.Generator) -> Made:
     thick = 0.026 if p.form != "sledge" else 0.044
     z, eye = thick / 2, 0.2 * p.head
     right = p.length / 2
-    left = right - 1.1 * eye
-    body.prism("eye", [(x + (left + right) / 2, y) for x, y in rounded(right - left, 1.2 * eye, 0.004, 2)], 0, thick)
-    reach = 0.6 * eye
+    left, reach = right - 1.1 * eye, max(0.6 * eye, 0.0128)
+    body.prism("eye", [(x + (left + right) / 2, y) for x, y in rounded(right - left, 2 * reach, 0.004, 2)], 0, thick)
     r = 0.46 * thick
     if p.form == "sledge":
         for name, s in (("front", -1), ("back", 1)):

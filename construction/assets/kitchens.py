@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from .cabinetry import BACK, GAP, Style, carcass, door, drawer, pick, set_moving
+from .cabinetry import BACK, GAP, Style, carcass, door, drawer, pick
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place, Point
 from .plumbing import tap
@@ -72,7 +72,9 @@ def _kitchen_base(p: KitchenBaseParameters, rng: np.random.Generator) -> Made:
     cover_top, floor, ceiling = under - GAP, PLINTH + BOARD, under - BOARD
     count = {"door": 0, "door and drawer": 1, "drawers": 3}[p.contents]
     high = ceiling
-    levels = [ceiling - 0.16 * k for k in range(2)] if count == 1 else list(np.linspace(ceiling, floor, count + 1)) if count else []
+    levels = (
+        [ceiling - 0.16 * k for k in range(2)] if count == 1 else list(np.linspace(ceiling, floor, count + 1)) if count else []
+    )
     for number in range(1, len(levels)):
         a, b = float(levels[number]), float(levels[number - 1])
         last = count == 3 and number == count
@@ -126,7 +128,7 @@ def _wall_cabinet(p: WallCabinetParameters, rng: np.random.Generator) -> Made:
         hinge: Literal["left", "right"] = "left" if number == 1 else "right"
         door(made, f"door_{number}", (a, b, 0.002, p.height - 0.002), front - 0.0015, style, hinge=hinge, grip=0.2)
     made.places["top"] = Place((0, front / 2, p.height), (p.width, -front))
-    return set_moving(made)
+    return made
 
 
 class SinkUnitParameters(Parameters):

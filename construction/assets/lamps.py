@@ -33,7 +33,9 @@ WALL, AROUND = 0.0015, 24
 """Thickness of shades [m], and segments around them."""
 
 
-def _shade(body: Body, kind: str, radius: float, levels: tuple[float, float], stuff: str, at: tuple[float, float] = (0.0, 0.0)) -> None:
+def _shade(
+    body: Body, kind: str, radius: float, levels: tuple[float, float], stuff: str, at: tuple[float, float] = (0.0, 0.0)
+) -> None:
     """A hollow shade of a greatest radius, open below and above, between two heights about an upright axis [m]."""
     low, high = levels
     outer = [(radius * r, low + (high - low) * z) for r, z in SHAPES[kind]]
@@ -52,8 +54,8 @@ def _spider(body: Body, kind: str, radius: float, levels: tuple[float, float], l
     for number in range(3):
         turn = math.pi / AROUND + math.tau * number / 3
         c, s, z = math.cos(turn), math.sin(turn), level - 0.002
-        ends = [(r * facet * c, r * facet * s, z) for r in (0.019, reach)]
-        body.cylinder(f"arm_{number + 1}", *ends, 0.0015, material=metal)
+        foot, head = ((r * facet * c, r * facet * s, z) for r in (0.019, reach))
+        body.cylinder(f"arm_{number + 1}", foot, head, 0.0015, material=metal)
 
 
 def _bulb(body: Body, level: float, radius: float, *, down: bool = False) -> None:
@@ -61,7 +63,13 @@ def _bulb(body: Body, level: float, radius: float, *, down: bool = False) -> Non
     d = -1 if down else 1
     holder = [(0.014, 0.0), (0.014, 0.04), (0.017, 0.045)]
     body.turned("holder", [(r, level + d * z) for r, z in ((0.0, 0.0), *holder, (0.0, 0.045))], segments=AROUND, material="abs")
-    glass = [(0.012, 0.045), (0.014, 0.055), (radius, 0.045 + 1.3 * radius), (0.9 * radius, 0.045 + 1.9 * radius), (0.5 * radius, 0.045 + 2.3 * radius)]
+    glass = [
+        (0.012, 0.045),
+        (0.014, 0.055),
+        (radius, 0.045 + 1.3 * radius),
+        (0.9 * radius, 0.045 + 1.9 * radius),
+        (0.5 * radius, 0.045 + 2.3 * radius),
+    ]
     outline = [(0.0, 0.045), *glass, (0.0, 0.045 + 2.35 * radius)]
     body.turned("bulb", [(r, level + d * z) for r, z in outline], segments=20, material="soda_lime_glass")
 
@@ -86,15 +94,43 @@ def _table_lamp(p: TableLampParameters, rng: np.random.Generator) -> Made:
     if foot == "block":
         side = 0.28 * width
         body.prism("foot", rounded(1.2 * side, 1.2 * side, 0.01, 3), 0.0, 0.012, material=p.metal)
-        body.hull("block", [(a * side * k, b * side * k, z) for a in (-0.5, 0.5) for b in (-0.5, 0.5) for k, z in ((1.0, 0.012), (0.8, neck))])
+        body.hull(
+            "block",
+            [(a * side * k, b * side * k, z) for a in (-0.5, 0.5) for b in (-0.5, 0.5) for k, z in ((1.0, 0.012), (0.8, neck))],
+        )
     elif foot == "stem":
         stacked(body, "foot", [(base, 0), (base, 0.008), (0.9 * base, 0.016), (0.014, 0.024)], segments=40)
         body.cylinder("stem", (0, 0, 0.024), (0, 0, neck), 0.007, material=p.metal)
     else:
         swell = float(rng.uniform(0.8, 1.05)) * base
         curve = {
-            "vase": [(0.55, 0.0), (0.6, 0.04), (0.42, 0.1), (0.62, 0.2), (0.8, 0.32), (0.93, 0.46), (1.0, 0.6), (0.96, 0.72), (0.82, 0.84), (0.6, 0.93), (0.3, 1.0)],
-            "ball": [(0.6, 0.0), (0.6, 0.05), (0.35, 0.1), (0.62, 0.17), (0.84, 0.28), (0.97, 0.42), (1.0, 0.5), (0.97, 0.58), (0.84, 0.72), (0.62, 0.83), (0.22, 0.92), (0.22, 1.0)],
+            "vase": [
+                (0.55, 0.0),
+                (0.6, 0.04),
+                (0.42, 0.1),
+                (0.62, 0.2),
+                (0.8, 0.32),
+                (0.93, 0.46),
+                (1.0, 0.6),
+                (0.96, 0.72),
+                (0.82, 0.84),
+                (0.6, 0.93),
+                (0.3, 1.0),
+            ],
+            "ball": [
+                (0.6, 0.0),
+                (0.6, 0.05),
+                (0.35, 0.1),
+                (0.62, 0.17),
+                (0.84, 0.28),
+                (0.97, 0.42),
+                (1.0, 0.5),
+                (0.97, 0.58),
+                (0.84, 0.72),
+                (0.62, 0.83),
+                (0.22, 0.92),
+                (0.22, 1.0),
+            ],
         }[foot]
         stacked(body, "foot", [(r * swell, z * neck) for r, z in curve], segments=40)
     body.turned("neck", [(0, neck), (0.012, neck), (0.012, low), (0, low)], segments=18, material=p.metal)
@@ -139,7 +175,11 @@ def _floor_lamp(p: FloorLampParameters, rng: np.random.Generator) -> Made:
         body.cylinder("stem", (0, 0, hub + 0.045), (0, 0, low), 0.01, material=p.metal)
     else:
         body.cylinder("stem", (0, 0, 0.035), (0, 0, 0.45 * low), 0.0125, material=p.metal)
-        body.turned("joint", [(0, 0.45 * low), (0.02, 0.45 * low), (0.024, 0.45 * low + 0.02), (0.02, 0.45 * low + 0.04), (0, 0.45 * low + 0.04)], segments=24)
+        body.turned(
+            "joint",
+            [(0, 0.45 * low), (0.02, 0.45 * low), (0.024, 0.45 * low + 0.02), (0.02, 0.45 * low + 0.04), (0, 0.45 * low + 0.04)],
+            segments=24,
+        )
         body.cylinder("rod", (0, 0, 0.45 * low + 0.04), (0, 0, low), 0.01, material=p.metal)
     shape = pick(p.shape, rng, "cone", "drum", "empire")
     levels = (low - 0.01, p.height)
@@ -155,7 +195,10 @@ def _reading(made: Made, p: FloorLampParameters, radius: float) -> None:
     bend = [(-0.06 + 0.06 * math.cos(a), top - 0.06 + 0.06 * math.sin(a)) for a in np.linspace(0, math.pi / 2, 6)]
     body.sweep("stem", [(0, 0, 0.035), *((0, y, z) for y, z in bend), (0, -out, top)], circle(0.011, 10), material=p.metal)
     head = made.bodies["head"] = Body("lamp head", p.metal)
-    y, half = -out - 0.016, 0.01
+    y, half = -out - 0.02, 0.01
+    body.box("fork", (-0.016, -out - 0.003, top - 0.008), (0.016, -out, top + 0.008), material=p.metal)
+    for side, a in (("left", -0.016), ("right", 0.012)):
+        body.box(f"cheek_{side}", (a, y - 0.008, top - 0.008), (a + 0.004, -out - 0.003, top + 0.008), material=p.metal)
     head.box("knuckle", (-half, y - half, top - half), (half, y + half, top + half))
     high = top - half - 0.03
     head.cylinder("neck", (0, y, high), (0, y, top - half), 0.007)
@@ -166,7 +209,9 @@ def _reading(made: Made, p: FloorLampParameters, radius: float) -> None:
     _bulb(holder, levels[1], 0.022, down=True)
     for name, part in holder.parts.items():
         head.add(name, part.shape, (0, y, 0), material=part.material or "abs")
-    made.joints["head"] = Joint("head", "hinge", (0, y, top), MAIN, axis=(1, 0, 0), range=(-1.0, 0.0), damping=0.02, friction=0.15)
+    made.joints["head"] = Joint(
+        "head", "hinge", (0, y, top), MAIN, axis=(1, 0, 0), range=(-1.0, 0.0), damping=0.02, friction=0.15
+    )
 
 
 class PendantLampParameters(Parameters):
@@ -174,7 +219,9 @@ class PendantLampParameters(Parameters):
 
     drop: float = Field(default=0.9, ge=0.35, le=2.0, description="from the ceiling to the shade's lower edge [m]")
     shade: float = Field(default=0.36, ge=0.18, le=0.6, description="greatest diameter of the shade [m]")
-    shape: Literal["varied", "dome", "cone", "drum", "globe"] = Field(default="varied", description="of the shade; globe: of glass")
+    shape: Literal["varied", "dome", "cone", "drum", "globe"] = Field(
+        default="varied", description="of the shade; globe: of glass"
+    )
     cover: str = material("linen", "cotton", "silk", "cardboard", of="a drum")
     material: str = material("mild_steel", "copper", "brass", "aluminium_alloy", "abs")
 
@@ -190,7 +237,9 @@ def _pendant_lamp(p: PendantLampParameters, rng: np.random.Generator) -> Made:
     levels, lid = (low, high), high + 0.5 * radius * 0.35
     if kind == "drum":
         hang = high - 0.03
-        lamp.turned("socket", [(0, hang), (0.012, hang), (0.012, hang + 0.03), (0.004, hang + 0.045), (0, hang + 0.045)], segments=AROUND)
+        lamp.turned(
+            "socket", [(0, hang), (0.012, hang), (0.012, hang + 0.03), (0.004, hang + 0.045), (0, hang + 0.045)], segments=AROUND
+        )
         _shade(lamp, kind, radius, levels, p.cover)
         _bulb(lamp, hang, 0.03, down=True)
         _spider(lamp, kind, radius, levels, hang - 0.02, p.material)
@@ -200,7 +249,9 @@ def _pendant_lamp(p: PendantLampParameters, rng: np.random.Generator) -> Made:
         edge = SHAPES[kind][-1][0] * radius
         _shade(lamp, kind, radius, levels, stuff)
         top = min(lid, high + 0.04)
-        lamp.turned("cap", [(0, high), (edge, high), (0.6 * edge, high + 0.6 * (top - high)), (0.008, top), (0, top)], segments=AROUND)
+        lamp.turned(
+            "cap", [(0, high), (edge, high), (0.6 * edge, high + 0.6 * (top - high)), (0.008, top), (0, top)], segments=AROUND
+        )
         _bulb(lamp, high, min(0.03, 0.2 * radius), down=True)
     lamp.cylinder("cord", (0, 0, top), (0, 0, -0.031), 0.003, material="neoprene")
     made.joints["hanging"] = Joint(MAIN, "ball", (0, 0, -0.0305), "rose", damping=0.004)

@@ -44,7 +44,7 @@ def _suitcase(p: SuitcaseParameters, rng: np.random.Generator) -> Made:
         at = (sx * (x - 0.07), sy * (y - 0.03))
         body.cylinder(f"foot_{number}", (*at, 0), (*at, low), 0.009, material=p.metal)
     for number, s in enumerate((-1, 1), start=1):
-        lock = s * 0.3 * p.width
+        lock = s * max(0.3 * p.width, 0.11)
         body.box(
             f"lock_{number}",
             (lock - 0.02, -y + 0.012, top),

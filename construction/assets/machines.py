@@ -14,7 +14,7 @@ from .wheels import Axle
 
 __all__ = ["GENERATORS"]
 
-PLAY = 1e-3
+PLAY = 1.2e-3
 """Between what turns and its bearing [m]."""
 PRESSURE = math.radians(20)
 """Pressure angle of teeth."""
@@ -282,17 +282,16 @@ def _hopper(p: HopperParameters, rng: np.random.Generator) -> Made:
     lip = (-x - rim, -y - rim, x + rim, y + rim)
     for side, points in mitred(lip, lip, (p.height - rim, p.height), rim + p.wall).items():
         body.hull(f"rim_{side}", points)
-    side = rim
     for s, a in ((-1, "left"), (1, "right")):
         for t, b in ((-1, "front"), (1, "back")):
-            u, v = s * (x + side / 2), t * (y + side / 2)
-            body.taper(f"leg_{a}_{b}", (u, v, 0.008), (u, v, p.height - rim), (side, side), (side, side))
+            u, v = s * (x + rim / 2), t * (y + rim / 2)
+            body.taper(f"leg_{a}_{b}", (u, v, 0.008), (u, v, p.height - rim), (rim, rim), (rim, rim))
             body.box(f"foot_{a}_{b}", (u - 0.06, v - 0.06, 0), (u + 0.06, v + 0.06, 0.008))
     z = 0.18 * p.height
     for t, b in ((-1, "front"), (1, "back")):
-        body.box(f"tie_{b}", (-x, t * (y + side / 2) - 0.01, z), (x, t * (y + side / 2) + 0.01, z + 0.03))
+        body.box(f"tie_{b}", (-x, t * (y + rim / 2) - 0.01, z), (x, t * (y + rim / 2) + 0.01, z + 0.03))
     for s, a in ((-1, "left"), (1, "right")):
-        body.box(f"tie_{a}", (s * (x + side / 2) - 0.01, -y, z), (s * (x + side / 2) + 0.01, y, z + 0.03))
+        body.box(f"tie_{a}", (s * (x + rim / 2) - 0.01, -y, z), (s * (x + rim / 2) + 0.01, y, z + 0.03))
     _gate(made, out, neck - spout, p)
     return made
 
@@ -310,7 +309,7 @@ def _gate(made: Made, out: float, z: float, p: HopperParameters) -> None:
     gate.box("plate", (-out, -w, high - plate), (out + 0.12, w, high))
     gate.box("grip", (out + 0.12, -0.5 * w, high - plate - 0.02), (out + 0.132, 0.5 * w, high + 0.02))
     made.joints["gate"] = Joint(
-        "gate", "slide", (0.0, 0, high - plate / 2), axis=(1, 0, 0), range=(0.0, 2 * out), damping=10.0, friction=6.0
+        "gate", "slide", (0.0, out - PLAY / 2, high - plate / 2), axis=(1, 0, 0), range=(0.0, 2 * out), damping=10.0, friction=6.0
     )
 
 

@@ -221,6 +221,14 @@ class Made:
         return cls({MAIN: body})
 
     @property
+    def foot(self) -> str:
+        """Name of the body by which it stands or hangs: the main one, or what that is jointed to."""
+        body, above = MAIN, {j.child: j.parent for j in self.joints.values()}
+        for _ in above:
+            body = above.get(body, body)
+        return body
+
+    @property
     def main(self) -> Body:
         """The body that bears the asset's id."""
         return self.bodies[MAIN]

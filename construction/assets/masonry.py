@@ -16,7 +16,7 @@ from .railings import spindle
 
 __all__ = ["GENERATORS", "block"]
 
-GAP = 6e-4
+GAP = 1.1e-3
 """Between loose stones [m]."""
 
 
@@ -70,7 +70,7 @@ def _column(p: ColumnParameters, rng: np.random.Generator) -> Made:
 
     def radius(z: float) -> float:
         share = (z - base) / (top - base)
-        return r * (1 - (1 - p.entasis) * share**1.6)
+        return float(r * (1 - (1 - p.entasis) * share**1.6))
 
     cuts = np.linspace(base, top, p.drums + 1)
     joint = 0.004

@@ -66,6 +66,15 @@ def _water_wheel(p: WaterWheelParameters, rng: np.random.Generator) -> Made:
             wheel.hull(f"paddle_{k + 1}", points)
         else:
             axle.bar(wheel, f"paddle_{k + 1}", (low, 0.985 * r), angle, (thick, thick), room)
+    _wheel_stand(made, axle, (r, half, long), p)
+    made.joints["wheel"] = Joint("wheel", "hinge", (0, 0, z), axis=(1, 0, 0), damping=0.5, friction=0.5)
+    return made
+
+
+def _wheel_stand(made: Made, axle: Axle, sizes: tuple[float, float, float], p: WaterWheelParameters) -> None:
+    """Posts with braces on sills, ties between them, and the journals that turn in the posts."""
+    body, wheel, z = made.main, made.bodies["wheel"], axle.center[2]
+    r, half, long = sizes
     x, post, pin = half + 0.12, 0.12, 0.045
     for s, side in ((-1, "left"), (1, "right")):
         a, b = sorted((s * x, s * (x + post)))
@@ -80,15 +89,16 @@ def _water_wheel(p: WaterWheelParameters, rng: np.random.Generator) -> Made:
                 for y, h in ((reach, 0.1), (reach - 0.1, 0.1), (post / 2, 0.78 * z), (post / 2, 0.78 * z - 0.12 * z / reach))
             ]
             body.hull(f"brace_{side}_{end}", points)
-        ends = sorted((s * long, s * (x + post + 0.08)))
+        ends = sorted((s * long, s * (x + post + (0.08 if s > 0 else -0.003))))
         axle.ring(
             wheel, f"journal_{side}", [(0, ends[0]), (pin, ends[0]), (pin, ends[1]), (0, ends[1])], segments=16, material=p.metal
         )
+    body.box(
+        "bearing", (-x - post - 0.015, -0.4 * post, z - 0.4 * post), (-x - post, 0.4 * post, z + 0.4 * post), material=p.metal
+    )
     for t, end in ((-1, "front"), (1, "back")):
         y = t * (0.55 * r + 0.2)
         body.box(f"tie_{end}", (-x, y - 0.05, 0), (x, y + 0.05, min(0.08, p.clearance - 0.01)))
-    made.joints["wheel"] = Joint("wheel", "hinge", (0, 0, z), axis=(1, 0, 0), damping=0.5, friction=0.5)
-    return made
 
 
 class WindmillParameters(Parameters):
@@ -110,7 +120,7 @@ def _windmill(p: WindmillParameters, rng: np.random.Generator) -> Made:
     body = Body("windmill post", p.material)
     made = Made.of(body)
     h, w = p.height, 0.05 * p.height + 0.05
-    sill, reach = 0.8 * w, 0.34 * h
+    sill, reach = 0.8 * w, 0.25 * h
     body.box("sill_1", (-reach, -w / 2, 0), (reach, w / 2, sill))
     for t, side in ((-1, "front"), (1, "back")):
         a, b = sorted((t * w / 2, t * reach))
@@ -148,13 +158,20 @@ def _windmill(p: WindmillParameters, rng: np.random.Generator) -> Made:
     hub = 0.032 * h + 0.02
     start = -deep - 0.002
     axle.ring(rotor, "shaft", [(0, hub), (0.5 * hub, hub), (0.5 * hub, start - y), (0, start - y)], segments=16, material=p.metal)
-    side = hub * math.cos(math.pi / 4)
-    rotor.box("hub", (-side, y - hub, h - side), (side, y + hub, h + side))
+    inner = hub * math.cos(math.pi / 4)
+    rotor.box("hub", (-inner, y - hub, h - inner), (inner, y + hub, h + inner))
     axle.ring(
         rotor, "nose", [(0, -1.8 * hub), (0.35 * hub, -1.5 * hub), (0.5 * hub, -hub), (0, -hub)], segments=16, material=p.metal
     )
     for k in range(4):
-        _sail(rotor, (0, y, h), math.pi / 2 * k, (side, p.sail * h), p, k + 1)
+        _sail(
+            rotor,
+            (0, y, h),
+            math.pi / 2 * k,
+            (inner, min(p.sail * h, (h - sill - 0.05) / math.hypot(1.0, p.width + 0.04))),
+            p,
+            k + 1,
+        )
     made.joints["rotor"] = Joint("rotor", "hinge", (0, y, h), axis=(0, 1, 0), damping=0.2, friction=0.3)
     return made
 
@@ -208,30 +225,44 @@ class CraneParameters(Parameters):
     material: str = material("oak", "mild_steel", "larch")
 
 
-def _crane(p: CraneParameters, rng: np.random.Generator) -> Made:
-    body = Body("crane mast", p.material)
-    made = Made.of(body)
-    h, r = p.height, 0.03 * p.height + 0.02
-    foot, reach = 0.09 * h, p.jib * h
-    wide = 0.32 * h
+def _mast(p: CraneParameters, wide: float, foot: float, r: float, collars: tuple[float, float], segments: int) -> Body:
+    """The mast of a crane on its foot, with the ledges that carry the collars of the jib."""
+    body, h = Body("crane mast", p.material), p.height
     body.hull(
         "foot",
         [(s * a, t * a, z) for s in (-1, 1) for t in (-1, 1) for a, z in ((wide, 0.0), (wide, 0.6 * foot), (0.9 * wide, foot))],
         material="concrete_c30",
     )
-    segments = 24
-    collars = (0.42 * h, 0.9 * h)
-    body.turned("mast", [(0, foot), (r, foot), (r, h), (0.6 * r, h + 0.5 * r), (0, h + 0.5 * r)], segments=segments)
+    head = collars[1] + 0.05 * h
+    body.turned("mast", [(0, foot), (r, foot), (r, head), (0, head)], segments=segments)
     for k, z in enumerate(collars, start=1):
         ring = [(r, z - 0.04 * h), (1.6 * r, z - 0.035 * h), (1.6 * r, z - 0.005 * h), (r, z - 0.005 * h)]
         body.turned(f"ledge_{k}", ring, segments=segments, material=p.metal)
+    return body
+
+
+def _crane(p: CraneParameters, rng: np.random.Generator) -> Made:
+    h, r = p.height, 0.03 * p.height + 0.02
+    foot, reach, wide, segments = 0.09 * h, p.jib * h, 0.32 * h, 24
+    collars = (0.42 * h, 0.9 * h)
+    made = Made.of(_mast(p, wide, foot, r, collars, segments))
     arm = made.bodies["jib"] = Body("crane jib", p.material)
     tall, outer = 0.05 * h, r + 0.003 + 0.4 * r
     flat = outer * math.cos(math.pi / segments)
     for k, z in enumerate(collars, start=1):
-        ring = [(r + 0.003, z), (outer, z), (outer, z + tall), (r + 0.003, z + tall)]
+        lid = z + tall + 0.002 * (k == 2)
+        ring = [(r + 0.003, z), (outer, z), (outer, lid), (r + 0.003, lid)]
         # A flat side of the ring faces the jib.
         arm.turned(f"collar_{k}", ring, segments=segments, euler=(0, 0, math.pi / segments), material=p.metal)
+    cap = [
+        (0, lid),
+        (outer, lid),
+        (outer, lid + 0.2 * r),
+        (0.3 * r, lid + 0.6 * r),
+        (0.35 * r, lid + 0.9 * r),
+        (0, lid + 1.2 * r),
+    ]
+    arm.turned("cap", cap, segments=segments, euler=(0, 0, math.pi / segments), material=p.metal)
     half = min(0.4 * r, 0.9 * outer * math.sin(math.pi / segments))
     z = collars[1]
     arm.hull(
@@ -255,14 +286,16 @@ def _crane(p: CraneParameters, rng: np.random.Generator) -> Made:
         arm.hull("tail", [(-x, y, b) for x in (flat, tail) for y in (-half, half) for b in (z, z + tall)])
         arm.box("weight", (-tail - 0.12 * h, -0.06 * h, z - 0.05 * h), (-tail, 0.06 * h, z + tall), material=p.metal)
     made.joints["jib"] = Joint("jib", "hinge", (0, 0, z), axis=(0, 0, 1), range=(-math.pi, math.pi), damping=2.0, friction=2.0)
-    x, u = reach - 0.05 * h, 0.008 + 0.002 * h
-    _hook(made, x, z + 0.3 * tall * (x - 1.2 * u - flat) / (reach - flat), u, p)
+    x, u = reach - 0.05 * h, min(0.008 + 0.002 * h, 0.65 * half)
+    _hook(made, x, z + 0.3 * tall * (x - 1.2 * u - flat) / (reach - flat), u, ((flat, low), (end, under)), p)
     made.places["foot"] = Place((0.6 * wide, -0.6 * wide, foot), (0.3 * wide, 0.3 * wide))
     return made
 
 
-def _hook(made: Made, x: float, under: float, u: float, p: CraneParameters) -> None:
-    """Rope with a weight and a hook, which swings between two lugs under the jib's end as far as the mast lets it."""
+def _hook(
+    made: Made, x: float, under: float, u: float, strut: tuple[tuple[float, float], tuple[float, float]], p: CraneParameters
+) -> None:
+    """Rope with a weight and a hook, which swings between two lugs under the jib's end as far as mast and strut let it."""
     pivot = under - 4 * u
     for s, side in ((-1, "front"), (1, "back")):
         a, b = sorted((s * (u + 0.0015), s * (u + 0.008)))
@@ -282,10 +315,17 @@ def _hook(made: Made, x: float, under: float, u: float, p: CraneParameters) -> N
     points = arc(center, bow, 0.5 * math.pi - 0.35, -0.95 * math.pi, 12)
     path = [(x, 0, end - 5 * u), (x, 0, end - 6 * u), *((a, 0, b) for a, b in points)]
     body.sweep("hook", path, circle(0.8 * u, 10), scales=[1.0] * (len(path) - 3) + [0.85, 0.7, 0.5])
-    mast = 0.03 * p.height + 0.02
-    limit = math.asin(min(0.78, (x - 2.1 * mast - 6 * u) / (p.rope * p.height + 20 * u)))
+    (x0, z0), (x1, z1) = strut
+    long, rope = math.hypot(x1 - x0, z1 - z0), p.rope * p.height + 20 * u
+    limit = 0.0
+    for angle in np.linspace(0.02, 0.78, 39):
+        points = [(x - t * rope * math.sin(angle), pivot - t * rope * math.cos(angle)) for t in np.linspace(0, 1, 30)]
+        clear = min(((a - x0) * (z1 - z0) - (b - z0) * (x1 - x0)) / long for a, b in points[3:])
+        if clear < 4.5 * u or points[-1][0] < 0.07 * p.height + 5 * u:
+            break
+        limit = float(angle)
     made.joints["hook"] = Joint(
-        "hook", "hinge", (x, 0, pivot), parent="jib", axis=(0, 1, 0), range=(-limit, limit), damping=0.05, friction=0.01
+        "hook", "hinge", (x, 0, pivot), parent="jib", axis=(0, 1, 0), range=(-0.78, limit), damping=0.05, friction=0.01
     )
 
 

@@ -44,7 +44,14 @@ def _piano(p: PianoParameters, rng: np.random.Generator) -> Made:
     for name, sign in (("left", -1), ("right", 1)):
         a, b = sorted((sign * half, sign * x))
         body.box(f"side_{name}", (a, face, 0.03), (b, back, top))
-        arm = [(front, p.keys - 0.1), (face, p.keys - 0.1), (face, p.keys + 0.12), (face - 0.07, p.keys + 0.12), (front + 0.03, p.keys + 0.03), (front, p.keys + 0.005)]
+        arm = [
+            (front, p.keys - 0.1),
+            (face, p.keys - 0.1),
+            (face, p.keys + 0.12),
+            (face - 0.07, p.keys + 0.12),
+            (front + 0.03, p.keys + 0.03),
+            (front, p.keys + 0.005),
+        ]
         body.prism(f"cheek_{name}", arm, a, b, axis="x")
         leg = sign * (half + cheek / 2)
         profile = [(0.026, 0.05), (0.03, 0.09), (0.018, 0.13), (0.026, 0.4), (0.016, p.keys - 0.14), (0.028, p.keys - 0.1)]
@@ -97,14 +104,23 @@ def _front(body: Body, p: PianoParameters, name: str, rect: tuple[float, float, 
         a, b = (-x + 0.04 + (2 * x - 0.08) * (number + k) / count for k in (0, 1))
         a, b, low, high = a + 0.012, b - 0.012, z0 + 0.1, z1 - 0.05
         foot = [(u, y, v) for u in (a, b) for v in (low, high)]
-        body.hull(f"{name}_field_{number + 1}", [*foot, *((u, y - 0.01, v) for u in (a + 0.02, b - 0.02) for v in (low + 0.02, high - 0.02))])
+        body.hull(
+            f"{name}_field_{number + 1}",
+            [*foot, *((u, y - 0.01, v) for u in (a + 0.02, b - 0.02) for v in (low + 0.02, high - 0.02))],
+        )
 
 
 def _pedals(body: Body, p: PianoParameters, face: float) -> None:
     """Two pedals of metal that stand out of the lower panel."""
     for number, a in enumerate((-0.06, 0.06), start=1):
         path = [(a, face, 0.13), (a, face - 0.04, 0.13), (a, face - 0.14, 0.115)]
-        body.sweep(f"pedal_{number}", path, [(-0.014, -0.005), (0.014, -0.005), (0.014, 0.005), (-0.014, 0.005)], scales=[0.7, 0.7, 1.3], material=p.metal)
+        body.sweep(
+            f"pedal_{number}",
+            path,
+            [(-0.014, -0.005), (0.014, -0.005), (0.014, 0.005), (-0.014, 0.005)],
+            scales=[0.7, 0.7, 1.3],
+            material=p.metal,
+        )
 
 
 def _lids(made: Made, p: PianoParameters, halves: tuple[float, float], depths: tuple[float, float, float, float]) -> None:
@@ -114,7 +130,9 @@ def _lids(made: Made, p: PianoParameters, halves: tuple[float, float], depths: t
     edge, z = face - 0.015, top + 0.0015
     rim = [(edge, z), (back, z), (back, p.height), (edge + 0.006, p.height), (edge, p.height - 0.006)]
     lid.prism("board", rim, -x - 0.015, x + 0.015, axis="x")
-    made.joints["lid"] = Joint("lid", "hinge", (0, back, p.height), MAIN, axis=(-1, 0, 0), range=(0.0, 1.7), damping=0.5, friction=0.5)
+    made.joints["lid"] = Joint(
+        "lid", "hinge", (0, back - 0.001, top + 0.001), MAIN, axis=(-1, 0, 0), range=(0.0, 1.7), damping=0.5, friction=0.5
+    )
     made.places["top"] = Place((0, (edge + back) / 2, p.height), (2 * x, back - edge), body="lid")
     fall = made.bodies["fall"] = Body("fall board", p.material)
     pivot, z0, reach, wide, angle = front + 0.18, p.keys + 0.035, 0.15, half - 0.002, 1.75
@@ -124,7 +142,9 @@ def _lids(made: Made, p: PianoParameters, halves: tuple[float, float], depths: t
     for part, outline in (("board", shell), ("lip", lip)):
         fall.prism(part, [(pivot + c * b + s * h, z0 - s * b + c * h) for b, h in outline], -wide, wide, axis="x")
     reach_range = (-angle, 0.0) if p.fall == "open" else (0.0, angle)
-    made.joints["fall"] = Joint("fall", "hinge", (0, pivot, z0), MAIN, axis=(-1, 0, 0), range=reach_range, damping=0.5, friction=0.5)
+    made.joints["fall"] = Joint(
+        "fall", "hinge", (0, pivot, z0), MAIN, axis=(-1, 0, 0), range=reach_range, damping=0.5, friction=0.5
+    )
 
 
 class PianoStoolParameters(Parameters):
@@ -141,22 +161,48 @@ def _piano_stool(p: PianoStoolParameters, rng: np.random.Generator) -> Made:
     body, made = (own := Body("piano stool", p.material)), Made.of(own)
     low, high = 0.14, p.seat - 0.115
     swell = float(rng.uniform(0.9, 1.25))
-    profile = [(0.02, low - 0.03), (0.045, low), (0.045, low + 0.05), (0.026, low + 0.07), (0.04 * swell, 0.55 * (low + high)), (0.026, high - 0.03), (0.036, high)]
+    profile = [
+        (0.02, low - 0.03),
+        (0.045, low),
+        (0.045, low + 0.05),
+        (0.026, low + 0.07),
+        (0.04 * swell, 0.55 * (low + high)),
+        (0.026, high - 0.03),
+        (0.036, high),
+    ]
     stacked(body, "column", profile, segments=8 * p.feet)
     start = math.pi / (8 * p.feet)
     for number in range(p.feet):
         turn = start + math.tau * number / p.feet
         c, s = math.cos(turn), math.sin(turn)
-        curve = [(0.045 * math.cos(start), low + 0.025), (0.065, low + 0.025), (0.1, low + 0.022), (0.17, low - 0.03), (0.21, 0.035), (0.235, 0.016), (0.26, 0.016)]
+        curve = [
+            (0.045 * math.cos(start), low + 0.025),
+            (0.065, low + 0.025),
+            (0.1, low + 0.022),
+            (0.17, low - 0.03),
+            (0.21, 0.035),
+            (0.235, 0.016),
+            (0.26, 0.016),
+        ]
         path = [(r * c, r * s, z) for r, z in curve]
         body.sweep(f"foot_{number + 1}", path, [(-0.012, -0.016), (0.012, -0.016), (0.012, 0.016), (-0.012, 0.016)])
     seat = made.bodies["seat"] = Body("seat", p.material)
     radius, z = p.diameter / 2, high + 0.001
     seat.turned("boss", [(0, z), (0.05, z), (0.03, z + 0.03), (0, z + 0.03)], segments=24)
-    seat.turned("plate", [(0, z + 0.03), (radius - 0.01, z + 0.03), (radius, z + 0.04), (radius, z + 0.06), (0, z + 0.06)], segments=40)
+    seat.turned(
+        "plate", [(0, z + 0.03), (radius - 0.01, z + 0.03), (radius, z + 0.04), (radius, z + 0.06), (0, z + 0.06)], segments=40
+    )
     rim, base = p.seat - 0.022, z + 0.06
-    seat.turned("padding", [(0, base), (radius - 0.012, base), (radius - 0.012, rim), (0, rim)], segments=24, material="soft_foam")
-    band = [(radius - 0.012, base), (radius - 0.006, base), (radius - 0.002, (base + rim) / 2), (radius - 0.006, rim), (radius - 0.012, rim)]
+    seat.turned(
+        "padding", [(0, base), (radius - 0.012, base), (radius - 0.012, rim), (0, rim)], segments=24, material="soft_foam"
+    )
+    band = [
+        (radius - 0.012, base),
+        (radius - 0.006, base),
+        (radius - 0.002, (base + rim) / 2),
+        (radius - 0.006, rim),
+        (radius - 0.012, rim),
+    ]
     seat.turned("cover", band, segments=24, material=p.cover)
     dome = [(0, rim), (radius - 0.006, rim), (0.85 * radius, rim + 0.012), (0.5 * radius, p.seat), (0, p.seat)]
     seat.turned("cover_top", dome, segments=24, material=p.cover)

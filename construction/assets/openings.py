@@ -253,7 +253,7 @@ def _door(p: DoorParameters, rng: np.random.Generator) -> Made:
     left, right = edges if side < 0 else (-edges[1], -edges[0])
     leaf = _Leaf(left, right, foot + 0.005, p.height - 0.003, front, p.leaf, side)
     _hang(made, "leaf", _leaf_body(leaf, p.style, p.material, p.metal, rng), leaf, p.open_deg, metal=p.metal)
-    made.places["threshold"] = Place((0, 0.25 * p.depth + p.leaf / 2, foot), (0.9 * p.width, 0.2 * p.depth), p.height - foot)
+    made.places["threshold"] = Place((0, p.leaf / 2, foot), (0.9 * p.width, 0.8 * (p.depth - p.leaf)), p.height - foot)
     return made
 
 

@@ -67,7 +67,7 @@ def _at(body: Body, motion: RigidPose) -> Body:
     parts = {}
     for name, part in body.parts.items():
         pose = compose(motion, pose_of(part.pose))
-        placed = Pose(position=_numbers(pose.position), quaternion=tuple(round(float(v), DIGITS) for v in pose.quaternion))  # type: ignore[arg-type]
+        placed = Pose(position=_numbers(pose.position), quaternion=tuple(round(float(v), DIGITS) for v in pose.quaternion))
         parts[name] = part.model_copy(update={"pose": placed})
     return replace(body, parts=parts)
 

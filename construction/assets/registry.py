@@ -9,6 +9,7 @@ from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from . import (
     appliances,
+    basins,
     bathrooms,
     bedroom,
     benches,
@@ -16,6 +17,7 @@ from . import (
     books,
     candles,
     carts,
+    catapults,
     chairs,
     containers,
     cookware,
@@ -41,6 +43,8 @@ from . import (
     sofas,
     stairs,
     storage,
+    streets,
+    swinging,
     tables,
     tableware,
     textiles,
@@ -59,6 +63,7 @@ __all__ = ["GENERATORS", "found", "generator", "make"]
 
 MODULES = (
     appliances,
+    basins,
     bathrooms,
     bedroom,
     benches,
@@ -66,6 +71,7 @@ MODULES = (
     books,
     candles,
     carts,
+    catapults,
     chairs,
     containers,
     cookware,
@@ -91,6 +97,8 @@ MODULES = (
     sofas,
     stairs,
     storage,
+    streets,
+    swinging,
     tables,
     tableware,
     textiles,

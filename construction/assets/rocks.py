@@ -84,29 +84,44 @@ def _boulder(p: BoulderParameters, rng: np.random.Generator) -> Made:
         lean /= np.linalg.norm(lean)
         inner = planes.copy()
         inner[:, 3] += rng.uniform(0.08, 0.2)
-        body.hull("stone_1", scaled(_cut(np.concatenate([planes, base]), np.append(lean, -cut), low)))
-        body.hull("stone_2", scaled(_cut(np.concatenate([inner, base]), np.append(-lean, cut), low)))
+        body.hull("stone_1", scaled(_cut(np.concatenate([planes, base]), np.append(lean, -cut))))
+        body.hull("stone_2", scaled(_cut(np.concatenate([inner, base]), np.append(-lean, cut))))
     else:
         layers = int(rng.integers(4, 7))
         levels = np.linspace(low[2], high[2], layers + 1)
         levels[1:-1] += rng.uniform(-0.25, 0.25, layers - 1) * (levels[1] - levels[0])
         for k in range(layers):
-            inner = planes.copy()
-            inner[:, 3] += 0.0 if k == 0 else float(rng.uniform(0.0, 0.15))
-            slab = np.array([[0, 0, 1.0, -levels[k + 1]], [0, 0, -1.0, levels[k]]])
-            body.hull(f"bed_{k + 1}", scaled(_cut(np.concatenate([inner, slab[1:]]), slab[0], low)))
+            worn = 0.0 if k == 0 else float(rng.uniform(0.0, 0.24))
+            body.hull(f"bed_{k + 1}", scaled(_bed(planes, worn, (float(levels[k]), float(levels[k + 1])))))
     return Made.of(body)
 
 
-def _cut(planes: F64, plane: F64, low: F64) -> F64:
-    """Corners of what is left within planes and one plane more."""
+def _bed(planes: F64, worn: float, levels: tuple[float, float]) -> F64:
+    """Corners of a layer whose sides are worn back, less where nothing of it would be left."""
+    slab = np.array([[0, 0, -1.0, levels[0]], [0, 0, 1.0, -levels[1]]])
+    for share in (1.0, 0.5, 0.2, 0.0):
+        inner = planes.copy()
+        inner[:, 3] += share * worn
+        if _room(np.concatenate([inner, slab]))[3] > 0.03:
+            break
+    return _cut(np.concatenate([inner, slab[:1]]), slab[1])
+
+
+def _room(planes: F64) -> F64:
+    """Middle and radius of the greatest ball within planes, (4,); the radius is -1 where there is none."""
     from scipy.optimize import linprog
+
+    reach = np.linalg.norm(planes[:, :3], axis=1)
+    best = linprog([0, 0, 0, -1], np.column_stack([planes[:, :3], reach]), -planes[:, 3], bounds=[(None, None)] * 3 + [(0, None)])
+    return np.array(best.x) if best.success else np.array([0.0, 0.0, 0.0, -1.0])
+
+
+def _cut(planes: F64, plane: F64) -> F64:
+    """Corners of what is left within planes and one plane more."""
     from scipy.spatial import HalfspaceIntersection
 
     every = np.concatenate([planes, plane[None]])
-    reach = np.linalg.norm(every[:, :3], axis=1)
-    best = linprog([0, 0, 0, -1], np.column_stack([every[:, :3], reach]), -every[:, 3], bounds=[(None, None)] * 3 + [(0, None)])
-    corners: F64 = np.unique(np.round(HalfspaceIntersection(every, best.x[:3]).intersections, 7), axis=0)[:250]
+    corners: F64 = np.unique(np.round(HalfspaceIntersection(every, _room(every)[:3]).intersections, 7), axis=0)[:250]
     return corners
 
 

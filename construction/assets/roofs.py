@@ -100,7 +100,7 @@ def _ridge_tiles(body: Body, long: float, top: float, fall: float, *, cover: str
 def _gable(body: Body, side: str, s: int, half: float, apex: float, slope: float, p: GableRoofParameters) -> None:
     """Upright boards under the last rafters, their heads cut to the slope."""
     a, b = sorted((s * p.length / 2, s * (p.length / 2 - 0.022)))
-    number = 2 * max(2, min(6, round(half / 0.25)))
+    number = 2 * max(2, min(4, round(half / 0.25)))
     base = 0.8 * PLATE
     for k in range(number):
         y0, y1 = -half + 2 * half * k / number, -half + 2 * half * (k + 1) / number

@@ -29,7 +29,7 @@ class SofaParameters(Parameters):
     seat: float = Field(default=0.43, ge=0.38, le=0.48, description="height of the seat [m]")
     height: float = Field(default=0.84, ge=0.7, le=1.0, description="to the top of the back [m]")
     arm: float = Field(default=0.16, ge=0.1, le=0.24, description="width of an arm [m]")
-    seats: int = Field(default=3, ge=2, le=4, description="cushions side by side; fewer where they would be narrower than 0.45 m")
+    seats: int = Field(default=3, ge=2, le=3, description="cushions side by side; fewer where they would be narrower than 0.45 m")
     arms: Literal["varied", "square", "rolled", "sloping"] = Field(default="varied", description="shape of the arms")
     wood: str = material("oak", "walnut", "beech", "mild_steel", of="legs")
     material: str = material("wool", "linen", "leather", "felt", "cotton", "carpet")

@@ -38,6 +38,8 @@ class _Flight(NamedTuple):
     width: float
     turn: Turn
     name: str = ""
+    bars: bool = False
+    """Bars along the railings instead of balusters."""
 
     @property
     def run(self) -> float:
@@ -143,6 +145,16 @@ def _handrail(body: Body, f: _Flight, side: int, *, solid: bool, height: float =
         f"handrail_{name}",
         [(x + s * w, y, under(y) + z) for y in (a, b) for s in (-1, 1) for w, z in ((0.022, 0.0), (0.03, 0.025), (0.02, 0.055))],
     )
+    if f.bars:
+        for k, share in enumerate((0.25, 0.5, 0.75), start=1):
+            points = [
+                (x + s * 0.012, y, y * slope + f.rise + share * height + z)
+                for y in (a, b)
+                for s in (-1, 1)
+                for z in (-0.02, 0.02)
+            ]
+            f.hull(body, f"bar_{name}_{k}", points)
+        return
     per = 2 if f.steps <= (6 if f.name else 12) else 1
     for k in range(f.steps * per):
         y = (k + 0.5) * f.going / per + (0.25 * f.going if per == 1 else 0.0)
@@ -246,7 +258,7 @@ def _landing(body: Body, low: np.ndarray, high: np.ndarray, level: float, *, sto
         body.box(f"landing_beam_{k}", (x, low[1] + side, under), (x + 0.05, high[1] - side, top))
 
 
-def _guard(body: Body, name: str, ends: tuple[np.ndarray, np.ndarray], level: float) -> None:
+def _guard(body: Body, name: str, ends: tuple[np.ndarray, np.ndarray], level: float, *, bars: bool) -> None:
     """A level railing between two points of an edge."""
     a, b = (np.append(e, level) for e in ends)
     way = (b - a) / np.linalg.norm(b - a)
@@ -259,6 +271,10 @@ def _guard(body: Body, name: str, ends: tuple[np.ndarray, np.ndarray], level: fl
     for k, p in enumerate((a, b), start=1):
         bar(f"newel_{k}", p - 0.035 * way, p + 0.035 * way, 0.035, (0.0, top + 0.1))
     bar("rail", a + 0.035 * way, b - 0.035 * way, 0.028, (top - 0.05, top))
+    if bars:
+        for k, z in enumerate((0.25, 0.5, 0.75), start=1):
+            bar(f"bar_{k}", a + 0.035 * way, b - 0.035 * way, 0.012, (z * 0.92 - 0.02, z * 0.92 + 0.02))
+        return
     length = float(np.linalg.norm(b - a)) - 0.07
     count = max(1, round(length / 0.13))
     for k in range(1, count):
@@ -279,8 +295,8 @@ def _landing_stairs(p: LandingStairsParameters, rng: np.random.Generator) -> Mad
     rails: Railings = "both" if p.railing else "none"
     low, high = one(-w / 2, run, 0), one(w / 2, run + w, 0)
     flights = [
-        _Flight(first, rise, going, w, one, "lower_"),
-        _Flight(steps - first, rise, going, w, two, "upper_"),
+        _Flight(first, rise, going, w, one, "lower_", bars=steps > 10),
+        _Flight(steps - first, rise, going, w, two, "upper_", bars=steps > 10),
     ]
     corner = np.array(high[:2])
     if p.turn == "half":
@@ -298,7 +314,7 @@ def _landing_stairs(p: LandingStairsParameters, rng: np.random.Generator) -> Mad
         if p.turn != "quarter":
             lines.append(((x1 - e, y0 + 0.1), (x1 - e, end)))
         for k, (a, b) in enumerate(lines, start=1):
-            _guard(body, f"guard_{k}", (np.array(a), np.array(b)), level)
+            _guard(body, f"guard_{k}", (np.array(a), np.array(b)), level, bars=steps > 10)
     middle = (np.array(low[:2]) + corner) / 2
     made.places["landing"] = Place((*middle, level), (float(corner[0] - low[0]) - 0.2, float(corner[1] - low[1]) - 0.2))
     return made

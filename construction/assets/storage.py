@@ -262,8 +262,9 @@ def _display_case(p: DisplayCaseParameters, rng: np.random.Generator) -> Made:
         )
     low, high = p.base, p.base + p.glass
     for number, (sx, sy) in enumerate(((-1, -1), (1, -1), (1, 1), (-1, 1)), start=1):
-        a, b = sorted((sx * x, sx * (x - post))), sorted((sy * y, sy * (y - post)))
-        body.box(f"post_{number}", (a[0], b[0], low), (a[1], b[1], high), material=p.metal)
+        at = (sx * (x - post / 2), sy * (y - post / 2))
+        corners = [(at[0] + s * post / 2, at[1] + s * post / 2) for s in (-1, 1)]
+        body.box(f"post_{number}", (*corners[0], low), (*corners[1], high), material=p.metal)
     glass = "soda_lime_glass"
     body.box("pane_back", (-x + post, y - t, low), (x - post, y, high), material=glass)
     for side, a in (("left", -x), ("right", x - t)):

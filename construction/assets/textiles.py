@@ -13,7 +13,7 @@ from .profiles import circle
 
 __all__ = ["GENERATORS"]
 
-GAP = 6e-4
+GAP = 1.01e-3
 """[m] Between two things that lie on each other."""
 
 
@@ -171,6 +171,7 @@ def _blanket(p: BlanketParameters, rng: np.random.Generator) -> Made:
         return made
     last = body.parts[f"layer_{p.layers}"].shape
     side = last.height / 2 if last.kind == "extrusion" else p.width / 2
+    beyond = p.width / 2 + 0.008
     z, long = top - 0.5 * p.layer, 0.035
     radius = min(0.003, 0.3 * p.layer, 0.3 * p.depth / p.fringes)
     profile = circle(radius, 6)
@@ -180,9 +181,9 @@ def _blanket(p: BlanketParameters, rng: np.random.Generator) -> Made:
             drop = float(rng.uniform(0.3, 0.8)) * min(long, max(z - 2 * radius, 0.0))
             path = [
                 (s * side, y, z),
-                (s * (side + 0.008), y, z),
-                (s * (side + 0.016), y, z - 0.4 * drop),
-                (s * (side + 0.02), y, z - drop),
+                (s * beyond, y, z),
+                (s * (beyond + 0.008), y, z - 0.4 * drop),
+                (s * (beyond + 0.012), y, z - drop),
             ]
             body.sweep(f"fringe_{name}_{k + 1}", path, profile)
     return made

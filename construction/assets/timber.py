@@ -13,7 +13,7 @@ from .made import MAIN, Body, Made, Place
 
 __all__ = ["GENERATORS"]
 
-GAP = 6e-4
+GAP = 1.1e-3
 """Between loose pieces [m]."""
 
 
@@ -71,8 +71,8 @@ def _log(p: LogParameters, rng: np.random.Generator) -> Made:
         a, b = ring[k], ring[(k + 1) % len(ring)]
         way = (b - a) / np.linalg.norm(b - a)
         out = np.array([way[1], -way[0]])
-        x = (-0.42 + 0.84 * (number + float(rng.uniform(0.2, 0.8))) / p.stubs) * p.length
-        r = min(0.48 * float(np.linalg.norm(b - a)), 0.05)
+        x = (-0.42 + 0.84 * (number + float(rng.uniform(0.35, 0.65))) / p.stubs) * p.length
+        r = min(0.48 * float(np.linalg.norm(b - a)), 0.05, 0.09 * p.length / p.stubs)
         long, lean = float(rng.uniform(1.5, 4.0)) * r, float(rng.uniform(-0.5, 0.5))
         base = (a + b) / 2
         tip = base + out * long
@@ -118,6 +118,9 @@ def _log_pile(p: LogPileParameters, rng: np.random.Generator) -> Made:
             outline = [(face, sill), (top, sill), (top, sill + top - face)]
             made.main.hull(f"chock_{end}_{side}", [(t * x, y + w, z) for x, z in outline for w in (-0.3 * r, 0.3 * r)])
     made.main.box("tie", (-0.25 * r, -0.3 * p.length + 0.3 * r, 0), (0.25 * r, 0.3 * p.length - 0.3 * r, 0.6 * sill))
+    # Flat sides meet where the logs lie on each other, so that none rolls on.
+    turns = [2 * math.pi * (k + 0.5) / 24 for k in range(24)]
+    section = [(r / math.cos(math.pi / 24) * math.cos(a), r / math.cos(math.pi / 24) * math.sin(a)) for a in turns]
     below: list[str] = []
     for row in range(min(p.rows, p.bottom)):
         names = []
@@ -127,7 +130,8 @@ def _log_pile(p: LogPileParameters, rng: np.random.Generator) -> Made:
             shift = float(rng.uniform(-1, 1)) * min(p.uneven, 0.1 * p.length)
             name = f"log_{row + 1}_{k + 1}"
             body = made.bodies[name] = Body("log", p.material)
-            body.cylinder("log", (x, shift - p.length / 2, z), (x, shift + p.length / 2, z), r)
+            ends = (shift - p.length / 2, shift + p.length / 2)
+            body.hull("log", [(x + u, y, z + v) for u, v in section for y in ends])
             made.carries += [(MAIN, name)] if row == 0 else [(below[k], name), (below[k + 1], name)]
             names.append(name)
         below = names
@@ -164,11 +168,13 @@ def _firewood(p: FirewoodParameters, rng: np.random.Generator) -> Made:
     columns, rows = max(2, round(2 * half / (p.split * grown))), max(2, round(p.height / (p.split * grown)))
     wide, high = 2 * half / columns, p.height / rows
     grid = np.empty((rows + 1, columns + 1, 2))
+    air = 0.5 * GAP if p.loose else 0.0
+    wide -= 2 * air / columns
     for j in range(rows + 1):
         for k in range(columns + 1):
             inner_x, inner_z = 0 < k < columns, j > 0
             grid[j, k] = (
-                -half + k * wide + inner_x * float(rng.uniform(-0.22, 0.22)) * wide,
+                -half + air + k * wide + inner_x * float(rng.uniform(-0.22, 0.22)) * wide,
                 sill + j * high + inner_z * float(rng.uniform(-0.22, 0.22)) * high,
             )
     for j in range(rows):
@@ -178,8 +184,8 @@ def _firewood(p: FirewoodParameters, rng: np.random.Generator) -> Made:
             body = rack
             if p.loose:
                 body = made.bodies[name] = Body("firewood", p.material)
-                quad = _inset(quad, 0.55 * GAP)
-                quad[:, 1] += 0.55 * GAP
+                quad = _inset(quad, 0.5 * GAP)
+                quad[:, 1] += 0.5 * GAP
                 made.carries += [(MAIN, name)] if j == 0 or k in (0, columns - 1) else []
             ends = [p.piece / 2 + float(rng.uniform(-0.03, 0.02)) for _ in range(2)]
             c = 0.012
@@ -189,13 +195,7 @@ def _firewood(p: FirewoodParameters, rng: np.random.Generator) -> Made:
             ]
             body.hull("wood" if p.loose else name, points, material=p.material)
     if p.loose:
-        made.carries += [
-            (f"piece_{j}_{k + d}", f"piece_{j + 1}_{k}")
-            for j in range(1, rows)
-            for k in range(1, columns + 1)
-            for d in (-1, 0, 1)
-            if 1 <= k + d <= columns
-        ]
+        made.carries += [(f"piece_{j}_{k}", f"piece_{j + 1}_{k}") for j in range(1, rows) for k in range(1, columns + 1)]
     return made
 
 

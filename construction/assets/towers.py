@@ -20,7 +20,7 @@ Plan = list[tuple[float, float]]
 
 
 def clipped(plan: Plan, a: float, b: float, limit: float) -> Plan:
-    """What of a convex polygon lies where a x + b y <= limit."""
+    """Part of a convex polygon where a x + b y <= limit."""
     found: Plan = []
     for (x0, y0), (x1, y1) in zip(plan, [*plan[1:], plan[0]], strict=True):
         s0, s1 = a * x0 + b * y0 - limit, a * x1 + b * y1 - limit

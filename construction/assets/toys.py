@@ -17,7 +17,7 @@ from .turning import drawn, moved, solid, stacked
 
 __all__ = ["GENERATORS"]
 
-GAP = 6e-4
+GAP = 1.01e-3
 """[m] Between bodies."""
 WOODS = ("maple", "cherry_wood", "walnut", "beech", "mahogany", "oak", "white_pine", "teak")
 
@@ -140,7 +140,7 @@ class BuildingBlocksParameters(Parameters):
 
 def _building_blocks(p: BuildingBlocksParameters, rng: np.random.Generator) -> Made:
     made, side, long = Made({}), p.block, p.block * p.length
-    pitch, gap = long + GAP, 5e-4
+    pitch, gap = long + GAP, GAP
     spots: list[tuple[float, float, int]] = []
     for k in range(p.rows):
         if p.form == "pyramid":

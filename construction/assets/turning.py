@@ -37,10 +37,10 @@ __all__ = [
 ]
 
 BONDS = {
-    "soda_lime_glass": (4e6, 6e6),
-    "borosilicate_glass": (5e6, 7e6),
-    "porcelain": (3e6, 5e6),
-    "terracotta": (8e5, 1.5e6),
+    "soda_lime_glass": (7e5, 1.1e6),
+    "borosilicate_glass": (8e5, 1.3e6),
+    "porcelain": (5e5, 9e5),
+    "terracotta": (3e5, 6e5),
 }
 """Own choice: effective tension and shear [Pa] of thin walls with flaws, below those of sound samples."""
 
@@ -195,8 +195,8 @@ def drawn(body: Body, *names: str) -> None:
 
 def breaking(material: str, pieces: int, seed: int, wall: float) -> dict[str, Any]:
     """The field `breakable` of a thin-walled body that shatters into about `pieces` pieces."""
-    tension, shear = BONDS.get(material, (2e6, 4e6))
+    tension, shear = BONDS.get(material, (7e5, 1.1e6))
     return {
         "pattern": {"kind": "voronoi", "pieces": pieces, "seed": seed},
-        "bond": {"tension": tension, "shear": shear, "young_modulus": 5e10, "crumble": round(0.2 * wall, 6)},
+        "bond": {"tension": tension, "shear": shear, "young_modulus": 5e10, "crumble": max(0.001, round(0.25 * wall, 6))},
     }

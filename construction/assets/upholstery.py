@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -26,7 +27,7 @@ def padded(
     size: Point,
     cover: str,
     *,
-    lens: bool = False,
+    form: Literal["box", "sharp", "lens"] = "box",
     bevel: tuple[float, float] = (0.06, 0.04),
     lean: float = 0.0,
 ) -> None:
@@ -38,20 +39,21 @@ def padded(
         center: of the cushion [m].
         size: full extents [m] before it leans.
         cover: material of the cover.
-        lens: thick in the middle and thin at its edges, as a pillow; otherwise a box with a bevelled upper side.
+        form: a box with a bevelled upper side and cut corners; one with sharp corners, of fewer pieces; or a lens, thick in the
+            middle and thin at its edges, as a pillow.
         bevel: width and height of the bevel [m].
         lean: angle about the x axis [rad] by which its upper side turns towards -y.
     """
     x, y, z = (float(c) / 2 for c in np.asarray(size, dtype=np.float64))
-    t, cut = min(COVER, 0.2 * z), 0.0 if lens else min(0.25 * min(x, y), SOFT)
-    if lens:
+    t, cut = min(COVER, 0.2 * z), 0.0 if form != "box" else min(0.25 * min(x, y), SOFT)
+    if form == "lens":
         wide = 0.45 * min(x, y)
         half = [(0.0, 0.0), (0.22 * wide, 0.62 * z), (wide, z)]
         core = [(1.6 * t, 0.0), (0.22 * wide + t, 0.62 * z - t), (wide, z - t)]
         outer = [(d, -v) for d, v in half[:0:-1]] + half
         inner = [(d, -v) for d, v in core[:0:-1]] + core
     else:
-        wide, high = min(bevel[0], 1.6 * cut), min(bevel[1], 1.2 * z)
+        wide, high = min(bevel[0], 1.6 * cut if cut else 0.5 * min(x, y)), min(bevel[1], 1.2 * z)
         outer = [(0.0, t - z), (0.0, z - high), (wide, z)]
         inner = [(t, t - z), (t, z - high - t / 2), (wide, z - t)]
     turn = (lean, 0.0, 0.0)

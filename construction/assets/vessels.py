@@ -15,7 +15,7 @@ from .turning import breaking, bulged, drawn, facet, grip, half, hollow, solid, 
 __all__ = ["GENERATORS"]
 
 BREAKABLE = Field(default=False, description="it shatters: pieces are cut beforehand")
-CLEAR = 6e-4
+CLEAR = 1.01e-3
 """[m] Between a loose lid or stopper and what it lies on."""
 
 
@@ -59,14 +59,14 @@ class WineGlassParameters(Parameters):
 def _wine_glass(p: WineGlassParameters, rng: np.random.Generator) -> Made:
     wide, stem, under = p.diameter / 2, p.stem / 2, (1 - p.bowl) * p.height
     foot = float(rng.uniform(0.84, 0.94)) * wide
-    wall, deep = 0.0016, p.bowl * p.height
+    wall, deep = 0.0026 if p.breakable else 0.0016, p.bowl * p.height
     body = Body("wine glass", p.material)
     body.turned("foot", solid([(foot, 0), (foot, 0.0018), (1.15 * stem, 0.009)]), segments=40)
     body.turned("stem", solid([(stem, 0.009), (0.85 * stem, 0.6 * under), (stem, under)]), segments=20)
     full = float(rng.uniform(0.34, 0.46))
     outer = [(stem, under), (0.78 * wide, under + 0.16 * deep), (wide, under + full * deep), (p.rim * wide, p.height)]
     body.turned("bowl", hollow(outer, wall, 0.005, fine=bulged(outer, 3)), segments=14)
-    body.breakable = breaking(p.material, 16, int(rng.integers(1000)), wall) if p.breakable else None
+    body.breakable = breaking(p.material, 11, int(rng.integers(1000)), wall) if p.breakable else None
     return Made.of(body)
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from .cabinetry import pick, set_moving
+from .cabinetry import pick
 from .generator import Generator, Parameters, material
 from .made import MAIN, Body, Joint, Made, Place
 from .profiles import circle, inset, oval
@@ -24,9 +24,18 @@ def _moulding(kind: str, wide: float, deep: float) -> Flat:
     if kind == "flat":
         return [(0.0, 0.0), (0.0, wide), (0.8 * deep, wide), (deep, wide - 0.2 * deep), (deep, 0.1 * deep), (0.9 * deep, 0.0)]
     if kind == "cove":
-        curve = [(deep * (1 - 0.55 * s), 0.25 * wide + 0.75 * wide * t) for s, t in ((0.0, 0.0), (0.6, 0.2), (0.9, 0.55), (1.0, 1.0))]
+        curve = [
+            (deep * (1 - 0.55 * s), 0.25 * wide + 0.75 * wide * t) for s, t in ((0.0, 0.0), (0.6, 0.2), (0.9, 0.55), (1.0, 1.0))
+        ]
         return [(0.0, 0.0), (0.0, wide), *curve[::-1], (deep, 0.06 * wide), (0.8 * deep, 0.0)]
-    step = [(0.5 * deep, wide), (0.62 * deep, 0.8 * wide), (0.62 * deep, 0.66 * wide), (deep, 0.42 * wide), (deep, 0.24 * wide), (0.72 * deep, 0.1 * wide)]
+    step = [
+        (0.5 * deep, wide),
+        (0.62 * deep, 0.8 * wide),
+        (0.62 * deep, 0.66 * wide),
+        (deep, 0.42 * wide),
+        (deep, 0.24 * wide),
+        (0.72 * deep, 0.1 * wide),
+    ]
     return [(0.0, 0.0), (0.0, wide), *step, (0.72 * deep, 0.0)]
 
 
@@ -59,7 +68,12 @@ def _picture_frame(p: PictureFrameParameters, rng: np.random.Generator) -> Made:
     front = back - 0.0095
     if mount > 0.004:
         far = [(-inner, low), (inner, low), (inner, high), (-inner, high)]
-        near = [(-inner + mount, low + mount), (inner - mount, low + mount), (inner - mount, high - mount), (-inner + mount, high - mount)]
+        near = [
+            (-inner + mount, low + mount),
+            (inner - mount, low + mount),
+            (inner - mount, high - mount),
+            (-inner + mount, high - mount),
+        ]
         for number in range(4):
             quad = [far[number - 1], far[number], near[number], near[number - 1]]
             body.prism(f"mount_{number + 1}", quad, face - 0.0005, front, axis="y", material="cotton")
@@ -68,11 +82,15 @@ def _picture_frame(p: PictureFrameParameters, rng: np.random.Generator) -> Made:
     z = tall - wide - 0.02
     hook.box("plate", (-0.012, -0.004, z - 0.01), (0.012, 0.0, z + 0.01))
     hook.box("lip", (-0.008, -0.0065, z - 0.01), (0.008, -0.004, z - 0.007))
-    made.joints["hanging"] = Joint(MAIN, "hinge", (0, -0.003, z), "hook", axis=(0, 1, 0), range=(-0.5, 0.5), damping=0.003, friction=0.002)
+    made.joints["hanging"] = Joint(
+        MAIN, "hinge", (0, -0.003, z), "hook", axis=(0, 1, 0), range=(-0.5, 0.5), damping=0.003, friction=0.002
+    )
     return made
 
 
-def _landscape(body: Body, rect: tuple[float, float, float, float], depths: tuple[float, float], rng: np.random.Generator) -> None:
+def _landscape(
+    body: Body, rect: tuple[float, float, float, float], depths: tuple[float, float], rng: np.random.Generator
+) -> None:
     """A picture of hills before each other under a sky, of pieces of cloth and paper."""
     x0, x1, z0, z1 = rect
     count, points = int(rng.integers(2, 5)), 9
@@ -85,7 +103,9 @@ def _landscape(body: Body, rect: tuple[float, float, float, float], depths: tupl
         heights = z0 + (z1 - z0) * np.clip(level + wave, 0.05, 0.93)
         before = np.interp(across, [a for a, _ in lower], [b for _, b in lower])
         heights = np.maximum(heights, before + 0.004 * (z1 - z0))
-        upper = [(float(a), float(min(z, z1 - 0.002 * (z1 - z0) * (count - number)))) for a, z in zip(across, heights, strict=True)]
+        upper = [
+            (float(a), float(min(z, z1 - 0.002 * (z1 - z0) * (count - number)))) for a, z in zip(across, heights, strict=True)
+        ]
         body.prism(f"hill_{number + 1}", [*lower, *upper[::-1]], *depths, axis="y", material=stuffs[number])
         lower = upper
     body.prism("sky", [*lower, (x1, z1), (x0, z1)], *depths, axis="y", material=("linen", "cotton", "silk")[int(rng.integers(3))])
@@ -111,15 +131,19 @@ def _wall_mirror(p: WallMirrorParameters, rng: np.random.Generator) -> Made:
         outline = [(-x, 0.0), (x, 0.0), (x, tall), (-x, tall)]
     elif kind == "arched":
         rise = min(0.9 * x, 0.4 * tall)
-        outline = [(-x, 0.0), (x, 0.0), *((x * math.cos(a), tall - rise + rise * math.sin(a)) for a in np.linspace(0, math.pi, 17))]
+        outline = [
+            (-x, 0.0),
+            (x, 0.0),
+            *((x * math.cos(a), tall - rise + rise * math.sin(a)) for a in np.linspace(0, math.pi, 17)),
+        ]
     else:
         turn = oval(p.width, tall, 28, middle=tall / 2)
         first = min(range(28), key=lambda k: (round(turn[k][1], 6), turn[k][0]))
         outline = turn[first:] + turn[:first]
     _frame(body, outline, profile, 0.0)
     pane = inset(outline, wide)
-    body.prism("silvering", pane, -0.0063, -0.006, axis="y", material="silver")
-    body.prism("glass", pane, -0.0103, -0.0063, axis="y", material="soda_lime_glass")
+    body.prism("silvering", pane, -0.007, -0.006, axis="y", material="aluminium_alloy")
+    body.prism("glass", pane, -0.011, -0.007, axis="y", material="soda_lime_glass")
     body.prism("back", pane, -0.006, 0.0, axis="y", material="mdf")
     return Made.of(body)
 
@@ -164,13 +188,15 @@ def _wall_clock(p: WallClockParameters, rng: np.random.Generator) -> Made:
     _hands(body, p, dial, center)
     if p.pendulum:
         start = math.pi / 8 if segments == 8 else 0.0
-        corners = [(radius * math.sin(a), center - radius * math.cos(a)) for a in start + math.tau * np.arange(segments) / segments]
+        corners = [
+            (radius * math.sin(a), center - radius * math.cos(a)) for a in start + math.tau * np.arange(segments) / segments
+        ]
         half = 0.93 * radius if segments == 8 else 0.71 * radius
         edge = sorted(q for q in corners if q[1] < center and abs(q[0]) < half)
         x, top = edge[-1][0], drop - 0.014
         body.prism("neck", [(-x, top), (x, top), *edge[::-1]], 0.012 - deep, 0.0, axis="y")
         _pendulum_case(made, p, (x, top, 0.02))
-    return set_moving(made)
+    return made
 
 
 def _hands(body: Body, p: WallClockParameters, dial: float, center: float) -> None:
@@ -182,7 +208,9 @@ def _hands(body: Body, p: WallClockParameters, dial: float, center: float) -> No
         a = math.tau * share
         radial, side = (math.sin(a), math.cos(a)), (math.cos(a), -math.sin(a))
         shape = ((-0.14, -0.5), (0.0, -0.7), (0.75 * long, -0.4), (long, 0.0), (0.75 * long, 0.4), (0.0, 0.7), (-0.14, 0.5))
-        points = [(dial * (radial[0] * r + side[0] * w * wide), center + dial * (radial[1] * r + side[1] * w * wide)) for r, w in shape]
+        points = [
+            (dial * (radial[0] * r + side[0] * w * wide), center + dial * (radial[1] * r + side[1] * w * wide)) for r, w in shape
+        ]
         body.prism(f"{name}_hand", points, y - 0.002, y, axis="y", material=p.hand)
     body.cylinder("cap", (0, -0.027, center), (0, -0.03, center), 0.035 * dial, material=p.hand)
 
@@ -194,7 +222,11 @@ def _pendulum_case(made: Made, p: WallClockParameters, extent: tuple[float, floa
     for side, a in (("left", -x), ("right", x - t)):
         body.box(f"box_{side}", (a, -deep, low + t), (a + t, -0.008, top))
     body.box("box_floor", (-x, -deep, low), (x, -0.008, low + t))
-    body.hull("box_base", [(a, b, low) for a in (-x, x) for b in (-deep, 0.0)] + [(a, b, low - 0.02) for a in (-0.6 * x, 0.6 * x) for b in (-0.7 * deep, 0.0)])
+    body.hull(
+        "box_base",
+        [(a, b, low) for a in (-x, x) for b in (-deep, 0.0)]
+        + [(a, b, low - 0.02) for a in (-0.6 * x, 0.6 * x) for b in (-0.7 * deep, 0.0)],
+    )
     body.box("box_head", (-x + t, -deep, top - t), (x - t, -0.008, top))
     bob = made.bodies["pendulum"] = Body("pendulum", p.metal)
     hang, radius = top - t - 0.004, min(0.5 * (x - t), 0.2 * (top - low))
@@ -203,7 +235,9 @@ def _pendulum_case(made: Made, p: WallClockParameters, extent: tuple[float, floa
     disc = [(0, -0.006), (0.6 * radius, -0.006), (radius, -0.0025), (radius, 0.0025), (0.6 * radius, 0.006), (0, 0.006)]
     bob.turned("bob", disc, (0, -0.04, foot), segments=32, euler=(math.pi / 2, 0, 0))
     swing = 0.6 * math.asin(min(0.9, (x - t - radius - 0.004) / (hang - foot)))
-    made.joints["pendulum"] = Joint("pendulum", "hinge", (0, -0.04, hang), MAIN, axis=(0, 1, 0), range=(-swing, swing), damping=0.0001)
+    made.joints["pendulum"] = Joint(
+        "pendulum", "hinge", (0, -0.04, hang), MAIN, axis=(0, 1, 0), range=(-swing, swing), damping=0.0001
+    )
 
 
 class WallShelfParameters(Parameters):
@@ -231,7 +265,14 @@ def _wall_shelf(p: WallShelfParameters, rng: np.random.Generator) -> Made:
         a = (2 * number / (count - 1) - 1) * (x - 0.12 * p.width)
         if kind == "wood":
             curve = [(-reach * math.cos(t), p.drop - 0.95 * p.drop * math.sin(t)) for t in np.linspace(0.0, math.pi / 2, 8)]
-            shape = [(0.0, p.drop), (-reach, p.drop), (-reach, p.drop - 0.025), *((b * 0.86, c - 0.02) for b, c in curve[1:-1]), (-0.03, 0.0), (0.0, 0.0)]
+            shape = [
+                (0.0, p.drop),
+                (-reach, p.drop),
+                (-reach, p.drop - 0.025),
+                *((b * 0.86, c - 0.02) for b, c in curve[1:-1]),
+                (-0.03, 0.0),
+                (0.0, 0.0),
+            ]
             body.prism(f"bracket_{number + 1}", shape, a - 0.012, a + 0.012, axis="x")
             continue
         body.box(f"plate_{number + 1}", (a - 0.014, -0.004, 0.0), (a + 0.014, 0.0, p.drop), material=p.metal)
@@ -277,7 +318,12 @@ def _curtain_rod(p: CurtainRodParameters, rng: np.random.Generator) -> Made:
     for side, sign in (("left", -1), ("right", 1)):
         turn, end = (0, sign * math.pi / 2, 0), (sign * x, -p.reach, z)
         shape = {
-            "ball": [(0, 0), (0.8 * radius, 0), *((big * math.sin(a), big * (1 - math.cos(a))) for a in (0.6, 1.0, 1.57, 2.1, 2.6)), (0, 2 * big)],
+            "ball": [
+                (0, 0),
+                (0.8 * radius, 0),
+                *((big * math.sin(a), big * (1 - math.cos(a))) for a in (0.6, 1.0, 1.57, 2.1, 2.6)),
+                (0, 2 * big),
+            ],
             "spear": [(0, 0), (0.9 * big, 0), (big, 0.5 * big), (0.5 * big, 2.6 * big), (0, 3.6 * big)],
             "disc": [(0, 0), (1.2 * radius, 0), (big, 0.3 * big), (big, 0.6 * big), (0, 0.9 * big)],
         }[kind]
@@ -294,21 +340,40 @@ def _curtain_rod(p: CurtainRodParameters, rng: np.random.Generator) -> Made:
         ring = made.bodies[f"ring_{number + 1}"] = Body("curtain ring", p.metal)
         inner, thick = radius + 0.007, 0.002
         at = z - ((inner + thick) * math.cos(math.pi / 12) - 1.15 * thick - radius - 0.001)
-        path = [(a, -p.reach + (inner + thick) * math.cos(t), at + (inner + thick) * math.sin(t)) for t in math.tau * np.arange(12) / 12]
+        path = [
+            (a, -p.reach + (inner + thick) * math.cos(t), at + (inner + thick) * math.sin(t))
+            for t in math.tau * np.arange(12) / 12
+        ]
         ring.sweep("loop", path, circle(thick, 6), closed=True)
         way = 0.5 * pitch - 0.006 if not p.width > 2.0 else min(0.5 * pitch - 0.006, max(0.0, abs(a) - 0.02))
         made.joints[f"ring_{number + 1}"] = Joint(
-            f"ring_{number + 1}", "slide", (a, -p.reach, z), MAIN, axis=(1, 0, 0), range=(-way, way), damping=0.5, friction=0.3
+            f"ring_{number + 1}",
+            "slide",
+            (a, -p.reach, z + radius + 0.0005),
+            MAIN,
+            axis=(1, 0, 0),
+            range=(-way, way),
+            damping=0.5,
+            friction=0.3,
         )
-    return set_moving(made)
+    return made
 
 
 def _bracket(body: Body, name: str, at: tuple[float, float, float], radius: float, metal: str) -> None:
     """A plate on the wall, and an arm that bends under the rod and bears it in a saddle; `at`: x, reach of the rod, its height [m]."""
     x, reach, z = at
-    body.turned(f"{name}_plate", [(0, 0), (0.026, 0), (0.022, 0.006), (0, 0.006)], (x, 0, z - radius - 0.014), segments=24, euler=(math.pi / 2, 0, 0), material=metal)
+    body.turned(
+        f"{name}_plate",
+        [(0, 0), (0.026, 0), (0.022, 0.006), (0, 0.006)],
+        (x, 0, z - radius - 0.014),
+        segments=24,
+        euler=(math.pi / 2, 0, 0),
+        material=metal,
+    )
     body.cylinder(f"{name}_arm", (x, -0.006, z - radius - 0.014), (x, -reach - 0.006, z - radius - 0.014), 0.006, material=metal)
-    body.box(f"{name}_saddle", (x - 0.006, -reach - 0.01, z - radius - 0.008), (x + 0.006, -reach + 0.01, z - radius), material=metal)
+    body.box(
+        f"{name}_saddle", (x - 0.006, -reach - 0.01, z - radius - 0.008), (x + 0.006, -reach + 0.01, z - radius), material=metal
+    )
 
 
 GENERATORS = (

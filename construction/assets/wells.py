@@ -54,7 +54,7 @@ def _well(p: WellParameters, rng: np.random.Generator) -> Made:
         _well_roof(body, x + side / 2, post, p)
     _windlass(made, x - side / 2, x + side / 2, axle, p)
     pail = made.bodies["bucket"] = Body("bucket", p.wood)
-    _bucket(pail, (0, -(outer - 0.5 * thick) * math.cos(math.pi / n), top + 5e-4), 0.5 * thick)
+    _bucket(pail, (0, -(outer - 0.5 * thick) * math.cos(math.pi / n), top + 1.1e-3), 0.5 * thick)
     made.carries.append((MAIN, "bucket"))
     return made
 
@@ -80,7 +80,7 @@ def _well_roof(body: Body, reach: float, post: float, p: WellParameters) -> None
 
 
 def _windlass(made: Made, inner: float, outer: float, z: float, p: WellParameters) -> None:
-    """Drum with rope, axle through the posts, and a crank on the right."""
+    """Drum with rope, axle in the posts, with a bearing on the left and a crank on the right."""
     body = made.bodies["windlass"] = Body("windlass", p.wood)
     end, r = inner - 0.02, 0.085
     body.turned("drum", [(0, -end), (r, -end), (r, end), (0, end)], (0, 0, z), segments=16, euler=(math.pi / 2, 0, math.pi / 2))
@@ -93,7 +93,8 @@ def _windlass(made: Made, inner: float, outer: float, z: float, p: WellParameter
             euler=(math.pi / 2, 0, math.pi / 2),
         )
     ax = 0.022
-    body.cylinder("axle_left", (-outer - 0.03, 0, z), (-end, 0, z), ax, material=p.metal)
+    body.cylinder("axle_left", (-outer + 0.003, 0, z), (-end, 0, z), ax, material=p.metal)
+    made.main.box("bearing", (-outer - 0.04, -0.05, z - 0.05), (-outer, 0.05, z + 0.05), material=p.metal)
     body.cylinder("axle_right", (end, 0, z), (outer + 0.05, 0, z), ax, material=p.metal)
     path = [
         (outer + 0.05, 0, z),

@@ -24,7 +24,7 @@ class DeskParameters(Parameters):
     depth: float = Field(default=0.7, ge=0.55, le=0.95, description="along y [m]; one sits at -y")
     height: float = Field(default=0.74, ge=0.68, le=0.78, description="to the upper side of the top [m]")
     pedestals: Literal["left", "right", "both"] = Field(default="right", description="sides with drawers")
-    drawers: int = Field(default=3, ge=2, le=4, description="drawers of a pedestal")
+    drawers: int = Field(default=3, ge=2, le=3, description="drawers of a pedestal")
     handles: Literal["varied", "bar", "bow", "knob"] = Field(default="varied", description="of the drawers")
     fronts: Literal["varied", "flat", "framed"] = Field(default="varied", description="of the drawers")
     metal: str = material("brass", "stainless_steel", "mild_steel", "bronze", of="handles")
@@ -146,7 +146,7 @@ def _vice(made: Made, p: WorkbenchParameters, x: float) -> None:
     jaw.prism("cheek", [*rim, (x - half + 0.02, p.height - 0.002), (x - half, p.height - 0.02)], front - 0.055, front, axis="y")
     jaw.cylinder("screw", (x, front, level), (x, front + reach, level), 0.014, material="mild_steel")
     for name, sign in (("left", -1), ("right", 1)):
-        a = x + sign * (half - 0.05)
+        a = x + sign * (half - 0.042)
         jaw.cylinder(f"rod_{name}", (a, front, level), (a, front + reach, level), 0.011, material="mild_steel")
     hub = front - 0.055
     jaw.cylinder("hub", (x, hub, level), (x, hub - 0.06, level), 0.024, material="cast_iron")
@@ -156,7 +156,14 @@ def _vice(made: Made, p: WorkbenchParameters, x: float) -> None:
         a = x + sign * 0.13
         jaw.cylinder(f"bar_end_{name}", (a, hub - 0.009, level), (a + sign * 0.018, hub - 0.009, level), 0.015)
     made.joints["jaw"] = Joint(
-        "jaw", "slide", (x, front, level), MAIN, axis=(0, -1, 0), range=(0.0, 0.18), damping=200.0, friction=60.0
+        "jaw",
+        "slide",
+        (x - half + 0.0305, y + 0.1, level),
+        MAIN,
+        axis=(0, -1, 0),
+        range=(0.0, 0.18),
+        damping=200.0,
+        friction=60.0,
     )
 
 

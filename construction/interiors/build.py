@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...worlds.arrays import RigidPose, euler_to_quaternion
-from ...worlds.spec import Interior
+from ...worlds.spec import Interior, Room
 from ..assets.documents import asset_documents, body_id
 from ..assets.posing import posed
 from ..assets.registry import generator
@@ -41,6 +41,8 @@ class BuiltInterior:
     """Members of collections of a specification, by id, and what there is to say."""
 
     plan: Plan
+    corner: tuple[float, float, float]
+    """World position of the plan's corner [m]."""
     entities: dict[str, dict[str, Any]] = field(default_factory=dict)
     joints: dict[str, dict[str, Any]] = field(default_factory=dict)
     relations: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -70,7 +72,8 @@ def build_interior(name: str, interior: Interior, *, gap: float) -> BuiltInterio
     doors = doors_of(plan, pairs, wall=wall, width=opening, head=DOOR_HEIGHT + JAMB + LOOSE, rng=rng)
     lit = [k for k, n in needs.items() if n.daylight]
     windows = windows_of(plan, lit, doors, wall=wall, sill=SILL, head=WINDOW_HEAD)
-    found = BuiltInterior(plan)
+    x, y, z = interior.at
+    found = BuiltInterior(plan, (x - plan.width / 2, y - plan.depth / 2, z))
     _shell(found, name, interior, doors, windows)
     for door in doors:
         _hang_door(found, name, interior, door, rng)
@@ -78,7 +81,10 @@ def build_interior(name: str, interior: Interior, *, gap: float) -> BuiltInterio
         _set_window(found, name, interior, window)
     stock = Stock(rng)
     for room, rect in plan.rooms.items():
-        _furnish(found, name, interior, room, clear_rect(rect, wall), [*doors, *windows], gap, stock, rng)
+        own = clear_rect(rect, wall)
+        space = FloorSpace(own, [o for o in (*doors, *windows) if _beside(o, own, wall)], wall)
+        frame = Frame(f"{name}_{room}", interior.height, gap)
+        _furnish(found, frame, interior.rooms[room], space, _Supply(stock, interior.density, rng), name)
     _routes(found, name, interior, pairs)
     return found
 
@@ -86,12 +92,6 @@ def build_interior(name: str, interior: Interior, *, gap: float) -> BuiltInterio
 def _need(kind: str, area: float | None, doors: tuple[str, ...], windows: bool | None) -> Need:
     own = KINDS[kind]
     return Need(area or own.area, own.width, own.aspect, doors, own.daylight if windows is None else windows)
-
-
-def _origin(plan: Plan, interior: Interior) -> tuple[float, float, float]:
-    """World position of the plan's corner [m]."""
-    x, y, z = interior.at
-    return (x - plan.width / 2, y - plan.depth / 2, z)
 
 
 def _block_entity(
@@ -123,7 +123,7 @@ def _numbers(values: Any) -> list[float]:
 
 
 def _shell(found: BuiltInterior, name: str, interior: Interior, doors: list[Opening], windows: list[Opening]) -> None:
-    plan, wall, origin = found.plan, interior.wall, _origin(found.plan, interior)
+    plan, wall, origin = found.plan, interior.wall, found.corner
     floors = floor_blocks(plan, wall=wall, thickness=SLAB)
     floor: dict[str, tuple[Block, str | None]] = {k: (b, KINDS[interior.rooms[k].kind].floor) for k, b in floors.items()}
     found.entities[f"{name}_floor"] = _block_entity("floor of the rooms", "oak", floor, origin)
@@ -186,7 +186,7 @@ def _set_window(found: BuiltInterior, name: str, interior: Interior, window: Ope
 
 def _in_wall(found: BuiltInterior, interior: Interior, opening: Opening, z: float) -> RigidPose:
     """Pose of what stands in an opening, its front (-y) towards the room that it belongs to."""
-    origin, rect = _origin(found.plan, interior), found.plan.rooms[opening.rooms[0]]
+    origin, rect = found.corner, found.plan.rooms[opening.rooms[0]]
     x, y = opening.center
     middle = ((rect.x0 + rect.x1) / 2, (rect.y0 + rect.y1) / 2)
     quarter = (0 if middle[1] < y else 2) if opening.along == "x" else (3 if middle[0] < x else 1)
@@ -195,37 +195,32 @@ def _in_wall(found: BuiltInterior, interior: Interior, opening: Opening, z: floa
     return RigidPose(position, euler_to_quaternion((0.0, 0.0, quarter * math.pi / 2)))
 
 
-def _furnish(
-    found: BuiltInterior,
-    name: str,
-    interior: Interior,
-    room: str,
-    rect: Rect,
-    openings: list[Opening],
-    gap: float,
-    stock: Stock,
-    rng: np.random.Generator,
-) -> None:
-    origin, asked = _origin(found.plan, interior), interior.rooms[room]
-    own = [o for o in openings if _beside(o, rect, interior.wall)]
-    x0, y0, z0 = origin
-    found.regions[f"{name}_{room}"] = {
+class _Supply(NamedTuple):
+    """Things of a room: where they are taken from, how densely they lie, and random numbers for their places."""
+
+    stock: Stock
+    density: float
+    rng: np.random.Generator
+
+
+def _furnish(found: BuiltInterior, frame: Frame, asked: Room, space: FloorSpace, supply: _Supply, name: str) -> None:
+    x0, y0, z0 = found.corner
+    rect, room = space.room, frame.id.removeprefix(f"{name}_")
+    found.regions[frame.id] = {
         "kind": "box",
         "min": _numbers((x0 + rect.x0, y0 + rect.y0, z0)),
-        "max": _numbers((x0 + rect.x1, y0 + rect.y1, z0 + interior.height)),
+        "max": _numbers((x0 + rect.x1, y0 + rect.y1, z0 + frame.height)),
     }
     standing: list[Standing] = []
     if asked.furniture:
-        space = FloorSpace(rect, own, interior.wall)
-        standing, lacking = furnished(
-            Frame(f"{name}_{room}", interior.height, gap), KINDS[asked.kind], space, stock, density=interior.density, rng=rng
-        )
+        kind = KINDS[asked.kind]
+        standing, lacking = furnished(frame, kind, space, supply.stock, density=supply.density, rng=supply.rng)
         found.lacking += lacking
     for thing in standing:
         pose = RigidPose(np.array([x0 + thing.x, y0 + thing.y, z0 + thing.z]), euler_to_quaternion((0.0, 0.0, thing.yaw)))
         _asset(found, thing.id, thing.piece, pose, motion="static" if thing.still else generator(thing.piece.generator).motion)
         carrier = f"{name}_{thing.carrier}" if thing.carrier in ("floor", "walls") else body_id(thing.carrier, thing.body)
-        found.relations[f"{thing.id}_stands"] = {"kind": "supports", "a": carrier, "b": thing.id}
+        found.relations[f"{thing.id}_stands"] = {"kind": "supports", "a": carrier, "b": body_id(thing.id, thing.piece.made.foot)}
     found.rooms[room] = {
         "kind": asked.kind,
         "size": [round(rect.x1 - rect.x0, 3), round(rect.y1 - rect.y0, 3)],

@@ -61,10 +61,10 @@ class Standing:
 
 
 class Frame(NamedTuple):
-    """What a room is beside its floor."""
+    """Name, height and gaps of a room."""
 
     id: str
-    """Of the room, with which ids begin."""
+    """Beginning of the ids of all that stands in it."""
     height: float
     """[m]"""
     gap: float
@@ -244,13 +244,13 @@ def _relative(room: _Room, rule: str, own: Piece, other: Standing, spot: Spot, n
         if k >= count:
             continue
         at = -along / 2 + along * (k + 0.5) / count - across / 2
-        middle = ((base.x0 + base.x1) / 2, (base.y0 + base.y1) / 2)
+        x, y = (base.x0 + base.x1) / 2, (base.y0 + base.y1) / 2
         # Its front, -y, towards the table.
         low = {
-            0: (middle[0] + at, base.y1 + 0.02),
-            2: (middle[0] + at, base.y0 - 0.02 - deep),
-            1: (base.x0 - 0.02 - wide, middle[1] + at),
-            3: (base.x1 + 0.02, middle[1] + at),
+            0: (x + at, base.y1 + 0.02),
+            2: (x + at, base.y0 - 0.02 - deep),
+            1: (base.x0 - 0.02 - wide, y + at),
+            3: (base.x1 + 0.02, y + at),
         }[turn]
         yield _local(spot, own, turn, low)
 

@@ -55,9 +55,9 @@ class Stock:
         if key not in self._made:
             kind = generator(name)
             for field, info in kind.model.model_fields.items():
-                choices = (info.json_schema_extra or {}).get("choices") if isinstance(info.json_schema_extra, dict) else None
-                if choices and field not in given and self._rng.random() < VARIED:
-                    given[field] = str(self._rng.choice(choices))
+                choices = info.json_schema_extra.get("choices") if isinstance(info.json_schema_extra, dict) else None
+                if isinstance(choices, list) and field not in given and self._rng.random() < VARIED:
+                    given[field] = str(choices[int(self._rng.integers(len(choices)))])
             self._made[key] = made_piece(name, given, int(self._rng.integers(2**31)))
         return self._made[key]
 

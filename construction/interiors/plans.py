@@ -29,7 +29,7 @@ TIDY = 4
 
 @dataclass(frozen=True)
 class Need:
-    """What a room asks of a plan."""
+    """Area, doors and daylight of a room."""
 
     area: float
     """[m^2]"""

@@ -1,4 +1,4 @@
-"""What belongs into a room of a kind: furniture by function, and what lies on it (R95).
+"""Kinds of rooms: furniture by function, and small things by what they lie on (R95).
 
 Room areas, least widths and aspects are own choices within the ranges of Infinigen Indoors (arXiv:2406.11824) and Neufert's Architects' Data.
 """
@@ -29,7 +29,7 @@ class Wish:
     use: float = 0.0
     """Depth of floor before it from which it is used [m]."""
     height: float = 0.0
-    """Of the middle of what hangs on a wall above the floor [m]."""
+    """Height above the floor of the middle of what hangs on a wall [m]."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -93,7 +93,7 @@ KINDS: Mapping[str, RoomKind] = {
             _w("round_table", count=(1, 1), parameters={"diameter": 0.5, "height": 0.55}),
             _w("rug", rule="flat"),
             _w("wall_shelf", rule="hung", count=(1, 2), height=1.5),
-            _w("clock", rule="hung", count=(0, 1), height=1.7),
+            _w("wall_clock", rule="hung", count=(0, 1), height=1.7),
             PICTURES,
         ),
         {
@@ -115,7 +115,7 @@ KINDS: Mapping[str, RoomKind] = {
             _w("chair", "stool", rule="around", to="table", count=(2, 4)),
             _w("wall_cabinet", rule="hung", count=(1, 2), height=1.75),
             _w("wall_shelf", rule="hung", count=(1, 2), height=1.5),
-            _w("clock", rule="hung", height=1.9),
+            _w("wall_clock", rule="hung", height=1.9),
             PICTURES,
         ),
         {
@@ -137,7 +137,7 @@ KINDS: Mapping[str, RoomKind] = {
             _w("chest_of_drawers", count=(1, 2), use=0.7),
             _w("bookcase", count=(1, 2), use=0.5),
             _w("chair", count=(1, 1)),
-            _w("mirror", rule="hung", height=1.5),
+            _w("wall_mirror", rule="hung", height=1.5),
             _w("rug", rule="flat"),
             _w("wall_shelf", rule="hung", count=(1, 2), height=1.6),
             PICTURES,
@@ -148,7 +148,7 @@ KINDS: Mapping[str, RoomKind] = {
             "wall_shelf": BOOKS,
             "bedside_table": ("table_lamp", "book", "glass", "candle"),
             "wardrobe": ("chest", "suitcase", "basket"),
-            "": ("book", "jar", "vase", "candle", "chest", "mug", "bottle", "folded_towel", "candlestick", "toy_duck", "dice"),
+            "": ("book", "jar", "vase", "candle", "chest", "mug", "bottle", "towels", "candlestick", "toy_duck", "dice"),
         },
         ("suitcase", "basket", "cardboard_box", "building_blocks"),
     ),
@@ -161,12 +161,12 @@ KINDS: Mapping[str, RoomKind] = {
             _w("cupboard", use=0.5, parameters={}),
             _w("stool"),
             _w("bookcase", use=0.5),
-            _w("mirror", rule="hung", height=1.5),
+            _w("wall_mirror", rule="hung", height=1.5),
             _w("wall_shelf", rule="hung", count=(2, 3), height=1.4),
             _w("wall_cabinet", rule="hung", height=1.6),
             _w("rug", rule="flat"),
         ),
-        {"": ("jar", "bottle", "folded_towel", "mug", "bowl", "toy_duck", "chest", "tin_can", "candle", "glass", "flower_pot", "vase", "jug", "basket")},
+        {"": ("jar", "bottle", "towels", "mug", "bowl", "toy_duck", "chest", "tin_can", "candle", "glass", "flower_pot", "vase", "jug", "basket")},
         ("bucket", "basket"),
     ),
     "hall": RoomKind(
@@ -176,9 +176,9 @@ KINDS: Mapping[str, RoomKind] = {
             _w("chest_of_drawers", use=0.6),
             _w("bench", use=0.4),
             _w("bookcase", count=(1, 2), use=0.5),
-            _w("mirror", rule="hung", height=1.5),
+            _w("wall_mirror", rule="hung", height=1.5),
             _w("wall_shelf", rule="hung", count=(2, 3), height=1.5),
-            _w("clock", rule="hung", height=1.8),
+            _w("wall_clock", rule="hung", height=1.8),
             PICTURES,
         ),
         {
@@ -199,7 +199,7 @@ KINDS: Mapping[str, RoomKind] = {
             _w("floor_lamp"),
             _w("rug", rule="flat"),
             _w("wall_shelf", rule="hung", count=(1, 2), height=1.5),
-            _w("clock", rule="hung", height=1.8),
+            _w("wall_clock", rule="hung", height=1.8),
             PICTURES,
         ),
         {
@@ -221,7 +221,7 @@ KINDS: Mapping[str, RoomKind] = {
             _w("ladder", count=(0, 0)),
             _w("barrel", count=(1, 2)),
             _w("wall_shelf", rule="hung", count=(2, 3), height=1.5),
-            _w("clock", rule="hung", height=1.9),
+            _w("wall_clock", rule="hung", height=1.9),
         ),
         {"": ("hammer", "saw", "spanner", "screwdriver", "tin_can", "jar", "chest", "toolbox", "bottle", "mug", "lantern", "bucket", "rope_coil", "wooden_crate", "axe")},
         ("bucket", "wooden_crate", "cardboard_box", "toolbox", "basket"),

@@ -225,6 +225,24 @@ def test_a_depth_within_a_tolerance_is_never_too_large(monkeypatch, kernels):
     assert (rough <= true + 0.01 + 2.0 * PRECISION * abs(true)).all()
 
 
+@pytest.mark.parametrize("kernels", [False, True])
+def test_a_search_may_end_at_a_depth_that_is_enough(monkeypatch, kernels):
+    """Law: a depth from `enough` on is answered by one from there on and no deeper; a lesser one as if nothing were enough."""
+    monkeypatch.setattr(module, "DEPTHS", 0 if kernels else 1000)
+    rng = np.random.default_rng(11)
+    poses = [RigidPose(rng.uniform(-0.35, 0.35, size=3), at(quaternion=tuple(rng.normal(size=4))).quaternion) for _ in range(20)]
+    solids, pairs = [ring(), ring(0.2, 0.5, 0.4)], np.tile([0, 1], (20, 1))
+    placed = stacked([at()] * 20), stacked(poses)
+    whole = clearance_batch(solids, pairs, *placed, skip_above=np.inf).distance
+    enough = np.where(np.arange(20) % 2 == 0, 0.01, 10.0)
+    short = clearance_batch(solids, pairs, *placed, skip_above=np.inf, enough=enough).distance
+    deep = whole < -enough
+    assert 3 < deep.sum() < 17
+    assert (short[deep] <= -enough[deep]).all()
+    assert (short[deep] >= whole[deep] * (1.0 + DEPTH)).all()
+    assert np.array_equal(short[~deep], whole[~deep])
+
+
 def test_trees_hold_every_box_once():
     rng = np.random.default_rng(2)
     groups = np.array([1, 2, 3, 100, 17])

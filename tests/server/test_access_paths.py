@@ -26,6 +26,7 @@ SECRET = "the-secret-of-the-user"
 CALLS: dict[str, dict[str, Any]] = {
     "edit_spec": {"patch": [{"op": "replace", "path": "/title", "value": "x"}]},
     "build_terrain": {"kind": "flat", "entity": "land", "size": [5, 5]},
+    "build_interior": {"interior": "hut", "plan": {"rooms": {"room": {"kind": "store", "furniture": False}}}},
     "place_object": {},
     "probe_sim": {},
     "bake_sim": {},

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "4f9735d16c20f4239cf333cfc5511c1a176a6db03fd1e0155fcd8274c40cbda0"
+SCHEMA = "12c8add6cdac5874fd155ab121ebcb07c6cf546416095bfcad59768dda8da50a"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -22,6 +22,8 @@ CHUNK = 150_000
 """Triangle-cell pairs clipped at once; bounds memory to about 100 MB."""
 SEAM = 1e-9
 """Relative slack of the point-in-triangle test, so that a centre on a shared edge is hit."""
+UNCUT = (1, 1, 2, 2, 0, 0, 1)
+"""Corners of a triangle that no side of a cell cuts, in the order in which `_clip_fully` leaves them."""
 VERTICAL = 1e-9
 """A triangle whose normal has a smaller z share is a wall and has no height at a point."""
 
@@ -142,8 +144,10 @@ class Columns:
         inside = np.flatnonzero(cells >= 0)
         group, piece = self.pieces_in(cells[inside])
         row, triangle = inside[group], self.pieces.triangle[piece]
-        solid = self.soup.solid[triangle]
-        row, triangle = row[solid], triangle[solid]
+        # What is found below lies in its piece, and is gentle: most of what stands in a cell is neither at that height nor floor.
+        apart = np.maximum(self.pieces.low[piece] - z[row], z[row] - self.pieces.high[piece])
+        floor = self.gentle(tangent)[triangle] & (apart <= reach + self.grid.cell)
+        row, triangle = row[floor], triangle[floor]
         height, covered, up, slope = heights_of(self.soup.triangles[triangle], points[row])
         off = np.abs(height - z[row])
         ok = np.flatnonzero(covered & up & (np.hypot(*slope.T) <= tangent) & (off <= reach))
@@ -192,7 +196,8 @@ def _clip(polygon: F64, axis: int, bound: F64, sign: float) -> tuple[F64, NDArra
 def _clip_to_cells(corner: F64, low: F64, cell: float) -> tuple[F64, NDArray[np.bool_]]:
     """Parts of triangles within cells, shape (n, 7, 3), and which are not empty.
 
-    Most cells of a floor lie wholly inside one triangle, or wholly outside: only the others are clipped.
+    Most cells of a floor lie wholly inside one triangle, or wholly outside, and most triangles of small things wholly inside one cell:
+    only the others are clipped.
     """
     slack = SEAM * cell
     square = low[:, None] + np.array(
@@ -213,7 +218,9 @@ def _clip_to_cells(corner: F64, low: F64, cell: float) -> tuple[F64, NDArray[np.
     polygon[whole, :4, :2] = square[whole]
     polygon[whole, :4, 2] = np.einsum("nkc,nk->nc", share, corner[whole, :, 2])
     polygon[whole, 4:] = polygon[whole, :1]
-    rest = np.flatnonzero(alive & ~whole)
+    inner = alive & ~whole & ((corner[:, :, :2] >= square[:, :1]) & (corner[:, :, :2] <= square[:, 2:3])).all(axis=(1, 2))
+    polygon[inner] = corner[inner][:, UNCUT]
+    rest = np.flatnonzero(alive & ~whole & ~inner)
     polygon[rest], alive[rest] = _clip_fully(corner[rest], low[rest], cell)
     return polygon, alive
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...worlds.arrays import F64, pose_of, rotation_matrix
+from ...worlds.arrays import F64, cross, pose_of, rotation_matrix
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import (
     Box,
@@ -167,7 +167,7 @@ def _extent(vertices: F64, faces: NDArray[Any]) -> Extent:
 
 def _areas(triangles: F64) -> F64:
     arms = triangles[:, 1:] - triangles[:, :1]
-    return np.asarray(0.5 * np.linalg.norm(np.cross(arms[:, 0], arms[:, 1]), axis=1))
+    return np.asarray(0.5 * np.linalg.norm(cross(arms[:, 0], arms[:, 1]), axis=1))
 
 
 def _borne_by_large(triangles: F64, area: F64, enough: float, box: Extent) -> bool:

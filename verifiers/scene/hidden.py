@@ -6,6 +6,7 @@ the parts that can be seen weigh, unless the entity's role says that it is weigh
 
 from __future__ import annotations
 
+import hashlib
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from ...geometry.inside import contains
 from ...geometry.solids import Solid
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 from ...worlds.spec import RigidPhysics
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
@@ -43,17 +44,31 @@ class _Weighed(NamedTuple):
 
 def hidden_parts(candidate: Candidate, name: str) -> dict[str, float]:
     """Masses [kg] of the parts of an entity that lie inside larger opaque ones; empty where there are none, or nothing moves it."""
-    return {w.part.part: w.mass for w in _hidden(_weighed(candidate, name))}
+    parts = _free_parts(candidate, name)
+    if not parts:
+        return {}
+    content = hashlib.sha256()
+    for part in parts:
+        shape = part.render
+        content.update(repr((part.part, part.body, part.material, part.closed, shape.vertices.shape, shape.faces.dtype)).encode())
+        content.update(np.ascontiguousarray(shape.vertices).tobytes() + np.ascontiguousarray(shape.faces).tobytes())
+    # Rooms hold many things of one shape: equal parts hide equal ones.
+    return candidate.memo(("hidden", content.digest()), lambda: {w.part.part: w.mass for w in _hidden(_weighed(candidate, name))})
+
+
+def _free_parts(candidate: Candidate, name: str) -> tuple[BuiltPart, ...]:
+    """Parts of a free rigid entity that has several; none of another."""
+    entity, built = candidate.spec.entities[name], candidate.built.get(name)
+    rigid = isinstance(entity.physics, RigidPhysics) and entity.motion == "dynamic" and entity.generator is None
+    if built is None or not rigid or entity.breakable is not None or len(built.parts) < 2:
+        return ()
+    return built.parts
 
 
 def _weighed(candidate: Candidate, name: str) -> list[_Weighed]:
     """Closed parts of a free rigid entity, the largest first."""
-    entity, built = candidate.spec.entities[name], candidate.built.get(name)
-    rigid = isinstance(entity.physics, RigidPhysics) and entity.motion == "dynamic" and entity.generator is None
-    if built is None or not rigid or entity.breakable is not None or len(built.parts) < 2:
-        return []
     found = []
-    for part in built.parts:
+    for part in _free_parts(candidate, name):
         material = candidate.spec.materials.get(part.material)
         if part.closed and material is not None and np.isfinite(part.render.vertices).all():
             solid = Solid.from_mesh(part.render, closed=True)
@@ -74,7 +89,7 @@ def _hidden(weighed: list[_Weighed]) -> list[_Weighed]:
 def _share_inside(inner: Solid, around: list[Solid]) -> float:
     """Share of a solid's surface that lies inside others, to a depth of HIDDEN_DEPTH of its size."""
     corners: F64 = inner.triangles
-    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = 0.5 * np.linalg.norm(cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     largest = np.argsort(-areas, kind="stable")[:HIDDEN_TRIANGLES]
     inwards = inner.face_normals[largest, None] * (HIDDEN_DEPTH * inner.size)
     points = np.einsum("sk,fkj->fsj", _SPOTS, corners[largest]) - inwards

@@ -163,7 +163,16 @@ class Parts:
 
     def size(self, entity: str) -> float:
         """Largest diagonal among its parts [m]."""
-        return max(self.parts[i].solid.size for i in self.parts_of[entity])
+        return self._sizes[entity][0]
+
+    @cached_property
+    def _sizes(self) -> dict[str, tuple[float, float]]:
+        """Of every entity the largest diagonal and the largest deviation among its parts [m]."""
+        return {
+            name: (max(self.parts[i].solid.size for i in rows), max(self.parts[i].deviation for i in rows))
+            for name, rows in self.parts_of.items()
+            if rows
+        }
 
     def thickness(self, entity: str) -> float:
         """Smallest extent of the local boxes of its parts [m]."""
@@ -189,7 +198,7 @@ class Parts:
 
     def contact_gap(self, a: str, b: str) -> float:
         """Largest gap that counts as actual contact [m] (S3): declared limit, or skins and facet error if larger."""
-        facets = sum(max(self.parts[i].deviation for i in self.parts_of[n]) for n in (a, b))
+        facets = sum(self._sizes[n][1] for n in (a, b))
         skins = self.skins(a, b)
         covered = min(skins + facets, max(GAP_CAP, skins))
         return max(self.candidate.spec.simulation.limits.contact_gap, covered)

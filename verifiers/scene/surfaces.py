@@ -7,7 +7,7 @@ clearance of their visible surfaces decides. Pairs inside one entity are not ins
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...geometry import Meetings, aabb_of, clearance_batch, meetings, signed_clearance, turned_boxes
 from ...worlds.arrays import F64, RigidPose
-from .bounds import MOVED_SHARE, SUPPORT_SLOPE
+from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
 
 if TYPE_CHECKING:
@@ -50,6 +50,8 @@ class Surfaces(Parts):
         super().__init__(candidate)
         self._near: dict[Pair, set[tuple[int, int]]] = {}
         self._support: dict[tuple[str, str, int], NDArray[np.bool_]] = {}
+        self._boxes: dict[int, tuple[F64, F64]] = {}
+        self._tight: tuple[int, dict[int, tuple[F64, F64]]] = (0, {})
         self.at_start: dict[tuple[int, int], float] = {}
         """Clearance [m] at frame 0 of parts (i < j) of different entities within `reach`; there once `first` was asked."""
 
@@ -78,7 +80,12 @@ class Surfaces(Parts):
         return {pair: series for pair, series in found.items() if series.min() <= self.reach}
 
     def _clearances(
-        self, asked: list[tuple[int, int, NDArray[np.intp]]], *, shift: F64 | None = None, tolerance: float = 0.0
+        self,
+        asked: list[tuple[int, int, NDArray[np.intp]]],
+        *,
+        shift: F64 | None = None,
+        tolerance: float = 0.0,
+        enough: float | F64 = np.inf,
     ) -> F64:
         """Clearance of pairs of parts (i, j, frames), one after the other [m], the first of each moved by `shift` [m]."""
         sides = [[(i, frames) for i, _, frames in asked], [(j, frames) for _, j, frames in asked]]
@@ -89,10 +96,17 @@ class Surfaces(Parts):
             position = np.concatenate([t.position for t in tracks])
             poses.append((position if move is None else position + move, np.concatenate([t.quaternion for t in tracks])))
         pairs = places.reshape(2, -1).T
-        return clearance_batch(forest, pairs, *poses, skip_above=self.reach, tolerance=tolerance).distance
+        return clearance_batch(forest, pairs, *poses, skip_above=self.reach, tolerance=tolerance, enough=enough).distance
 
     def boxes(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
         """World boxes that hold all parts [m], shapes (parts, frames, 3); empty from the first broken pose of an entity on."""
+        if len(frames) != 1:
+            return self._boxes_at(frames)
+        if int(frames[0]) not in self._boxes:  # asked again and again, for one frame
+            self._boxes = {int(frames[0]): self._boxes_at(frames)}
+        return self._boxes[int(frames[0])]
+
+    def _boxes_at(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
         parts = self.parts
         center, half = (np.stack([0.5 * (p.solid.upper + g * p.solid.lower) for p in parts]) for g in (1.0, -1.0))
         radius = np.array([p.solid.sphere_radius for p in parts])
@@ -106,6 +120,18 @@ class Surfaces(Parts):
             low[i], high[i] = some[0][:, 0], some[1][:, 0]
         low[lost], high[lost] = NOWHERE, -NOWHERE
         return low, high
+
+    def tight_boxes(self, entity: str, frame: int) -> tuple[F64, F64]:
+        """World boxes around the vertices of each part of an entity at a frame [m], shapes (parts, 3); see `boxes`."""
+        if self._tight[0] != frame:
+            self._tight = (frame, {})
+        known, rows = self._tight[1], self.parts_of[entity]
+        for i in rows:
+            if i not in known:
+                pose = self.track_of(i).at(frame)
+                low, high = aabb_of(self.shapes.solid(i, frame).vertices, pose.position[None], pose.quaternion[None])
+                known[i] = (low[0], high[0])
+        return np.array([known[i][0] for i in rows]), np.array([known[i][1] for i in rows])
 
     def _meetings(self, frames: NDArray[np.intp], *, static: bool) -> Meetings:
         """Parts of different entities whose boxes come within `reach`, and at which places in `frames`."""
@@ -143,6 +169,9 @@ class Surfaces(Parts):
     @cached_property
     def moving(self) -> dict[Pair, F64]:
         """Clearance [m] over all frames of every pair that comes within `reach` and of which one moves."""
+        if self.frames == 1:
+            still = frozenset(n for n in self.entities if self.is_static(n))
+            return {pair: np.array([found]) for pair, found in self.first.items() if not still.issuperset(pair)}
         return self.scan(np.arange(self.frames), static=False)
 
     def series(self, a: str, b: str) -> F64:
@@ -165,20 +194,26 @@ class Surfaces(Parts):
         """
         shift = np.zeros(3) if offset is None else offset
         placed = []
-        for rows, move in ((self.parts_of[a], shift), (self.parts_of[b], np.zeros(3))):
+        for name, move in ((a, shift), (b, np.zeros(3))):
+            rows = self.parts_of[name]
             poses = [self.track(self.parts[i].entity, self.parts[i].body).at(frame) for i in rows]
             poses = [RigidPose(p.position + move, p.quaternion) for p in poses]
-            shapes = [self.shapes.solid(i, frame).vertices for i in rows]
-            boxes = [aabb_of(v, p.position[None], p.quaternion[None]) for v, p in zip(shapes, poses, strict=True)]
-            placed.append((rows, poses, np.concatenate([x[0] for x in boxes]), np.concatenate([x[1] for x in boxes])))
+            low, high = self.tight_boxes(name, frame)
+            placed.append((rows, poses, low + move, high + move))
         (rows_a, poses_a, low_a, high_a), (rows_b, poses_b, low_b, high_b) = placed
         apart = np.maximum(np.maximum(low_a[:, None] - high_b, low_b - high_a[:, None]), 0.0)
         bound = np.linalg.norm(apart, axis=2)
         best: Gap | None = None
+        least = self._at_start(rows_a, rows_b) if frame == 0 and offset is None else np.full(bound.shape, -math.inf)
+        # Above `reach` they are lower bounds.
+        exact = least[(least > -math.inf) & (least <= self.reach)]
+        beyond = least > max(float(exact.min(initial=math.inf)), 0.0) + ROUNDING
         for k in np.argsort(bound, axis=None, kind="stable"):
             i, j = divmod(int(k), len(rows_b))
             if best is not None and bound[i, j] > max(best.distance, 0.0):
                 break
+            if beyond[i, j]:
+                continue
             one, two = self.parts[rows_a[i]], self.parts[rows_b[j]]
             solids = self.shapes.solid(rows_a[i], frame), self.shapes.solid(rows_b[j], frame)
             found = signed_clearance(solids[0], poses_a[i], solids[1], poses_b[j])
@@ -186,6 +221,15 @@ class Surfaces(Parts):
                 best = Gap(found.distance, found.point_a, found.point_b, one.part, two.part)
         assert best is not None
         return best
+
+    def _at_start(self, first: Sequence[int], second: Sequence[int]) -> F64:
+        """Clearance at frame 0 of every pair of two lists of parts as far as `at_start` has it, else -inf [m], shape (first, second)."""
+        known = [[self.at_start.get((min(i, j), max(i, j)), -math.inf) for j in second] for i in first]
+        return np.array(known, dtype=np.float64)
+
+    def farther(self, i: int, j: int, frame: int, distance: float) -> bool:
+        """True if two parts are known to be farther apart at a frame than `distance` [m]; nothing is measured."""
+        return frame == 0 and self.at_start.get((min(i, j), max(i, j)), -math.inf) > distance + ROUNDING
 
     def carries(self, below: str, above: str, *, until: int | None = None) -> NDArray[np.bool_]:
         """At which frames `below` touches `above` and stands in the way of its falling, shape (frames,).
@@ -199,40 +243,65 @@ class Surfaces(Parts):
             above: the entity that may be carried.
             until: judge only this many first frames; later ones are then False.
         """
-        key = (below, above, self.frames if until is None else until)
+        last = self.frames if until is None else min(until, self.frames)
+        key = (below, above, last)
         if key not in self._support:
-            self._support[key] = self._carries(*key)
+            asked = {(below, above)}
+            if last == 1:  # one frame: all that touch are asked about sooner or later, and together they cost little
+                still = {n for n in self.entities if self.is_static(n)}
+                ways = (way for a, b in {*self.first, *self.moving} for way in ((a, b), (b, a)))
+                asked |= {(a, b) for a, b in ways if b not in still or a in still}
+            for gap in sorted({self.contact_gap(*pair) for pair in asked}):
+                same = sorted(p for p in asked if self.contact_gap(*p) == gap and (*p, last) not in self._support)
+                self._support |= {(*pair, last): found for pair, found in self._carried(same, last, gap).items()}
         return self._support[key]
 
-    def _carries(self, below: str, above: str, until: int) -> NDArray[np.bool_]:
-        distance = self.series(below, above)
-        gap = self.contact_gap(below, above)
-        touching = np.flatnonzero(distance[:until] <= gap)
-        result = np.zeros(self.frames, dtype=bool)
-        if len(touching) == 0 or {(below, above), (above, below)} & self.candidate.apart:
-            return result
+    def _carried(self, pairs: Sequence[Pair], until: int, gap: float) -> dict[Pair, NDArray[np.bool_]]:
+        """For pairs (below, above) of one contact tolerance `gap` [m], at which frames below `until` the first carries the second."""
+        found = {pair: np.zeros(self.frames, dtype=bool) for pair in pairs}
+        distance = {pair: self.series(*pair) for pair in pairs}
+        touching = {p: np.flatnonzero(d[:until] <= gap) for p, d in distance.items() if not {p, p[::-1]} & self.candidate.apart}
+        touching = {pair: frames for pair, frames in touching.items() if len(frames)}
         gravity = np.array(self.candidate.spec.simulation.gravity)
         strength = float(np.linalg.norm(gravity))
         if strength < 1e-12:
-            result[touching] = True
-            return result
+            for pair, frames in touching.items():
+                found[pair][frames] = True
+            return found
         fall = gap * gravity / strength
-        raised = self._moved(below, above, touching, -fall)
-        result[touching] = raised >= distance[touching] + SUPPORT_SLOPE * gap
-        unsure = touching[~result[touching]]
-        if len(unsure):
-            lowered = self._moved(below, above, unsure, fall)
-            result[unsure] = lowered <= distance[unsure] - SUPPORT_SLOPE * gap
-        return result
+        least = {pair: distance[pair][frames] + SUPPORT_SLOPE * gap for pair, frames in touching.items()}
+        for pair, raised in self._moved(least, touching, -fall, gap).items():
+            found[pair][touching[pair]] = raised >= least[pair]
+        unsure = {pair: frames[~found[pair][frames]] for pair, frames in touching.items()}
+        unsure = {pair: frames for pair, frames in unsure.items() if len(frames)}
+        most = {pair: distance[pair][frames] - SUPPORT_SLOPE * gap for pair, frames in unsure.items()}
+        for pair, lowered in self._moved(most, unsure, fall, gap).items():
+            found[pair][unsure[pair]] = lowered <= most[pair]
+        return found
 
-    def _moved(self, below: str, above: str, frames: NDArray[np.intp], offset: F64) -> F64:
-        """Clearance at some frames with `above` moved by `offset` [m], shape (frames,)."""
-        pairs = self._near.get((below, above), set()) | {(j, i) for i, j in self._near.get((above, below), set())}
-        if not pairs:
-            return np.full(len(frames), np.inf)
-        tolerance = MOVED_SHARE * SUPPORT_SLOPE * self.contact_gap(below, above)
-        values = self._clearances([(j, i, frames) for i, j in sorted(pairs)], shift=offset, tolerance=tolerance)
-        return np.asarray(values.reshape(len(pairs), len(frames)).min(axis=0))
+    def _moved(
+        self, bound: Mapping[Pair, F64], asked: Mapping[Pair, NDArray[np.intp]], offset: F64, gap: float
+    ) -> dict[Pair, F64]:
+        """Clearance of pairs (below, above) at some frames with `above` moved by `offset` [m], shape (frames,) each.
+
+        It is compared with a bound [m]: depths that are far beyond it may be any such.
+        """
+        found = {pair: np.full(len(frames), np.inf) for pair, frames in asked.items()}
+        queries: list[tuple[int, int, NDArray[np.intp]]] = []
+        owner: list[Pair] = []
+        enough: list[F64] = []
+        for (below, above), frames in asked.items():
+            parts = self._near.get((below, above), set()) | {(j, i) for i, j in self._near.get((above, below), set())}
+            queries += [(j, i, frames) for i, j in sorted(parts)]
+            owner += [(below, above)] * len(parts)
+            enough += [np.maximum(-bound[below, above], 0.0) + gap * SUPPORT_SLOPE] * len(parts)
+        if queries:
+            tolerance = MOVED_SHARE * SUPPORT_SLOPE * gap
+            values = self._clearances(queries, shift=offset, tolerance=tolerance, enough=np.concatenate(enough))
+            ends = np.cumsum([len(frames) for *_, frames in queries])
+            for pair, own in zip(owner, np.split(values, ends[:-1]), strict=True):
+                found[pair] = np.minimum(found[pair], own)
+        return found
 
     @cached_property
     def neighbours(self) -> Mapping[str, tuple[str, ...]]:

@@ -19,6 +19,7 @@ from ...worlds.spec import Fastened, HingeJoint, Rope, SlideJoint, SpringJoint, 
 from ..rows.answers import row_of, rows_of
 from ..rows.corrections import correction, move_by, pointer, set_value
 from ..rows.findings import Finding
+from ..scene.bounds import ROUNDING
 from ..scene.interpenetration import correction_order
 from .bounds import LEFT
 from .questions import FASTENED, JOINT, ROPE
@@ -68,19 +69,31 @@ def way_to(surfaces: Surfaces, entity: str, points: F64) -> tuple[float, F64, F6
         entity: whose surface.
         points: [m], shape (n, 3).
     """
-    best = (np.inf, points[0], points[0])
-    for i in surfaces.parts_of[entity]:
-        pose, solid = _start(surfaces, i), surfaces.shapes.solid(i, 0)
-        local = pose.inverse().apply(points)
-        inside = contains(solid, local)
+    starts, low, high = surfaces.candidate.memo(("declared boxes", entity), lambda: _declared_boxes(surfaces, entity))
+    beyond = np.linalg.norm(np.maximum(np.maximum(low[:, None] - points, points - high[:, None]), 0.0), axis=2).min(axis=1)
+    solids = [surfaces.shapes.solid(i, 0) for i in surfaces.parts_of[entity]]
+    for k in np.flatnonzero(beyond <= ROUNDING):
+        inside = contains(solids[k], starts[k].inverse().apply(points))
         if inside.any():
             point = points[int(np.argmax(inside))]
             return 0.0, point, point
-        distance, nearest = distance_to_surface(solid, local)
-        k = int(np.argmin(distance))
-        if distance[k] < best[0]:
-            best = (float(distance[k]), points[k], pose.apply(nearest[k][None])[0])
-    return best
+    best: tuple[float, int, F64, F64] = (np.inf, 0, points[0], points[0])
+    for k in np.argsort(beyond, kind="stable").tolist():
+        if beyond[k] > best[0] + ROUNDING:
+            break
+        distance, nearest = distance_to_surface(solids[k], starts[k].inverse().apply(points))
+        at = int(np.argmin(distance))
+        if (float(distance[at]), k) < best[:2]:  # of parts that are as near, the first
+            best = (float(distance[at]), k, points[at], starts[k].apply(nearest[at][None])[0])
+    return best[0], best[2], best[3]
+
+
+def _declared_boxes(surfaces: Surfaces, entity: str) -> tuple[list[RigidPose], F64, F64]:
+    """Declared poses of the parts of an entity, and their boxes there [m], shapes (parts, 3)."""
+    rows = surfaces.parts_of[entity]
+    starts = [_start(surfaces, i) for i in rows]
+    corners = [start.apply(surfaces.shapes.solid(i, 0).vertices) for i, start in zip(rows, starts, strict=True)]
+    return starts, np.array([c.min(axis=0) for c in corners]), np.array([c.max(axis=0) for c in corners])
 
 
 def missed(surfaces: Surfaces, end: End) -> Missed:

@@ -34,9 +34,17 @@ def own_touches(surfaces: Surfaces, parts: Sequence[int], *, gap: float | None =
     name = surfaces.parts[parts[0]].entity
     gap = surfaces.contact_gap(name, name) if gap is None else gap
     boxes = np.maximum(low[own][:, None] - high[own], low[own] - high[own][:, None]).max(axis=2)
+    # Entities of one recipe share their surfaces: what touches in one touches in the other.
+    alike = not surfaces.shapes.soft & set(parts) and len({surfaces.parts[i].body for i in parts}) == 1
+    known: dict[tuple[int, int, float], bool] = surfaces.candidate.memo("own touches", dict) if alike else {}
     for a, b in np.argwhere(boxes <= gap):
-        if a < b and not _apart(surfaces, int(own[a]), int(own[b]), gap):
-            yield int(own[a]), int(own[b])
+        if a < b:
+            i, j = int(own[a]), int(own[b])
+            key = (id(surfaces.parts[i].solid), id(surfaces.parts[j].solid), gap)
+            if key not in known:
+                known[key] = _apart(surfaces, i, j, gap)
+            if not known[key]:
+                yield i, j
 
 
 def _apart(surfaces: Surfaces, i: int, j: int, gap: float) -> bool:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ...geometry import distance_to_surface
 from ...geometry.triangles import nearest_on_triangles, segment_points
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
+from ..scene.bounds import ROUNDING
 from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
 if TYPE_CHECKING:
@@ -58,6 +59,13 @@ def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
     Points are the corners of the overlap of the touching faces: vertices of either near the other, and crossings of
     edges. A direction is a contact normal where all of `a` at the point lies on its side and all of `b` on the other.
     """
+    if frame > 0:
+        return _contacts(surfaces, a, b, frame)
+    # Every body of a heap asks for the contacts of its whole heap.
+    return surfaces.candidate.memo(("contacts", surfaces, a, b), lambda: _contacts(surfaces, a, b, 0))
+
+
+def _contacts(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
     nearest = surfaces.gap(a, b, frame)
     none = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
     if nearest.distance > surfaces.contact_gap(a, b):
@@ -65,15 +73,16 @@ def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
     points: list[F64] = []
     normals: list[F64] = []
     friction: list[F64] = []
-    for i in surfaces.parts_of[a]:
-        for j in surfaces.parts_of[b]:
-            one, two = surfaces.parts[i], surfaces.parts[j]
-            slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
-            poses = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
-            found, ways = _touch(one, two, poses, slack)
-            points.append(found)
-            normals.append(ways)
-            friction.append(np.full(len(found), _friction(surfaces, one, two)))
+    for i, j in _near_parts(surfaces, a, b, frame, max(nearest.distance, 0.0) + EDGE_SLACK):
+        one, two = surfaces.parts[i], surfaces.parts[j]
+        slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
+        if surfaces.farther(i, j, frame, slack):
+            continue
+        poses = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
+        found, ways = _touch(one, two, poses, slack)
+        points.append(found)
+        normals.append(ways)
+        friction.append(np.full(len(found), _friction(surfaces, one, two)))
     if sum(len(p) for p in points) == 0:
         way = nearest.point_a - nearest.point_b if nearest.distance > 0.0 else nearest.point_b - nearest.point_a
         length = float(np.linalg.norm(way))
@@ -87,6 +96,18 @@ def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
         )
         return Contacts(0.5 * (nearest.point_a + nearest.point_b)[None], way[None] / length, np.array([pair]))
     return _corners(Contacts(np.concatenate(points), np.concatenate(normals), np.concatenate(friction)))
+
+
+def _near_parts(surfaces: Surfaces, a: str, b: str, frame: int, slack: float) -> list[tuple[int, int]]:
+    """Pairs of parts of two entities whose boxes come within the slack of `_touch`, in their order; bodies that deform, all of them."""
+    rows, columns = surfaces.parts_of[a], surfaces.parts_of[b]
+    if surfaces.shapes.soft & {*rows, *columns}:  # `_touch` takes their shape at frame 0
+        return list(product(rows, columns))
+    (low_a, high_a), (low_b, high_b) = surfaces.tight_boxes(a, frame), surfaces.tight_boxes(b, frame)
+    error = [np.array([surfaces.parts[i].deviation for i in side]) for side in (rows, columns)]
+    reach = 2.0 * (slack + error[0][:, None] + error[1]) + ROUNDING
+    apart = np.maximum(low_a[:, None] - high_b, low_b - high_a[:, None]).max(axis=2)
+    return [(rows[m], columns[n]) for m, n in np.argwhere(apart <= reach).tolist()]
 
 
 def _friction(surfaces: Surfaces, one: PartSurface, two: PartSurface) -> float:
@@ -170,7 +191,7 @@ def _side(points: F64, part: PartSurface, low: F64, high: F64) -> _Side:
     corner = points[part.solid.faces]
     meets = ((corner.min(axis=1) <= high) & (corner.max(axis=1) >= low)).all(axis=1)
     corner = corner[meets]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1)
     flat = length > 0.0
     # Imported surfaces may be inside out.
@@ -192,7 +213,7 @@ def _normals(point: F64, own: _Side, other: _Side, near: tuple[NDArray[np.intp],
     kept = _separating(_apart(np.concatenate(ways)), point, mine, theirs, slack)
     if len(kept) == 0:
         edges = [_directions(t) for t in (mine, theirs)]
-        across = np.cross(edges[0][:, None], edges[1][None]).reshape(-1, 3)
+        across = cross(edges[0][:, None], edges[1][None]).reshape(-1, 3)
         length = np.linalg.norm(across, axis=1)
         across = across[length > SAME_NORMAL] / length[length > SAME_NORMAL, None]
         kept = _separating(_apart(np.concatenate([across, -across])), point, mine, theirs, slack)
@@ -212,6 +233,8 @@ def _near(points: F64, side: _Side, slack: float) -> list[NDArray[np.intp]]:
 
 def _nearest(distance: F64, slack: float) -> NDArray[np.intp]:
     found = np.flatnonzero(distance <= slack)
+    if len(found) <= MOST_NEAR:
+        return found
     return np.sort(found[np.argsort(distance[found], kind="stable")[:MOST_NEAR]])
 
 

@@ -187,9 +187,7 @@ class Entity(SpecModel):
     nominal_diagonal: Positive | None = Field(
         default=None, description="[m] bounding-box diagonal of such things in reality, if the role implies one"
     )
-    asset: Asset | None = Field(
-        default=None, description="the generator that made its parts; place_object(asset=...) makes them anew"
-    )
+    asset: Asset | None = Field(default=None, description="what made its parts")
     afloat: Annotated[str, Field(min_length=12, max_length=300, pattern=r"\S\s+\S")] | None = Field(
         default=None,
         description="why nothing holds it up; printed",

@@ -1,0 +1,109 @@
+"""Rooms and things made by the client alone: generators found by words, a table with a stool on it, a hall with a store, one thing made anew."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+
+PROMPT = "A jar stands on a table beside a chair."
+FLOOR = {
+    "role": "floor",
+    "motion": "static",
+    "material": "oak",
+    "dimensions": {"size": [6, 6, 0.1]},
+    "pose": {"position": [0, 0, -0.05]},
+    "parts": {"slab": {"shape": {"kind": "box", "size": [6, 6, 0.1]}}},
+}
+ROOMS = {
+    "rooms": {"hall": {"kind": "hall", "area": 8.0, "doors": ["outside"]}, "store": {"kind": "store", "doors": ["hall"]}},
+    "density": 0.15,
+    "seed": 2,
+}
+
+
+@pytest.fixture
+def world(agent: Any) -> Any:
+    solvers = {"rigid": {"engine": "mujoco", "members": ["floor"]}}
+    agent.call(
+        "edit_spec",
+        world="w",
+        prompt=PROMPT,
+        spec={"entities": {"floor": FLOOR}, "simulation": {"frames": 24, "solvers": solvers}},
+    )
+    return agent
+
+
+def _spec(agent: Any, pointer: str) -> Any:
+    return agent.call("inspect_world", world="w", part="spec", pointer=pointer)["value"]
+
+
+def test_things_are_found_by_words_made_put_onto_surfaces_and_made_anew(world: Any) -> None:
+    found = world.call("inspect_world", part="assets", query="dining table")["generators"]
+    assert next(iter(found)) == "table"
+    assert found["table"]["parameters"]["width"].startswith("1.4 in 0.5..3.0")
+    table = world.call("place_object", world="w", entity="table", asset={"generator": "table"}, on="floor")
+    assert table["static_passed"], table["open_rows"]
+    assert table["asset"]["surfaces"]["top"]["height"] == 0.74
+    assert table["next"].startswith("place_object for more"), "beats and claims come later"
+    jar = world.call(
+        "place_object", world="w", entity="jar", asset={"generator": "jar", "seed": 3}, on="table", surface="top", at=[0.3, 0.1]
+    )
+    assert jar["static_passed"], jar["open_rows"]
+    assert jar["pose"]["position"] == pytest.approx([0.3, 0.1, 0.742], abs=2e-3)
+    assert jar["asset"]["bodies"] == ["jar", "jar_lid"]
+    relation = _spec(world, "/graph/relations/jar_stands")
+    assert (relation["kind"], relation["a"], relation["b"]) == ("supports", "table", "jar")
+    beside = {"entity": "table", "side": "front", "gap": 0.1}
+    chair = world.call(
+        "place_object", world="w", entity="chair", asset={"generator": "chair"}, on="floor", beside=beside, yaw_deg=180
+    )
+    assert chair["static_passed"], chair["open_rows"]
+    assert chair["pose"]["position"][1] < -0.2, "the front of what a generator made is its -y"
+    mine = [{"op": "replace", "path": "/entities/chair/parts/crest/material", "value": "walnut"}]
+    world.call(
+        "edit_spec",
+        world="w",
+        patch=[*mine, {"op": "add", "path": "/materials/walnut", "value": {"of": "walnut", "density": 600}}],
+    )
+    taller = {"generator": "chair", "parameters": {"height": 1.0, "slats": 5}}
+    again = world.call("place_object", world="w", entity="chair", asset=taller)
+    assert again["kept_as_changed_by_hand"] == ["chair/crest"]
+    assert _spec(world, "/entities/chair/parts/slat_5/shape/kind") == "hull"
+    assert _spec(world, "/entities/chair/pose/position") == pytest.approx(chair["pose"]["position"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"entity": "floor", "asset": {"generator": "table"}}, "made by no generator"),
+        ({"entity": "t", "asset": {"generator": "tabel"}}, "did you mean 'table'"),
+        ({"entity": "t", "asset": {"generator": "table", "parameters": {"width": 9}}}, "'width' of table"),
+        ({"entity": "t", "asset": {"generator": "table"}, "on": "floor", "surface": "top"}, "names no surfaces"),
+        ({"entity": "t", "asset": {"generator": "table"}, "surface": "top"}, "give on"),
+    ],
+)
+def test_what_cannot_be_made_is_refused_and_nothing_is_lost(world: Any, arguments: dict[str, Any], said: str) -> None:
+    assert said in world.refused("place_object", world="w", **arguments)
+    assert set(_spec(world, "/entities")) == {"floor"}
+
+
+def test_rooms_are_made_checked_and_made_again(agent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    run_jobs_inline(monkeypatch)
+    agent.call("edit_spec", world="w", prompt="A hall leads to a store.", spec={"simulation": {"frames": 24}})
+    made = agent.call("build_interior", world="w", interior="house", plan=ROOMS, wait_s=120)
+    assert set(made["rooms"]) == {"hall", "store"}
+    assert made["open_rows"] == [], "no row about shots either, while no beat says what they shall show"
+    regions = _spec(agent, "/graph/regions")
+    assert set(regions) == {"house_hall", "house_store"}
+    first = set(_spec(agent, "/interiors/house/entities"))
+    again = agent.call("build_interior", world="w", interior="house", plan={**ROOMS, "seed": 5, "density": 0.0}, wait_s=120)
+    assert again["entities"] < made["entities"]
+    second = set(_spec(agent, "/interiors/house/entities"))
+    assert second != first
+    members = _spec(agent, "/simulation/solvers/rigid/members")
+    assert sorted(members) == sorted(second)
+    shut = agent.refused("build_interior", world="w", interior="hut", plan={"rooms": {"a": {"kind": "cellar"}}})
+    assert "plan/rooms/a/kind" in shut
+    assert "there is no interior 'hut'" in agent.refused("build_interior", world="w", interior="hut")

@@ -15,7 +15,7 @@ _EYE = "/shots/only/keys/a/position"
 _AIM = "/shots/only/keys/a/target"
 _BLACK = {"color": [0.0, 0.0, 0.0], "roughness": 1}
 _DARK = {"color": [0.03, 0.03, 0.03], "roughness": 1}
-"""Of an upright side as light as a black floor that mirrors the sky."""
+"""Look of an upright side that is as light as a black floor which mirrors the sky."""
 _WITH = "/simulation/solvers/rigid/members"
 
 MECHANISMS: Mapping[str, tuple[Case, ...]] = {

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "12c8add6cdac5874fd155ab121ebcb07c6cf546416095bfcad59768dda8da50a"
+SCHEMA = "480aec3b146461021de28d15484bddca69063b75282e6b89d09ec155a13e9e15"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -167,7 +167,7 @@ class Parts:
 
     @cached_property
     def _sizes(self) -> dict[str, tuple[float, float]]:
-        """Of every entity the largest diagonal and the largest deviation among its parts [m]."""
+        """Largest diagonal and largest deviation among the parts of each entity [m]."""
         return {
             name: (max(self.parts[i].solid.size for i in rows), max(self.parts[i].deviation for i in rows))
             for name, rows in self.parts_of.items()

@@ -110,7 +110,7 @@ class Part(SpecModel):
 
 
 class Asset(SpecModel):
-    """How an entity was generated: what a generator made of parameters and a seed stands in its parts."""
+    """Generator of an entity."""
 
     generator: Annotated[str, StringConstraints(min_length=1, max_length=64)]
     parameters: dict[
@@ -120,9 +120,7 @@ class Asset(SpecModel):
     positions: dict[Id, Finite] = Field(
         default={}, description="of its joints at frame 0, from where they are made: [rad] or [m]"
     )
-    bodies: Annotated[list[EntityRef], Field(max_length=500)] = Field(
-        default=[], description="further entities that belong to it: drawers, wheels"
-    )
+    bodies: Annotated[list[EntityRef], Field(max_length=500)] = Field(default=[], description="its further entities")
 
 
 class Rope(SpecModel):
@@ -187,7 +185,7 @@ class Entity(SpecModel):
     nominal_diagonal: Positive | None = Field(
         default=None, description="[m] bounding-box diagonal of such things in reality, if the role implies one"
     )
-    asset: Asset | None = Field(default=None, description="what made its parts")
+    asset: Asset | None = None
     afloat: Annotated[str, Field(min_length=12, max_length=300, pattern=r"\S\s+\S")] | None = Field(
         default=None,
         description="why nothing holds it up; printed",

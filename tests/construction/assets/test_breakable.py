@@ -47,7 +47,7 @@ def test_a_breakable_thing_is_built_of_bonded_pieces_of_the_mass_of_the_whole_on
 
 @pytest.mark.parametrize("name", BREAKABLE)
 def test_a_thing_does_not_break_unless_it_is_asked_for(name: str) -> None:
-    assert all(body.breakable is None for body in GENERATORS[name].make({}, 3).bodies.values())
+    assert {str(body.breakable) for body in GENERATORS[name].make({}, 3).bodies.values()} == {"None"}
 
 
 @pytest.mark.parametrize("name", ["jug", "mug"])

@@ -96,6 +96,7 @@ def test_walls_fill_what_is_no_room_and_no_opening_without_overlap(plan: Plan) -
 def test_openings_of_a_wall_do_not_meet(plan: Plan) -> None:
     doors = doors_of(plan, PAIRS, wall=WALL, width=DOOR, head=2.07, rng=np.random.default_rng(1))
     openings = [*doors, *windows_of(plan, list(NEEDS), doors, wall=WALL, sill=0.9, head=2.1)]
+    assert len(openings) > len(PAIRS)
     for a, b in itertools.combinations([o.plan(WALL) for o in openings], 2):
         assert a.x1 <= b.x0 or b.x1 <= a.x0 or a.y1 <= b.y0 or b.y1 <= a.y0
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..worlds.arrays import RigidPose
     from ..worlds.spec import Asset, Entity, WorldSpec
 
-__all__ = ["asset_operations", "made_of", "place_of", "supports_operation"]
+__all__ = ["asset_operations", "made_of", "place_of", "supports_operations"]
 
 SHOWN = 12
 """Places and kept parts that a reply names."""
@@ -161,15 +161,18 @@ def _instance(spec: WorldSpec, bodies: list[str]) -> tuple[str, dict[str, Any] |
     return (rigid[0], None) if rigid else ("rigid", {"engine": "mujoco", "members": bodies})
 
 
-def supports_operation(spec: WorldSpec, on: str, name: str) -> list[dict[str, Any]]:
-    """The relation that an entity carries a generated one by its foot, where none says yet what carries it."""
+def supports_operations(spec: WorldSpec, on: str, name: str) -> list[dict[str, Any]]:
+    """Relations that an entity carries a generated one by its feet, where none says yet what carries them."""
     from ..construction.assets.documents import body_id
 
     asset = spec.entities[name].asset
-    foot = name if asset is None else body_id(name, made_of(asset).foot)
-    if any(r.kind == "supports" and r.b == foot for r in spec.graph.relations.values()):
-        return []
-    return [{"op": "add", "path": f"/graph/relations/{name}_stands", "value": {"kind": "supports", "a": on, "b": foot}}]
+    feet = [name] if asset is None else [body_id(name, foot) for foot in made_of(asset).feet]
+    carried = {r.b for r in spec.graph.relations.values() if r.kind == "supports"}
+    return [
+        {"op": "add", "path": f"/graph/relations/{foot}_stands", "value": {"kind": "supports", "a": on, "b": foot}}
+        for foot in feet
+        if foot not in carried
+    ]
 
 
 def place_of(spec: WorldSpec, on: str, surface: str) -> tuple[Mapping[str, Any], str]:

@@ -39,13 +39,13 @@ def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
     from ..worlds.assemblies import Edit, add_copy, add_move
     from ..worlds.limits import check_limits
     from ..worlds.patch import apply_patch
-    from .generated import supports_operation
+    from .generated import supports_operations
 
     told: dict[str, Any] = {}
     spec, made = session.spec, _generated(session, asked, told)
     if made:
         spec = apply_patch(spec, made)
-        more = [] if asked.on is None else supports_operation(spec, asked.on, asked.entity)
+        more = [] if asked.on is None else supports_operations(spec, asked.on, asked.entity)
         spec, made = apply_patch(spec, more) if more else spec, made + more
     asked = _with_bodies(spec, asked)
     check_asked(spec, asked)

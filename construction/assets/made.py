@@ -221,12 +221,10 @@ class Made:
         return cls({MAIN: body})
 
     @property
-    def foot(self) -> str:
-        """Name of the body by which it stands or hangs: the main one, or what that is jointed to."""
-        body, above = MAIN, {j.child: j.parent for j in self.joints.values()}
-        for _ in above:
-            body = above.get(body, body)
-        return body
+    def feet(self) -> list[str]:
+        """Names of the bodies by which it stands or hangs: those that no joint holds and no other body of it carries."""
+        held = {j.child for j in self.joints.values()} | {b for _, b in self.carries}
+        return [name for name in self.bodies if name not in held]
 
     @property
     def main(self) -> Body:

@@ -220,7 +220,9 @@ def _furnish(found: BuiltInterior, frame: Frame, asked: Room, space: FloorSpace,
         pose = RigidPose(np.array([x0 + thing.x, y0 + thing.y, z0 + thing.z]), euler_to_quaternion((0.0, 0.0, thing.yaw)))
         _asset(found, thing.id, thing.piece, pose, motion="static" if thing.still else generator(thing.piece.generator).motion)
         carrier = f"{name}_{thing.carrier}" if thing.carrier in ("floor", "walls") else body_id(thing.carrier, thing.body)
-        found.relations[f"{thing.id}_stands"] = {"kind": "supports", "a": carrier, "b": body_id(thing.id, thing.piece.made.foot)}
+        for foot in thing.piece.made.feet:
+            own = body_id(thing.id, foot)
+            found.relations[f"{own}_stands"] = {"kind": "supports", "a": carrier, "b": own}
     found.rooms[room] = {
         "kind": asked.kind,
         "size": [round(rect.x1 - rect.x0, 3), round(rect.y1 - rect.y0, 3)],

@@ -38,6 +38,7 @@ BENCHMARKS: dict[str, str] = {
     "liquid-dambreak": "worldagent.bench.liquid_dambreak:run",
     "grains": "worldagent.bench.grains:run",
     "liquid-gpu": "worldagent.bench.liquid_gpu:run",
+    "interiors": "worldagent.bench.interiors:run",
     "island": "worldagent.bench.island:run",
     "liquid-surfaces": "worldagent.bench.liquid_surfaces:run",
     "liquid-flip": "worldagent.bench.liquid_flip:run",

@@ -39,7 +39,7 @@ def _generator(name: str) -> ModuleType:
     return module
 
 
-@pytest.mark.parametrize("name", ["tools", "rows", "choices"])
+@pytest.mark.parametrize("name", ["assets", "tools", "rows", "choices"])
 def test_a_generated_page_is_fresh(name: str) -> None:
     assert (DOCS / f"{name}.md").read_text() == _generator(name).page(), f"run: python docs/generate_{name}.py"
 

@@ -110,7 +110,7 @@ def place_object(
         outcome = place(session, Asked(entity, **more), hypothesis=hypothesis)
     elif tilt or lay or group is not None or any(v is not None for v in where.values()):
         raise InputError("on, at, yaw_deg and all else that says where need entity")
-    if asset is not None and not session.audit().buildable:
+    if asset is not None and not session.buildable(session.audit()):
         return _unjudged(session, outcome)
     rows, changed, fresh = session.check_static()
     passed = all(r.status in ("pass", "not_applicable") for r in rows if r.mandatory and r.check != "shots")

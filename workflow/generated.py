@@ -132,15 +132,7 @@ def _operations(spec: WorldSpec, name: str, before: Entity | None, documents: As
             put(f"{collection}/{key}", document)
     for key, document in documents.relations.items():
         put(f"/graph/relations/{key}", document)
-    instance, add_instance = _instance(spec, list(documents.entities))
-    if add_instance is not None:
-        put(f"/simulation/solvers/{instance}", add_instance)
-    else:
-        there = set(spec.simulation.solvers[instance].members)
-        for key in documents.entities:
-            if key not in there:
-                put(f"/simulation/solvers/{instance}/members/-", key)
-    return edits
+    return edits + _memberships(spec, list(documents.entities))
 
 
 def _left(spec: WorldSpec, body: str) -> list[dict[str, Any]]:
@@ -155,10 +147,14 @@ def _left(spec: WorldSpec, body: str) -> list[dict[str, Any]]:
     ]
 
 
-def _instance(spec: WorldSpec, bodies: list[str]) -> tuple[str, dict[str, Any] | None]:
-    """The rigid instance that bodies belong to, the first by name, and its document where there is none yet."""
-    rigid = sorted(spec.simulation.rigid)
-    return (rigid[0], None) if rigid else ("rigid", {"engine": "mujoco", "members": bodies})
+def _memberships(spec: WorldSpec, bodies: list[str]) -> list[dict[str, Any]]:
+    """Operations that make bodies members of the rigid instance that is first by name; of a new one where there is none."""
+    rigid = spec.simulation.rigid
+    if not rigid:
+        return [{"op": "add", "path": "/simulation/solvers/rigid", "value": {"engine": "mujoco", "members": bodies}}]
+    first = min(rigid)
+    there = set(rigid[first].members)
+    return [{"op": "add", "path": f"/simulation/solvers/{first}/members/-", "value": b} for b in bodies if b not in there]
 
 
 def supports_operations(spec: WorldSpec, on: str, name: str) -> list[dict[str, Any]]:

@@ -46,7 +46,7 @@ def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     outcome = session.commit(after, patch=operations, hypothesis=payload.get("hypothesis", ""), follows=follows)
     data |= {k: v for k, v in outcome.items() if k not in ("changed", "stale")}
     report = session.audit()
-    if report.buildable:
+    if session.buildable(report):
         context.progress(0.5, 1.0, "building and checking")
         rows, changed, _ = session.check_static()
         data |= {"changed_rows": len(changed), **news(rows, before, static=True)}

@@ -34,7 +34,7 @@ class StoveParameters(Parameters):
     width: float = Field(default=0.6, ge=0.5, le=0.9, description="along x [m]")
     depth: float = Field(default=0.6, ge=0.56, le=0.7, description="along y [m]")
     height: float = Field(default=0.9, ge=0.84, le=0.94, description="to the hob's plate [m]")
-    hobs: Literal["varied", "gas", "plates"] = Field(default="varied", description="burners under grates, or plates of iron")
+    hobs: Literal["varied", "flames", "plates"] = Field(default="varied", description="burners under grates, or plates of iron")
     splash: bool = Field(default=True, description="an upright plate behind the hobs")
     metal: str = material("stainless_steel", "brass", "aluminium_alloy", of="handle and trim")
     material: str = material("porcelain", "stainless_steel", "cast_iron", "abs")
@@ -90,7 +90,7 @@ def _stove(p: StoveParameters, rng: np.random.Generator) -> Made:
         body.box(f"guide_{side}", (a, front + 0.012, 0.08), (b, rear - 0.01, 0.14), material="mild_steel")
     if p.splash:
         body.box("splash", (-x, back - 0.012, p.height), (x, back, p.height + 0.12))
-    _hobs(made, p, pick(p.hobs, rng, "gas", "plates"), (x, front, back))
+    _hobs(made, p, pick(p.hobs, rng, "flames", "plates"), (x, front, back))
     made.places["oven"] = Place(
         (0, (front + rear) / 2, low + 0.004), (2 * inner - 0.04, rear - front - 0.04), 0.3 * (high - low) - 0.02
     )

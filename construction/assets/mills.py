@@ -211,7 +211,7 @@ def _sail(
     for j, v in enumerate(hems, start=1):
         bar(f"hem_{j}", (begin, far), (v - thin, v), (thin / 2, thin * 1.3))
     if p.cloth:
-        bar("cloth", (begin, far), (half, half + wide), (-thin / 2 - 0.005, -thin / 2), p.sailcloth)
+        bar("canvas", (begin, far), (half, half + wide), (-thin / 2 - 0.005, -thin / 2), p.sailcloth)
 
 
 class CraneParameters(Parameters):

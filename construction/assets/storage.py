@@ -242,7 +242,7 @@ def _display_case(p: DisplayCaseParameters, rng: np.random.Generator) -> Made:
     body, made = (own := Body("display case", p.material)), Made.of(own)
     x, y, deck, post, t = p.width / 2, p.depth / 2, p.base - 0.03, 0.014, p.pane
     body.box("deck", (-x, -y, deck), (x, y, p.base))
-    body.box("cloth", (-x + 0.03, -y + 0.03, p.base), (x - 0.03, y - 0.03, p.base + 0.002), material="felt")
+    body.box("lining", (-x + 0.03, -y + 0.03, p.base), (x - 0.03, y - 0.03, p.base + 0.002), material="felt")
     if pick(p.stand, rng, "plinth", "legs") == "legs":
         for number, (sx, sy) in enumerate(((-1, -1), (1, -1), (1, 1), (-1, 1)), start=1):
             at = (sx * (x - 0.035), sy * (y - 0.035))

@@ -103,7 +103,10 @@ def test_the_profile_stands_upright_with_u_to_the_right() -> None:
             Sweep(path=[(0, 0, 0), (1, 0, 0), (1, 1, 0), (0.5, 1, 0), (0.5, -1, 0)], profile=rectangle(0.05, 0.05)),
             "passes through itself",
         ),
-        (Sweep(path=[(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0)], profile=rectangle(0.05, 0.05), closed=True), "must be plane"),
+        (
+            Sweep(path=[(0, 0, 0), (1, 0, 0), (1, 1, 0.7), (0, 0.5, -0.3)], profile=rectangle(0.05, 0.05), closed=True),
+            "must be plane",
+        ),
         (Hull(points=[(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]), "in one plane"),
     ],
 )

@@ -44,10 +44,6 @@ MOST_WARNINGS = 6
 """Own choice: warnings that a reply shows."""
 
 
-OF_THE_PROMPT = ("audit:story", "audit:claims")
-"""Rows that ask what the prompt means, not what is there."""
-
-
 @dataclass(frozen=True)
 class AuditReport:
     """Rows and what follows from the specification."""
@@ -66,11 +62,6 @@ class AuditReport:
     def passed(self) -> bool:
         """True if every mandatory row passes."""
         return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory)
-
-    @property
-    def buildable(self) -> bool:
-        """True if every mandatory row passes but those about the words of the prompt: geometry can be built, judged and drawn."""
-        return all(r.status in ("pass", "not_applicable") for r in self.rows if r.mandatory and r.id not in OF_THE_PROMPT)
 
     @property
     def told(self) -> tuple[str, ...]:

@@ -82,7 +82,9 @@ def test_boxes_of_the_judge_and_of_the_builder_are_those_of_the_mesh(shape: Hull
     extent = specified_extent(Part(shape=shape))
     assert extent is not None
     np.testing.assert_allclose(extent.size, np.ptp(vertices, axis=0), atol=1e-12)
-    np.testing.assert_allclose(box_size(shape), np.ptp(vertices, axis=0), atol=1e-12)
+    size = box_size(shape)
+    assert size is not None
+    np.testing.assert_allclose(size, np.ptp(vertices, axis=0), atol=1e-12)
 
 
 def test_the_profile_stands_upright_with_u_to_the_right() -> None:

@@ -47,8 +47,8 @@ def test_rooms_tile_the_plan_with_the_areas_doors_and_daylight_that_are_asked_fo
         assert sides[1] <= need.aspect * sides[0] + 1e-9, name
         outside = room.x0 == 0 or room.y0 == 0 or room.x1 == plan.width or room.y1 == plan.depth
         assert outside or not (need.daylight or OUTSIDE in need.doors), name
-    for a, b in PAIRS:
-        assert b == OUTSIDE or _share(plan.rooms[a], plan.rooms[b]) >= DOOR + 0.24 + WALL - 1e-9
+    for one, other in PAIRS:
+        assert other == OUTSIDE or _share(plan.rooms[one], plan.rooms[other]) >= DOOR + 0.24 + WALL - 1e-9
 
 
 def test_equal_seeds_make_equal_plans() -> None:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Relative", "convex_depth", "edge_distance", "face_separation"]
 
+PARALLEL = 1e-14
+"""Determinant of three unit normals below which they are no basis by double precision."""
 PIVOTS = 80
 """Pivots before a programme is handed to the general solver; a box needs about five."""
 ROUND = 1e-13
@@ -230,6 +232,13 @@ def _maximise_last(g: F64, h: F64) -> F64:
     goal = np.array([0.0, 0.0, 1.0])
     for _ in range(PIVOTS):
         gb = g[open_rows[:, None], basis[open_rows]]
+        # Facets that are parallel up to rounding make no corner: another method finds it.
+        flat = np.abs(np.linalg.det(gb)) < PARALLEL
+        for row in open_rows[flat]:
+            solution[row] = _general_programme(g[row], h[row])
+        open_rows, gb = open_rows[~flat], gb[~flat]
+        if not len(open_rows):
+            return solution
         inverse = np.linalg.inv(gb)
         x = np.einsum("fij,fj->fi", inverse, h[open_rows[:, None], basis[open_rows]])
         excess = np.einsum("fni,fi->fn", g[open_rows], x) - h[open_rows]

@@ -159,14 +159,18 @@ def _memberships(spec: WorldSpec, bodies: list[str]) -> list[dict[str, Any]]:
 
 def supports_operations(spec: WorldSpec, on: str, name: str) -> list[dict[str, Any]]:
     """Relations that an entity carries a generated one by its feet, where none says yet what carries them."""
-    from ..construction.assets.documents import body_id
+    from ..construction.assets.documents import body_id, feet
+    from ..construction.assets.registry import generator
 
     asset = spec.entities[name].asset
-    feet = [name] if asset is None else [body_id(name, foot) for foot in made_of(asset).feet]
+    standing = [name]
+    if asset is not None:
+        own = feet(made_of(asset), stands=generator(asset.generator).stands)
+        standing = [body_id(name, foot) for foot in own]
     carried = {r.b for r in spec.graph.relations.values() if r.kind == "supports"}
     return [
         {"op": "add", "path": f"/graph/relations/{foot}_stands", "value": {"kind": "supports", "a": on, "b": foot}}
-        for foot in feet
+        for foot in standing
         if foot not in carried
     ]
 

@@ -14,9 +14,11 @@ from ...worlds.shapes import Pose
 from ..primitives import build_shape
 from .made import MAIN, Body, Joint, Made
 
-__all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_boxes", "body_id"]
+__all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_boxes", "body_id", "feet"]
 
 DIGITS = 9
+GROUND = 1e-4
+"""[m] Own choice: what is no higher stands on the ground."""
 
 
 class AssetDocuments(NamedTuple):
@@ -103,6 +105,21 @@ def _box(body: Body) -> tuple[F64, F64]:
 def body_boxes(made: Made) -> dict[str, tuple[F64, F64]]:
     """Least and greatest corner of each body of an asset, in its own frame [m], shape (3,) each."""
     return {name: _box(body) for name, body in made.bodies.items()}
+
+
+def feet(made: Made, boxes: Mapping[str, tuple[F64, F64]] | None = None, *, stands: bool = True) -> list[str]:
+    """Names of the bodies by which an asset stands or hangs.
+
+    Those that no joint holds and no other body of it carries; of what stands on jointed bodies alone (wheels), those.
+    """
+    known = body_boxes(made) if boxes is None else boxes
+    grounded = {name for name, (low, _) in known.items() if abs(float(low[2])) < GROUND}
+    jointed = {j.child for j in made.joints.values()}
+    free = [name for name in made.bodies if name not in jointed and name not in {b for _, b in made.carries}]
+    wheels = [name for name in made.bodies if name in jointed and name in grounded]
+    if stands and wheels and not grounded & set(free):
+        return wheels
+    return free
 
 
 def asset_size(made: Made) -> tuple[float, float, float]:

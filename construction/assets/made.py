@@ -221,12 +221,6 @@ class Made:
         return cls({MAIN: body})
 
     @property
-    def feet(self) -> list[str]:
-        """Names of the bodies by which it stands or hangs: those that no joint holds and no other body of it carries."""
-        held = {j.child for j in self.joints.values()} | {b for _, b in self.carries}
-        return [name for name in self.bodies if name not in held]
-
-    @property
     def main(self) -> Body:
         """The body that bears the asset's id."""
         return self.bodies[MAIN]

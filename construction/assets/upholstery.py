@@ -64,7 +64,7 @@ def padded(
     shells = [
         ("core", [q for p in inner for q in rings[p]], "soft_foam"),
         ("over", [*rings[outer[-1]], *_ring(x, y, cut, (outer[-1][0], z - t))], cover),
-        ("under", [*rings[outer[0][0], -z], *_ring(x, y, cut, (outer[0][0], t - z))], cover),
+        ("under", [*rings[outer[0][0], -z], *_ring(x, y, cut, (outer[0][0], t - z))], "soft_foam"),
     ]
     for part, points, own in shells:
         body.add(f"{name}_{part}", Hull(points=points), center, euler=turn, material=own)
@@ -90,7 +90,7 @@ def covered(body: Body, name: str, foot: Sequence[Point], head: Sequence[Point],
         return [*points, *(center + shrink * (points - center))]
 
     body.hull(f"{name}_core", [center + shrink * (q - center) for q in (*low, *high)], material=core)
-    body.hull(f"{name}_under", patch(low), material=cover)
+    body.hull(f"{name}_under", patch(low), material=core)
     body.hull(f"{name}_over", patch(high), material=cover)
     for side in range(4):
         body.hull(f"{name}_{side}", patch(np.array([low[side], low[side - 1], high[side], high[side - 1]])), material=cover)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...worlds.arrays import RigidPose, euler_to_quaternion
 from ...worlds.spec import Interior, Room
-from ..assets.documents import asset_documents, body_id
+from ..assets.documents import asset_documents, body_id, feet
 from ..assets.posing import posed
 from ..assets.registry import generator
 from .floor_space import FloorSpace
@@ -220,7 +220,7 @@ def _furnish(found: BuiltInterior, frame: Frame, asked: Room, space: FloorSpace,
         pose = RigidPose(np.array([x0 + thing.x, y0 + thing.y, z0 + thing.z]), euler_to_quaternion((0.0, 0.0, thing.yaw)))
         _asset(found, thing.id, thing.piece, pose, motion="static" if thing.still else generator(thing.piece.generator).motion)
         carrier = f"{name}_{thing.carrier}" if thing.carrier in ("floor", "walls") else body_id(thing.carrier, thing.body)
-        for foot in thing.piece.made.feet:
+        for foot in feet(thing.piece.made, thing.piece.boxes, stands=generator(thing.piece.generator).stands):
             own = body_id(thing.id, foot)
             found.relations[f"{own}_stands"] = {"kind": "supports", "a": carrier, "b": own}
     found.rooms[room] = {

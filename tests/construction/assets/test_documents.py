@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from worldagent.construction.assets.documents import asset_documents, asset_size
+from worldagent.construction.assets.documents import asset_documents, asset_size, feet
 from worldagent.construction.assets.made import Body, Joint, Made
 from worldagent.construction.assets.posing import posed
 from worldagent.construction.assets.registry import GENERATORS, found, make
@@ -136,3 +136,14 @@ def test_the_checks_of_assets_see_what_is_broken() -> None:
     unknown = Made.of(Body("post", "unobtainium"))
     unknown.main.box("foot", (0, 0, 0), (0.1, 0.1, 0.1))
     assert any("no row of the table" in f for f in faults(unknown))
+
+
+def test_what_stands_on_the_ground_is_told_from_what_hangs_on_it() -> None:
+    assert feet(make("toy_car", {}, 1)) == [b for b in make("toy_car", {}, 1).bodies if b.startswith("wheel")]
+    row = make("row_of_books", {}, 1)
+    assert set(feet(row)) == set(row.bodies) - {b for _, b in row.carries}
+    assert len(feet(row)) > 3
+    assert feet(make("jar", {}, 1)) == [""]
+    assert feet(make("door", {}, 1)) == [""]
+    hung = make("picture_frame", {}, 1)
+    assert feet(hung, stands=False) == [j.parent for j in hung.joints.values()]

@@ -381,9 +381,8 @@ def _bench(arguments: argparse.Namespace) -> int:
     from ..bench.machine import run_benchmark
 
     if arguments.dishonest and arguments.name == "prompts":
-        found = run_benchmark(
-            "prompts", "worldagent.bench.dishonest:dishonest_figures", only=arguments.only, jobs=arguments.jobs or 1
-        )
+        tricks = "worldagent.bench.dishonest:dishonest_figures"
+        found = run_benchmark("prompts", tricks, only=arguments.only, jobs=arguments.jobs or 1)
         print(json.dumps(found))
         return FAILED if found["holes"] else OK
     options: dict[str, Any] = {"variants": arguments.variants, "seed": arguments.seed}

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext
+from ..worlds.documents import document_of
 from ..worlds.folder import WorldFolder
 from ..worlds.limits import check_limits
 from ..worlds.patch import apply_patch
@@ -36,7 +38,13 @@ def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     operations = interior_operations(session.spec, name, asked, made)
     after = apply_patch(session.spec, operations)
     check_limits(after)
-    follows = {p for o in operations if not (p := str(o["path"])).startswith(("/entities/", "/interiors/"))}
+    follows = {
+        f"{collection}/{key}"
+        for collection in ("/simulation/joints", "/graph/regions", "/graph/relations")
+        for document in (session.spec, after)
+        for key in _members(document, collection)
+    }
+    follows |= {str(o["path"]) for o in operations if str(o["path"]).startswith("/simulation/solvers")}
     follows |= {f"/materials/{m}" for m in after.materials if m not in session.spec.materials}
     follows |= {f"/entities/{e}/pose" for e in made.entities}
     data: dict[str, Any] = {"plan": [made.plan.width, made.plan.depth], "rooms": made.rooms, "entities": len(made.entities)}
@@ -64,41 +72,53 @@ def _gap(spec: WorldSpec) -> float:
     return 2 * (rigid[min(rigid)].settings.skin if rigid else RigidSettings().skin)
 
 
+def _members(spec: WorldSpec, collection: str) -> Collection[str]:
+    """Ids in one of the collections that an interior writes whole."""
+    joints, regions, relations = spec.simulation.joints, spec.graph.regions, spec.graph.relations
+    found: dict[str, Collection[str]] = {"/simulation/joints": joints, "/graph/regions": regions, "/graph/relations": relations}
+    return found[collection]
+
+
 def interior_operations(spec: WorldSpec, name: str, asked: Interior, made: BuiltInterior) -> list[dict[str, Any]]:
-    """Operations that put an interior into a specification, in place of what was made of it before."""
+    """Operations that put an interior into a specification, in place of what was made of it before.
+
+    Joints, relations and regions are written collection by collection: a flat has hundreds.
+    """
     old = set(spec.interiors[name].entities) & set(spec.entities) if name in spec.interiors else set()
-    edits = _cleared(spec, name, old)
+    edits: list[dict[str, Any]] = [{"op": "remove", "path": f"/entities/{k}"} for k in sorted(old)]
     record = asked.model_dump(mode="json", exclude_none=True, exclude={"entities"}) | {"entities": list(made.entities)}
     whole = {"path": f"/interiors/{name}", "value": record} if spec.interiors else {"path": "/interiors", "value": {name: record}}
     edits.append({"op": "add", **whole})
-    for collection, members in (
-        ("/entities", made.entities),
+    edits += [{"op": "add", "path": f"/entities/{k}", "value": v} for k, v in made.entities.items()]
+    rooms = {f"{name}_{room}" for room in spec.interiors[name].rooms} if name in spec.interiors else set()
+    document = document_of(spec)
+    for path, members in (
         ("/simulation/joints", made.joints),
         ("/graph/regions", made.regions),
         ("/graph/relations", made.relations),
     ):
-        edits += [{"op": "add", "path": f"{collection}/{k}", "value": v} for k, v in members.items()]
+        _, outer, inner = path.split("/")
+        kept = {k: v for k, v in document[outer][inner].items() if k not in rooms and not {*_ends(v)} & (old | rooms)}
+        edits.append({"op": "add", "path": path, "value": _bare({**kept, **members})})
+    return edits + _membership(spec, old, list(made.entities))
+
+
+def _ends(member: Mapping[str, Any]) -> Iterator[str]:
+    """Entities and regions that a joint or relation ties."""
+    return (str(member[k]) for k in ("parent", "child", "a", "b") if member.get(k) is not None)
+
+
+def _bare(value: Any) -> Any:
+    """JSON without nulls, which the specification reads as absent."""
+    if isinstance(value, dict):
+        return {k: _bare(v) for k, v in value.items() if v is not None}
+    return value
+
+
+def _membership(spec: WorldSpec, old: set[str], bodies: list[str]) -> list[dict[str, Any]]:
     rigid = spec.simulation.rigid
-    if rigid:
-        there = min(rigid)
-        others = [m for m in rigid[there].members if m not in old]
-        edits.append({"op": "add", "path": f"/simulation/solvers/{there}/members", "value": [*others, *made.entities]})
-    else:
-        edits.append(
-            {"op": "add", "path": "/simulation/solvers/rigid", "value": {"engine": "mujoco", "members": list(made.entities)}}
-        )
-    return edits
-
-
-def _cleared(spec: WorldSpec, name: str, old: set[str]) -> list[dict[str, Any]]:
-    """Operations that take away what was made before, with the joints, relations and regions that only it has."""
-    edits = [{"op": "remove", "path": f"/entities/{k}"} for k in sorted(old)]
-    for collection, members in (("/simulation/joints", spec.simulation.joints), ("/graph/relations", spec.graph.relations)):
-        for key, member in members.items():
-            ends = {getattr(member, k, None) for k in ("parent", "child", "a", "b")}
-            if ends & old or (key.startswith(f"{name}_") and ends & set(spec.graph.regions)):
-                edits.append({"op": "remove", "path": f"{collection}/{key}"})
-    if name in spec.interiors:
-        rooms = {f"{name}_{room}" for room in spec.interiors[name].rooms}
-        edits += [{"op": "remove", "path": f"/graph/regions/{k}"} for k in sorted(rooms & set(spec.graph.regions))]
-    return edits
+    if not rigid:
+        return [{"op": "add", "path": "/simulation/solvers/rigid", "value": {"engine": "mujoco", "members": bodies}}]
+    first = min(rigid)
+    others = [m for m in rigid[first].members if m not in old]
+    return [{"op": "add", "path": f"/simulation/solvers/{first}/members", "value": [*others, *bodies]}]

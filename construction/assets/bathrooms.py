@@ -297,7 +297,7 @@ def _seat(made: Made, p: ToiletParameters, egg: Flat, rear: float) -> None:
     """The seat over the rim, and the lid over the seat, each on a hinge behind."""
     seat, lid = Body("seat", p.lid), Body("lid", p.lid)
     made.bodies["seat"], made.bodies["lid"] = seat, lid
-    low, pivot = p.rim + 0.002, rear + 0.004
+    low, pivot = p.rim + 0.002, rear + 0.0065
     ring = [(-0.06, low), (0.004, low), (0.004, low + 0.016), (0.002, low + 0.018), (-0.045, low + 0.018), (-0.06, low + 0.01)]
     seat.sweep("ring", [(a, b, 0.0) for a, b in egg], ring, closed=True)
     over = low + 0.02
@@ -305,13 +305,12 @@ def _seat(made: Made, p: ToiletParameters, egg: Flat, rear: float) -> None:
         "board",
         [(*q, z) for q in inset(egg, -0.004) for z in (over, over + 0.008)] + [(*q, over + 0.016) for q in inset(egg, 0.012)],
     )
-    for side, a in (("left", -0.085), ("right", 0.085)):
-        knuckle = ((a - 0.01, pivot - 0.006, p.rim), (a + 0.01, pivot + 0.006, low + 0.012))
-        made.main.box(f"knuckle_{side}", *knuckle, material=p.metal)
-    anchor = (0, pivot, low + 0.009)
-    made.joints["seat"] = Joint("seat", "hinge", anchor, MAIN, axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2)
+    # The axis lies between the lower edge of the ring and a plate on the deck, over which the seat swings.
+    made.main.box("hinge_plate", (-0.02, pivot - 0.001, p.rim), (0.02, pivot + 0.016, low - 0.0005), material=p.metal)
+    anchor = (0, pivot, low - 0.0003)
+    made.joints["seat"] = Joint("seat", "hinge", anchor, MAIN, axis=(-1, 0, 0), range=(0.0, 1.4), damping=0.1, friction=0.2)
     made.joints["lid"] = Joint(
-        "lid", "hinge", (0, pivot, over - 0.001), "seat", axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2
+        "lid", "hinge", (0, rear + 0.004, over - 0.001), "seat", axis=(-1, 0, 0), range=(0.0, 1.55), damping=0.1, friction=0.2
     )
 
 

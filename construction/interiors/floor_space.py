@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .plans import Rect
-from .walls import Opening
+from .walls import Opening, swing
 
 __all__ = ["FloorSpace", "Spot", "turned_size"]
 
@@ -17,10 +17,6 @@ GRID = 0.05
 """[m] Own choice: cells in which ways are looked for."""
 WALKER = 0.6
 """[m] Width of the way that stays between furniture: a person with something in the hands (Neufert); S4 asks for 0.51 m."""
-BEFORE_DOOR = 0.9
-"""[m] Own choice: depth that stays free on both sides of a door, so that its leaf turns and one passes."""
-CASING = 0.08
-"""[m] How far the mouldings of a door reach beyond its opening, see `assets/openings.py`, and a little."""
 APART = 0.01
 """[m] Own choice: gap between things on the floor."""
 
@@ -72,15 +68,9 @@ class FloorSpace:
     """Floor from which things are used; free of other things."""
 
     def __post_init__(self) -> None:
-        self.doors = [self._before(o) for o in self.openings if o.kind == "door"]
+        self.doors = [swing(o, self.wall) for o in self.openings if o.kind == "door"]
         self.entries = [self._entry(o) for o in self.openings if o.kind == "door"]
         self.windows = [(o.plan(self.wall), o.sill) for o in self.openings if o.kind == "window"]
-
-    def _before(self, opening: Opening) -> Rect:
-        r = opening.plan(self.wall)
-        if opening.along == "x":
-            return Rect(r.x0 - CASING, r.y0 - BEFORE_DOOR, r.x1 + CASING, r.y1 + BEFORE_DOOR)
-        return Rect(r.x0 - BEFORE_DOOR, r.y0 - CASING, r.x1 + BEFORE_DOOR, r.y1 + CASING)
 
     def _entry(self, opening: Opening) -> tuple[float, float]:
         """Point just inside of a door."""

@@ -12,10 +12,14 @@ import numpy as np
 from ...worlds.errors import InputError
 from .plans import OUTSIDE, Plan, Rect
 
-__all__ = ["CORNER", "Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "wall_blocks", "windows_of"]
+__all__ = ["CORNER", "Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "swing", "wall_blocks", "windows_of"]
 
 CORNER = 0.12
 """[m] Own choice: wall that is left between an opening and the corner of a room."""
+BEFORE_DOOR = 0.9
+"""[m] Own choice: depth that stays free on both sides of a door, so that its leaf turns and one passes."""
+CASING = 0.08
+"""[m] How far the mouldings of a door reach beyond its opening, see `assets/openings.py`, and a little."""
 MOST_WINDOW = 1.6
 """[m] Own choice: width of a window at most; longer walls get several."""
 LEAST_WINDOW = 0.5
@@ -96,6 +100,18 @@ def _outer(plan: Plan, room: Rect) -> list[_Edge]:
     return [edge for there, edge in sides if there]
 
 
+def swing(opening: Opening, wall: float) -> Rect:
+    """Floor on both sides of a door over which its leaf turns and one passes."""
+    r = opening.plan(wall)
+    if opening.along == "x":
+        return Rect(r.x0 - CASING, r.y0 - BEFORE_DOOR, r.x1 + CASING, r.y1 + BEFORE_DOOR)
+    return Rect(r.x0 - BEFORE_DOOR, r.y0 - CASING, r.x1 + BEFORE_DOOR, r.y1 + CASING)
+
+
+def _meet(a: Rect, b: Rect) -> bool:
+    return a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1
+
+
 def doors_of(
     plan: Plan, pairs: Sequence[tuple[str, str]], *, wall: float, width: float, head: float, rng: np.random.Generator
 ) -> list[Opening]:
@@ -113,9 +129,14 @@ def doors_of(
             raise InputError(
                 f"rooms {a!r} and {b!r} share no wall of {2 * margin:.2f} m for a door {width:g} m wide; leave that door out or ask for larger rooms"
             )
-        edge = min(wide, key=lambda e: e.end - e.start) if b == OUTSIDE else wide[0]
-        where = edge.start + margin if rng.random() < 0.5 else edge.end - margin
-        found.append(Opening(f"{a}_{b}", "door", edge.along, edge.at(where), width, 0.0, head, (a, b)))
+        if b == OUTSIDE:
+            wide = [min(wide, key=lambda e: e.end - e.start)]
+        places = [(e, where) for e in wide for where in (e.start + margin, e.end - margin)]
+        order = [places[k] for k in rng.permutation(len(places))]
+        options = [Opening(f"{a}_{b}", "door", e.along, e.at(where), width, 0.0, head, (a, b)) for e, where in order]
+        # Leaves of two doors of a corner would meet.
+        free = [o for o in options if not any(_meet(swing(o, wall), swing(d, wall)) for d in found)]
+        found.append((free or options)[0])
     return found
 
 

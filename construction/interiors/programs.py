@@ -189,7 +189,7 @@ KINDS: Mapping[str, RoomKind] = {
     "study": RoomKind(
         11.0, 2.4, 2.0, True, "oak",
         (
-            _w("desk", use=0.8),
+            _w("desk"),
             _w("chair", rule="before", to="desk"),
             _w("bookcase", count=(2, 4), use=0.5),
             _w("filing_cabinet", use=0.6),

@@ -159,12 +159,6 @@ def _own(name: str, solids: Sequence[_Solid]) -> Iterator[str]:
         yield f"parts {', '.join(rest[:6])} of {name} touch none of the rest"
 
 
-def _together(solids: Sequence[_Solid]) -> Manifold:
-    from manifold3d import Manifold
-
-    return Manifold.compose([s.solid for s in solids])
-
-
 def _between(made: Made, bodies: Mapping[str, Sequence[_Solid]]) -> Iterator[str]:
     loose = {frozenset(pair) for pair in made.carries}
     joined = {frozenset((j.child, j.parent)): j.kind for j in made.joints.values()}

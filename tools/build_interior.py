@@ -13,6 +13,7 @@ from ..worlds.vocabulary import Id
 
 if TYPE_CHECKING:
     from ..execution import Job
+    from ..workflow.session import Session
     from ..worlds.spec import Interior
 
 __all__ = ["build_interior", "interior_reply"]
@@ -48,7 +49,7 @@ def build_interior(
     return _told(world, interior, start_and_wait(context, session, "interior", payload, wait_s=wait_s, key=key, reuse=False))
 
 
-def _asked(session: Any, interior: str, plan: dict[str, Any] | None) -> Interior:
+def _asked(session: Session, interior: str, plan: dict[str, Any] | None) -> Interior:
     from pydantic import ValidationError
 
     from ..worlds.spec import Interior
@@ -57,7 +58,7 @@ def _asked(session: Any, interior: str, plan: dict[str, Any] | None) -> Interior
     if plan is None:
         if interior not in known:
             raise InputError(f"there is no interior {interior!r}; the world has {sorted(known)}: give plan to make one")
-        return known[interior]  # type: ignore[no-any-return]
+        return known[interior]
     try:
         return Interior.model_validate({k: v for k, v in plan.items() if k != "entities"})
     except ValidationError as error:

@@ -17,6 +17,7 @@ from .made import MAIN, Body, Joint, Made
 __all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_boxes", "body_id", "feet"]
 
 DIGITS = 9
+"""Decimals to which lengths [m] and directions are written."""
 GROUND = 1e-4
 """[m] Own choice: what is no higher stands on the ground."""
 

@@ -120,7 +120,7 @@ def doors_of(
     Raises:
         InputError: two rooms share no wall that is wide enough.
     """
-    found = []
+    found: list[Opening] = []
     for a, b in pairs:
         edges = _outer(plan, plan.rooms[a]) if b == OUTSIDE else _shared(plan.rooms[a], plan.rooms[b])
         margin = wall / 2 + CORNER + width / 2

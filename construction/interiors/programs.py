@@ -205,6 +205,7 @@ KINDS: Mapping[str, RoomKind] = {
             "bookcase": BOOKS,
             "wall_shelf": BOOKS,
             "desk": ("table_lamp", "book", "mug", "chest", "jar", "apple"),
+            "chair": (),
             "": ("book", "vase", "chest", "mug", "jar", "lantern", "flower_pot"),
         },
         ("cardboard_box", "basket", "suitcase", "wooden_crate"),

@@ -19,6 +19,10 @@ EXACT = 1e-3
 """[m] Own choice: travel to which the place of the first hit is found."""
 PUSHED_MASS = 4.5
 """[kg] Free things that weigh less are pushed away: 22.2 N, with which a door must open (ADA 2010 404.2.9), over friction 0.5 and 9.81 m/s^2."""
+CARRIED_MASS = 15.0
+"""[kg] What weighs less and is small is taken up and opened elsewhere, as a lantern: most people lift it (ISO 11228-1, annex C)."""
+CARRIED_SIZE = 0.501
+"""[m] Own choice: and whose longest edge is no longer than half a metre, between two hands."""
 LEVEL = 0.05
 """[1] Own choice: of a full turn, how far the axis of a hinge may lean, that what stands on the turning body stays on it (18 degrees)."""
 MOVES = 3.0

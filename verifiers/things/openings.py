@@ -13,7 +13,7 @@ from ...worlds.predicate_base import atoms_of, entities_of
 from ...worlds.predicates import Contact
 from ...worlds.predicates.events import PairEvent
 from ...worlds.spec import HingeJoint, Rope, SlideJoint, SpringJoint, WeldJoint
-from .bounds import DRAWN_SHARE, LEVEL, OPEN_ANGLE, OPEN_SHARE, PUSHED_MASS
+from .bounds import CARRIED_MASS, CARRIED_SIZE, DRAWN_SHARE, LEVEL, OPEN_ANGLE, OPEN_SHARE, PUSHED_MASS
 from .kinds import OPENINGS, function_of, head_noun
 
 if TYPE_CHECKING:
@@ -94,11 +94,14 @@ def openings_of(surfaces: Surfaces) -> list[Opening]:
     assembly = candidate.memo("assemblies", lambda: assembly_of(spec))
     solid = set(surfaces.entities)
     asked = [(n, j) for n, j in spec.simulation.joints.items() if isinstance(j, HingeJoint | SlideJoint) and j.range is not None]
-    return [
-        _opening(surfaces, name, joint, assembly)
+    away = candidate.memo(_Groups, lambda: _groups(candidate)).carried
+    wanted = [
+        (name, joint)
         for name, joint in asked
-        if joint.child in solid and _opens(spec, name, joint.child, assembly) and _span(joint) > 0.0
+        if joint.child in solid and joint.child not in away and _span(joint) > 0.0 and _opens(spec, name, joint.child, assembly)
     ]
+    leaves = frozenset(j.child for _, j in wanted if not surfaces.is_static(j.child))
+    return [_opening(surfaces, name, joint, assembly, leaves) for name, joint in wanted]
 
 
 def _span(joint: HingeJoint | SlideJoint) -> float:
@@ -125,7 +128,10 @@ def _opens(spec: WorldSpec, joint: str, child: str, assembly: Mapping[str, str])
     return record is not None and record.generator in OPENINGS.generators and not joint.endswith(OPENINGS.other_joints)
 
 
-def _opening(surfaces: Surfaces, name: str, joint: HingeJoint | SlideJoint, assembly: Mapping[str, str]) -> Opening:
+def _opening(
+    surfaces: Surfaces, name: str, joint: HingeJoint | SlideJoint, assembly: Mapping[str, str], leaves: frozenset[str]
+) -> Opening:
+    """A joint with what moves, and what is no obstacle: other leaves swing away themselves."""
     candidate, spec, child = surfaces.candidate, surfaces.candidate.spec, joint.child
     assert joint.range is not None
     axis = np.array(joint.axis, dtype=np.float64)
@@ -136,7 +142,7 @@ def _opening(surfaces: Surfaces, name: str, joint: HingeJoint | SlideJoint, asse
     carried = _carried(surfaces, moving, {*own} - moving)
     level = slides or abs(float(axis[2])) > math.cos(LEVEL * 2 * math.pi)
     hung = _linked(spec, child) - moving - own
-    light = candidate.memo("light things", lambda: _light(candidate)) - moving - carried
+    light = candidate.memo(_Groups, lambda: _groups(candidate)).pushed - moving - carried
     record = spec.entities[assembly[child]].asset if assembly.get(child) in spec.entities else None
     function = function_of(record.generator if record is not None else None, name)
     return Opening(
@@ -148,7 +154,7 @@ def _opening(surfaces: Surfaces, name: str, joint: HingeJoint | SlideJoint, asse
         min(joint.range[0], 0.0),
         max(joint.range[1], 0.0),
         frozenset(moving | carried if level else moving),
-        frozenset((own | carried | light | _met(spec, child) | _ropes(spec, moving)) - moving),
+        frozenset((own | carried | light | leaves | _met(spec, child) | _ropes(spec, moving)) - moving),
         frozenset(hung),
         _welded(candidate, child, moving, name),
         DRAWN_SHARE if slides else OPEN_SHARE,
@@ -231,8 +237,17 @@ def _ropes(spec: WorldSpec, moving: Iterable[str]) -> set[str]:
     }
 
 
-def _light(candidate: Candidate) -> frozenset[str]:
-    """Free things that a door pushes away: with all that joints tie to them they weigh little, and nothing holds them in place."""
+class _Groups(NamedTuple):
+    """Entities that joints and `fastened` relations tie together, by what a person can do with them."""
+
+    pushed: frozenset[str]
+    """So light that what opens pushes them away."""
+    carried: frozenset[str]
+    """So light and small that one takes them up to open them."""
+
+
+def _groups(candidate: Candidate) -> _Groups:
+    """Free things that weigh little with all that joints tie to them, and that nothing holds in place."""
     spec = candidate.spec
     group = {n: n for n in spec.entities}
 
@@ -249,11 +264,16 @@ def _light(candidate: Candidate) -> frozenset[str]:
         if b in group and a in group:
             group[head(b)] = head(a)
     mass: dict[str, float] = {}
+    size: dict[str, float] = {}
     for name, entity in spec.entities.items():
         free = entity.motion == "dynamic" and name not in held and entity.generator is None and name in candidate.built
         weight = sum(b.mass for b in candidate.built[name].bodies) if free else math.inf
         mass[head(name)] = mass.get(head(name), 0.0) + weight
-    return frozenset(n for n in spec.entities if mass[head(n)] <= PUSHED_MASS)
+        size[head(name)] = max(size.get(head(name), 0.0), *entity.dimensions.size)
+    return _Groups(
+        frozenset(n for n in spec.entities if mass[head(n)] <= PUSHED_MASS),
+        frozenset(n for n in spec.entities if mass[head(n)] <= CARRIED_MASS and size[head(n)] <= CARRIED_SIZE),
+    )
 
 
 def _welded(candidate: Candidate, child: str, moving: set[str], joint: str) -> str | None:

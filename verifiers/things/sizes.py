@@ -129,10 +129,8 @@ def _hints(candidate: Candidate, name: str, kind: Kind, worst: _Judged, variant:
     parts = pointer("entities", name, "parts")
     bound = worst.high if worst.value > worst.high else worst.low
     if worst.limit.measure in ("rise", "rises", "going"):
-        action = (
-            f"Make the steps of {name!r} alike and of {worst.limit.called} within bounds: {bound:.4g} m"
-            " (place_object with the generator's parameters again)."
-        )
+        action = f"Put every tread of {name!r} where steps are alike, or make it again by its generator (place_object)"
+        action += f": {worst.limit.called} {worst.value:.4g} m, bound {bound:.4g} m."
         return (correction("a step is malformed", "shape", action, pointers=(parts,)),)
     middle = math.sqrt(max(worst.low, 1e-9) * worst.high) if math.isfinite(worst.high) else bound
     factor = middle / max(worst.value, 1e-9)

@@ -86,7 +86,9 @@ class FloorSpace:
             return (x, y + (reach if y < (self.room.y0 + self.room.y1) / 2 else -reach))
         return (x + (reach if x < (self.room.x0 + self.room.x1) / 2 else -reach), y)
 
-    def fits(self, foot: Rect, use: Rect | None, height: float, *, drawn: Rect | None = None, belongs: bool = False) -> str | None:
+    def fits(
+        self, foot: Rect, use: Rect | None, height: float, *, drawn: Rect | None = None, belongs: bool = False
+    ) -> str | None:
         """The constraint that stands in the way of a thing, in words; None where it fits, ways not asked yet.
 
         Args:

@@ -53,7 +53,13 @@ class Room:
         return RigidPose(self.place + turned @ np.array(at, dtype=np.float64), euler_to_quaternion((0.0, 0.0, self.yaw + turn)))
 
     def blocks(
-        self, name: str, role: str, boxes: Mapping[str, tuple[Sequence[float], Sequence[float]]], *, motion: str = "static", **more: Any
+        self,
+        name: str,
+        role: str,
+        boxes: Mapping[str, tuple[Sequence[float], Sequence[float]]],
+        *,
+        motion: str = "static",
+        **more: Any,
     ) -> None:
         """An entity of upright boxes, from their least to their greatest corners in the room [m]."""
         low, high = (np.array([b[k] for b in boxes.values()], dtype=np.float64) for k in (0, 1))
@@ -80,16 +86,17 @@ class Room:
         name: str,
         kind: str,
         at: Sequence[float],
+        /,
         *,
-        turn: float = 0.0,
+        facing: float = 0.0,
         motion: str | None = None,
         positions: Mapping[str, float] | None = None,
         **parameters: Any,
     ) -> None:
-        """A generated thing at a point of the room."""
+        """A generated thing at a point of the room, turned about z [rad]."""
         made = posed(make(kind, parameters, int(self.rng.integers(1000))), positions or {})
         record = {"generator": kind, "parameters": parameters, "seed": 0}
-        found = asset_documents(name, record, made, self.pose(at, turn), motion=motion or generator(kind).motion)
+        found = asset_documents(name, record, made, self.pose(at, facing), motion=motion or generator(kind).motion)
         self.documents |= found.entities
         self.joints |= found.joints
         self.relations |= found.relations
@@ -110,7 +117,7 @@ class Room:
             material="gypsum_plaster",
         )
         turned = {"leaf": ajar} if ajar else None
-        self.put("door", "door", (0.0, 0.0, 0.0), turn=-math.pi / 2, positions=turned, width=DOOR, depth=WALL, casing=False)
+        self.put("door", "door", (0.0, 0.0, 0.0), facing=-math.pi / 2, positions=turned, width=DOOR, depth=WALL, casing=False)
 
     def post(self, angle: float) -> None:
         """A post that the leaf of the closed door meets after an angle [rad], below its handle."""

@@ -64,7 +64,7 @@ def _stairs(rng: RNG) -> Room:
 def _bed_through_table(folder: Path, m: float, rng: RNG) -> World:
     """A table stands in the headboard of a bed."""
     found = room(rng)
-    found.put("bed", "bed", (1.5, 0.6, GAP), turn=math.pi)
+    found.put("bed", "bed", (1.5, 0.6, GAP), facing=math.pi)
     found.put("table", "table", (1.5, 0.6 - 1.07 - 0.3 + m, GAP), width=1.6, depth=0.6)
     return found.world(folder, "bed", "table")
 
@@ -148,7 +148,7 @@ def _furnished(rng: RNG) -> Room:
     found.put("lamp", "table_lamp", (1.6, -0.9, 0.74 + 2 * GAP))
     found.put("mug", "mug", (1.2, -0.8, 0.74 + 2 * GAP))
     found.put("chair", "chair", (1.5, -0.25, GAP))
-    found.put("bed", "bed", (-1.7, -0.6, GAP), turn=math.pi)
+    found.put("bed", "bed", (-1.7, -0.6, GAP), facing=math.pi)
     return found
 
 
@@ -215,9 +215,7 @@ SUITE = Suite(
     (
         Mechanism("blocked door", "something heavy stands where the leaf turns", True, _blocked_door, 0.02, 0.9, "1", bound=0.0),
         Mechanism("oversized threshold", "a sill behind the doorway is too high", True, _threshold, 0.002, 0.3, "m", bound=1e-4),
-        Mechanism(
-            "malformed stair", "one tread too high", True, _malformed_stair, 0.0097, 0.12, "m", bound=STEP, check="scale"
-        ),
+        Mechanism("malformed stair", "one tread too high", True, _malformed_stair, 0.0097, 0.12, "m", bound=STEP, check="scale"),
         Mechanism("bed through table", "", True, _bed_through_table, 0.002, 0.25, "m", check="interpenetration"),
         Mechanism("pipe without support", "off the wall", True, _pipe_without_support, 0.012, 0.4, "m", check="support"),
         Mechanism(

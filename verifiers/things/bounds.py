@@ -28,7 +28,7 @@ LEVEL = 0.05
 MOVES = 3.0
 """[m] Own choice: a suggested move is no longer."""
 SEARCHED = 8
-"""Own choice: failing joints of a scene whose suggested move is searched; the others name what is in the way."""
+"""[1] Own choice: failing joints of a scene whose suggested move is searched; the others name what is in the way."""
 
 SHAPES_SHARE = 0.02
 """[1] Own choice: collision and visible shape of a part may differ by this share of the part's size: rounded shapes of 16 facets are
@@ -39,7 +39,9 @@ SHAPES_LEAST = 0.002
 MIDDLE = 0.4
 """[1] Own choice: middle share of the footprint, per axis, over which the height of a seat, a top or a mattress is measured."""
 CELLS = 24
-"""Own choice: cells per axis over that middle."""
+"""[1] Own choice: cells per axis over that middle."""
+LEVEL_QUANTILE = 0.3
+"""[1] Own choice: of the heights of cells in the middle, from below: leaning backs and cushions may be over up to two thirds of them."""
 LEVEL_SHARE = 0.999
 """[1] Own choice: cosine to the vertical of the normal of what counts as level, 2.6 degrees; treads are laid to fall by 1 or 2 degrees."""
 SAME_TREAD = 0.005

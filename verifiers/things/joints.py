@@ -121,7 +121,9 @@ def _hints(surfaces: Surfaces, opening: Opening, reach: Reach, hit: Hit, *, sear
     for move in _moves(surfaces, opening, reach, hit) if searched else ():
         more = f" with {', '.join(n for n in move.names[1:4])}" if len(move.names) > 1 else ""
         way = ", ".join(f"{v:+.3g}" for v in move.offset)
-        action = f"Move {move.names[0]!r}{more}{' and more' if len(move.names) > 4 else ''} by ({way}) m, so that {child!r} can open."
+        action = (
+            f"Move {move.names[0]!r}{more}{' and more' if len(move.names) > 4 else ''} by ({way}) m, so that {child!r} can open."
+        )
         place = pointer("entities", move.names[0], "pose")
         hints.append(correction(cause, "placement", action, pointers=(place,), patch=_patch(spec, move)))
     missing = _amount(opening, (opening.needed * opening.span) - (reach.high - reach.low))
@@ -160,7 +162,11 @@ def _moves(surfaces: Surfaces, opening: Opening, reach: Reach, hit: Hit) -> list
         if (sign > 0 and (opening.child in names or obstacle in opening.hung)) or not _furniture(surfaces, names):
             continue
         rows = [i for n in names for i in surfaces.parts_of.get(n, ())]
-        stays = rows if sign > 0 else [i for n in _group(surfaces, assembly.get(obstacle, obstacle)) for i in surfaces.parts_of.get(n, ())]
+        stays = (
+            rows
+            if sign > 0
+            else [i for n in _group(surfaces, assembly.get(obstacle, obstacle)) for i in surfaces.parts_of.get(n, ())]
+        )
         for length in STEPS:
             for way in ways:
                 offset = np.round(length * way, 6)
@@ -173,7 +179,9 @@ def _furniture(surfaces: Surfaces, names: list[str]) -> bool:
     """True if a group may be moved: no walls and floors, nothing that others hang on or stand on unsaid."""
     ends = {n for j in surfaces.candidate.spec.simulation.joints.values() for n in (j.child, j.parent) if n is not None}
     spec = surfaces.candidate.spec
-    bound = any({j.child, j.parent} & set(names) and not {j.child, j.parent} <= set(names) for j in spec.simulation.joints.values())
+    bound = any(
+        {j.child, j.parent} & set(names) and not {j.child, j.parent} <= set(names) for j in spec.simulation.joints.values()
+    )
     return not bound and (spec.entities[names[0]].asset is not None or names[0] not in ends) and len(names) <= MOST_MOVED
 
 

@@ -10,10 +10,35 @@ from typing import Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["KINDS", "MEASURES", "OPENINGS", "VARIANTS", "Kind", "Limit", "Variant", "function_of", "head_noun", "kind_of", "variant_of"]
+__all__ = [
+    "KINDS",
+    "MEASURES",
+    "OPENINGS",
+    "VARIANTS",
+    "Kind",
+    "Limit",
+    "Variant",
+    "function_of",
+    "head_noun",
+    "kind_of",
+    "variant_of",
+]
 
 FILE = Path(__file__).with_suffix(".json")
-MEASURES = ("level", "height", "length", "width", "longest", "middle", "least", "leaf_width", "leaf_height", "rise", "rises", "going")
+MEASURES = (
+    "level",
+    "height",
+    "length",
+    "width",
+    "longest",
+    "middle",
+    "least",
+    "leaf_width",
+    "leaf_height",
+    "rise",
+    "rises",
+    "going",
+)
 """Names of measures; `measures.py` takes them."""
 _STOPS = re.compile(
     r"[,.;:(/]|\b(?:of|in|on|at|for|from|to|with|without|by|that|which|who|whose|and|or|under|over|beside|behind|between|into|as|is|are|standing|hinged)\b"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64, RigidPose, pose_of, rotation_matrix
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import HingeJoint
-from .bounds import CELLS, FOOTROOM, LEVEL_SHARE, MIDDLE, SAME_TREAD, TREAD_AREA, TREAD_DEPTH, TREAD_SHARE
+from .bounds import CELLS, FOOTROOM, LEVEL_QUANTILE, LEVEL_SHARE, MIDDLE, SAME_TREAD, TREAD_AREA, TREAD_DEPTH, TREAD_SHARE
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -25,7 +25,7 @@ class Thing(NamedTuple):
     triangles: F64
     """Corners [m], shape (n, 3, 3), of all its bodies that joints tie to the main one."""
     leaves: tuple[F64, ...]
-    """Extents of bodies that turn about upright axes, each in its own frame [m], shape (3,)."""
+    """Width and height of bodies that turn about upright axes, however far they are turned [m], shape (2,)."""
 
     @property
     def low(self) -> F64:
@@ -53,7 +53,8 @@ def thing_of(candidate: Candidate, main: str) -> Thing:
     asset = spec.entities[main].asset
     own = {main, *(asset.bodies if asset is not None else ())}
     joints = [j for j in spec.simulation.joints.values() if j.kind in ("hinge", "slide", "ball", "weld")]
-    tied = {main} | {n for j in joints for n in (j.child, j.parent) if n in own and {j.child, j.parent} <= own}
+    inner = [(j.child, j.parent) for j in joints if j.parent is not None and {j.child, j.parent} <= own]
+    tied = {main} | {n for ends in inner for n in ends}
     start = _pose(candidate, main)
     back = rotation_matrix(start.quaternion).T
     found = []
@@ -64,11 +65,13 @@ def thing_of(candidate: Candidate, main: str) -> Thing:
         found += [t @ turn.T + shift for t in _surfaces(candidate, name)]
     if not found:
         raise EvidenceError(f"entity {main!r} has no visible geometry; call place_object")
-    hinged = [j.child for j in joints if isinstance(j, HingeJoint) and j.child in own and abs(j.axis[2]) > 0.9 * np.linalg.norm(j.axis)]
+    hinged = [
+        j.child for j in joints if isinstance(j, HingeJoint) and j.child in own and abs(j.axis[2]) > 0.9 * np.linalg.norm(j.axis)
+    ]
     leaves = []
     for name in hinged:
         corners = np.concatenate([t.reshape(-1, 3) for t in _surfaces(candidate, name)] or [np.zeros((1, 3))])
-        leaves.append(np.ptp(corners, axis=0))
+        leaves.append(np.array([_across(corners), float(np.ptp(corners[:, 2]))]))
     return Thing(np.concatenate(found), tuple(leaves))
 
 
@@ -90,14 +93,14 @@ def measured(thing: Thing, measure: str) -> float | None:
 
 
 def _level(thing: Thing) -> float | None:
-    """Height above its lowest point of what is uppermost in the middle of its footprint: the median of cells."""
+    """Height above its lowest point of what is uppermost in the middle of its footprint, where backs and arms do not reach."""
     low, size = thing.low, thing.size
     at = low[:2] + size[:2] * (0.5 - 0.5 * MIDDLE)
     steps = (np.arange(CELLS) + 0.5) / CELLS * MIDDLE
     points = np.stack(np.meshgrid(at[0] + steps * size[0], at[1] + steps * size[1]), axis=-1).reshape(-1, 2)
     heights = _tops(thing.triangles, points)
     there = heights[np.isfinite(heights)]
-    return float(np.median(there) - low[2]) if len(there) else None
+    return float(np.quantile(there, LEVEL_QUANTILE) - low[2]) if len(there) else None
 
 
 def _tops(triangles: F64, points: F64) -> F64:
@@ -190,11 +193,25 @@ def _going(thing: Thing) -> float | None:
     return float(np.linalg.norm(np.diff(treads.centers, axis=0), axis=1).min())
 
 
-def _leaf(axis: int) -> Callable[[Thing], float | None]:
-    def take(thing: Thing) -> float | None:
-        return max((float(s[2] if axis == 2 else max(s[:2])) for s in thing.leaves), default=None)
+def _leaf(which: int) -> Callable[[Thing], float | None]:
+    return lambda thing: max((float(s[which]) for s in thing.leaves), default=None)
 
-    return take
+
+def _across(points: F64) -> float:
+    """Longer side of the narrowest rectangle about points from above [m]: of a plate, whichever way it is turned, its width."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    flat = points[:, :2]
+    try:
+        corners = flat[ConvexHull(flat).vertices]
+    except (QhullError, ValueError):
+        return float(np.linalg.norm(np.ptp(flat, axis=0)))
+    edges = np.roll(corners, -1, axis=0) - corners
+    along = edges / np.linalg.norm(edges, axis=1)[:, None]
+    normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    deep, wide = np.ptp(corners @ normal.T, axis=0), np.ptp(corners @ along.T, axis=0)
+    narrowest = int(np.argmin(deep))
+    return float(wide[narrowest])
 
 
 def _sorted(place: int) -> Callable[[Thing], float | None]:
@@ -210,7 +227,7 @@ _TAKEN: Mapping[str, Callable[[Thing], float | None]] = {
     "middle": _sorted(1),
     "least": _sorted(0),
     "leaf_width": _leaf(0),
-    "leaf_height": _leaf(2),
+    "leaf_height": _leaf(1),
     "rise": _rise,
     "rises": _uneven,
     "going": _going,

@@ -112,10 +112,7 @@ def _span(joint: HingeJoint | SlideJoint) -> float:
 def assembly_of(spec: WorldSpec) -> dict[str, str]:
     """Main entity of the generated thing to which each entity belongs."""
     return {
-        name: main
-        for main, entity in spec.entities.items()
-        if entity.asset is not None
-        for name in (main, *entity.asset.bodies)
+        name: main for main, entity in spec.entities.items() if entity.asset is not None for name in (main, *entity.asset.bodies)
     }
 
 

@@ -241,9 +241,7 @@ def _round(kind: str, params: Sequence[float]) -> F64:
         return np.concatenate([radius * ring + [0.0, 0.0, s * params[1]] for s in (-1.0, 1.0)])
     half = params[1] if kind == "capsule" else 0.0
     lifts = np.linspace(0.0, 0.5 * np.pi, AROUND // 4 + 1)
-    found = [
-        radius * np.cos(q) * ring + [0.0, 0.0, side * (half + radius * np.sin(q))] for q in lifts for side in (-1.0, 1.0)
-    ]
+    found = [radius * np.cos(q) * ring + [0.0, 0.0, side * (half + radius * np.sin(q))] for q in lifts for side in (-1.0, 1.0)]
     return np.asarray(np.unique(np.round(np.concatenate(found), 12), axis=0))
 
 

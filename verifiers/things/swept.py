@@ -113,7 +113,9 @@ def _mount(surfaces: Surfaces, opening: Opening, mover: int, obstacle: int) -> b
     a, b = surfaces.parts[mover].entity, surfaces.parts[obstacle].entity
     if b not in opening.hung:
         return False
-    return bool(_clearance(surfaces, opening, mover, obstacle, np.zeros(1), 2.0 * surfaces.reach)[0] <= surfaces.contact_gap(a, b))
+    return bool(
+        _clearance(surfaces, opening, mover, obstacle, np.zeros(1), 2.0 * surfaces.reach)[0] <= surfaces.contact_gap(a, b)
+    )
 
 
 def _clearance(surfaces: Surfaces, opening: Opening, mover: int, obstacle: int, positions: F64, skip: float) -> F64:
@@ -157,7 +159,9 @@ class _Pair(NamedTuple):
         parts, start = self.surfaces.parts, _start(self.surfaces, self.mover)
         place, turn = self.opening.poses(start, np.array([position]))
         two = parts[self.obstacle].solid
-        return not apart(parts[self.mover].solid, RigidPose(place[0], turn[0]), two, _start(self.surfaces, self.obstacle), gap=TOUCH)
+        return not apart(
+            parts[self.mover].solid, RigidPose(place[0], turn[0]), two, _start(self.surfaces, self.obstacle), gap=TOUCH
+        )
 
     def first_hit(self, positions: F64, *, apart_first: bool) -> int | None:
         """The first of positions, in their order, at which they overlap by more than is allowed.
@@ -213,7 +217,9 @@ def way_boxes(surfaces: Surfaces, opening: Opening, between: tuple[float, float]
         positions = np.linspace(*between, max(2, int(np.ceil(travel / COARSE)) + 1))
         places, turns = opening.poses(start, positions)
         half = 0.5 * (solid.upper - solid.lower)
-        low, high = turned_boxes(solid.sphere_center[None], half[None], np.array([solid.sphere_radius]), places[None], turns[None])
+        low, high = turned_boxes(
+            solid.sphere_center[None], half[None], np.array([solid.sphere_radius]), places[None], turns[None]
+        )
         lows.append(np.minimum(low[0, :-1], low[0, 1:]))
         highs.append(np.maximum(high[0, :-1], high[0, 1:]))
     return np.concatenate(lows), np.concatenate(highs)

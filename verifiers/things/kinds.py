@@ -141,7 +141,7 @@ def head_noun(role: str) -> str:
 
 
 def function_of(generator: str | None, joint: str) -> Function | None:
-    """What a joint of a generated thing is for, where that asks for less than others."""
+    """Function of a joint of a generated thing, where that asks for less than others."""
     return next((f for f in OPENINGS.functions if generator in f.generators and joint.endswith(f.joint)), None)
 
 

@@ -51,7 +51,7 @@ class Opening(NamedTuple):
     angle: float
     """Angle that is enough for a hinge, whatever its range [rad]."""
     reason: str
-    """Of both."""
+    """Reason of both."""
     pushed: frozenset[str]
     """Free things that are so light that what opens pushes them away."""
 
@@ -274,7 +274,7 @@ def _groups(candidate: Candidate) -> _Groups:
 
 
 def _welded(candidate: Candidate, child: str, moving: set[str], joint: str) -> str | None:
-    """What holds the child shut: an entity outside of what moves to which it is welded too."""
+    """Entity that holds the child shut: outside of what moves to which it is welded too."""
     for name, other in candidate.spec.simulation.joints.items():
         if name != joint and isinstance(other, WeldJoint) and child in (other.child, other.parent):
             end = other.parent if other.child == child else other.child

@@ -46,7 +46,7 @@ _BOX = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], 
 
 
 class Differs(NamedTuple):
-    """How far shapes of one part differ."""
+    """Distance of shapes of one part from each other."""
 
     distance: float
     """[m]"""

@@ -38,7 +38,7 @@ class _Judged(NamedTuple):
 
     @property
     def excess(self) -> float:
-        """How far out the value is: the logarithm of its factor beyond a bound, negative within."""
+        """Logarithm of its factor beyond a bound, negative within."""
         value = max(self.value, 1e-9)
         above = math.log(value / self.high) if math.isfinite(self.high) else -math.inf
         below = math.log(self.low / value) if self.low > 0.0 else -math.inf

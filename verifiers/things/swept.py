@@ -39,7 +39,7 @@ class Hit(NamedTuple):
 
 
 class Reach(NamedTuple):
-    """How far a joint gets either way; a hit of None is the end of the range."""
+    """Free way of a joint in both directions; a hit of None is the end of the range."""
 
     low: float
     high: float
@@ -50,7 +50,7 @@ class Reach(NamedTuple):
 
 
 def reach_of(surfaces: Surfaces, opening: Opening) -> Reach:
-    """How far a joint gets from where the world stands at frame 0."""
+    """Free way of a joint from where the world stands at frame 0."""
     pairs = _pairs(surfaces, opening)
     ends: list[Hit | None] = []
     for end in (opening.low, opening.high):

@@ -1,4 +1,4 @@
-"""What opens can be moved with the world as it stands: swept poses against boxes, posts, light things and things that go along."""
+"""Things that open can be moved with the world as it stands: swept poses against boxes, posts, light things and things that go along."""
 
 from __future__ import annotations
 

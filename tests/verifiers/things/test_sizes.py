@@ -126,7 +126,7 @@ def test_steps_are_found_in_every_build(tmp_path: Path, build: str) -> None:
 @pytest.mark.parametrize("name", sorted(BY_GENERATOR))
 def test_generators_make_things_of_their_kind(tmp_path: Path, name: str) -> None:
     """At the defaults and at random parameters; the numbers come from the surfaces, not from the parameters."""
-    kind = BY_GENERATOR[name]
+    kind, judged = BY_GENERATOR[name], 0
     for seed in range(SEEDS):
         parameters = {} if seed == 0 else sampled(GENERATORS[name], np.random.default_rng(seed))
         found = Room(np.random.default_rng(seed), 0.3 * seed, np.zeros(3))
@@ -137,6 +137,8 @@ def test_generators_make_things_of_their_kind(tmp_path: Path, name: str) -> None
         row = next(r for r in sizes.check(found.world(tmp_path).candidate) if r.subject == ("thing",))
         assert row.status == "pass", (parameters, row.evidence)
         assert set(row.evidence["measures_m"]) == {limit.measure for limit in kind.limits}
+        judged += 1
+    assert judged
 
 
 @pytest.mark.parametrize("kind", KINDS.values(), ids=lambda k: k.name)

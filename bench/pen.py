@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..geometry import Solid
 from ..worlds.arrays import F64, I32, RigidPose
+from ..worlds.built import TriangleMesh
 from .clearance import box_mesh
 from .contact_shapes import sphere
 from .evaluation.metrics.pen import FRAMES, LEAST_DEPTH, Evaluated, penetration, sampled_frames
@@ -97,14 +99,17 @@ def _bowl() -> Case:
 def _shell(inner: float, outer: float, around: int = 256, down: int = 64) -> tuple[F64, I32]:
     """A closed half shell, opening upwards: an outline of outer and inner quarter circle turned about z."""
     angle = np.linspace(-math.pi / 2, 0.0, down + 1)
-    outline = np.concatenate([outer * np.c_[np.cos(angle), np.sin(angle)], inner * np.c_[np.cos(angle), np.sin(angle)][::-1]])
+    quarter = np.c_[np.cos(angle), np.sin(angle)]
+    quarter[0, 0] = 0.0  # the foot is one point
+    outline = np.concatenate([outer * quarter, inner * quarter[::-1]])
     turns = np.linspace(0.0, 2 * math.pi, around, endpoint=False)
     points = np.stack([np.c_[r * np.cos(turns), r * np.sin(turns), np.full(around, z)] for r, z in outline])
     row, column = np.meshgrid(np.arange(len(outline) - 1), np.arange(around), indexing="ij")
     after = (column + 1) % around
     a, b, c, d = (row * around + column, row * around + after, (row + 1) * around + after, (row + 1) * around + column)
     faces = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
-    return points.reshape(-1, 3), faces.astype(np.int32)
+    solid = Solid.from_mesh(TriangleMesh(points.reshape(-1, 3), faces.astype(np.int32)), closed=True)
+    return solid.vertices, solid.faces
 
 
 def _touch() -> Case:

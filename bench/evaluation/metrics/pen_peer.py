@@ -1,7 +1,6 @@
 """Depths of the same overlaps by Blender's bounding volume hierarchy (GPL), in a process of its own.
 
-`blender` on the path or in `$WORLDAGENT_BLENDER`, or a Python with the package `mathutils` in `$WORLDAGENT_MATHUTILS_PYTHON`. Without
-either there is no peer, and the answer says so. Blender's tree holds single precision: depths agree to about 1e-6 of the coordinates.
+`blender` on the path or in `$WORLDAGENT_BLENDER`; without one there is no peer, and the answer says so. Blender's tree holds single precision: depths agree to about 1e-6 of the coordinates.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from .pen import Evaluated, Overlap
 
 __all__ = ["peer_depths"]
 
-ENV_BLENDER, ENV_PYTHON = "WORLDAGENT_BLENDER", "WORLDAGENT_MATHUTILS_PYTHON"
+ENV_BLENDER = "WORLDAGENT_BLENDER"
 SECONDS = 300.0
 """Longest that the peer may take [s]."""
 _SCRIPT = """
@@ -58,31 +57,22 @@ def peer_depths(overlaps: Sequence[tuple[Sequence[Evaluated], Overlap]]) -> dict
     Args:
         overlaps: each with the objects among which it was found.
     """
-    begin = _begin()
-    if begin is None:
-        return {"max_relative_difference": None, "reason": f"no blender on the path; ${ENV_BLENDER} or ${ENV_PYTHON} may name one"}
+    blender = os.environ.get(ENV_BLENDER) or shutil.which("blender")
+    if blender is None:
+        return {"max_relative_difference": None, "reason": f"blender is not installed; ${ENV_BLENDER} may name it (Debian package blender 3.4.1)"}
     with tempfile.TemporaryDirectory(prefix="worldagent-") as folder:
         script, source, target = (Path(folder) / name for name in ("peer.py", "meshes.json", "depths.json"))
         script.write_text(_SCRIPT)
         source.write_text(json.dumps([[_plain(objects, name) for name in (o.first, o.second)] for objects, o in overlaps]))
         try:
-            ended = subprocess.run([*begin, str(script), "--", str(source), str(target)], capture_output=True, text=True, check=False, timeout=SECONDS)
+            ended = subprocess.run([blender, "-b", "-P", str(script), "--", str(source), str(target)], capture_output=True, text=True, check=False, timeout=SECONDS)
         except subprocess.TimeoutExpired:
-            return {"max_relative_difference": None, "reason": f"{begin[0]} took longer than {SECONDS:g} s"}
+            return {"max_relative_difference": None, "reason": f"{blender} took longer than {SECONDS:g} s"}
         if not target.is_file():
-            return {"max_relative_difference": None, "reason": (ended.stderr.strip().splitlines() or [f"{begin[0]} ended without a word"])[-1]}
+            return {"max_relative_difference": None, "reason": (ended.stderr.strip().splitlines() or ["blender ended without a word"])[-1]}
         theirs: list[float | None] = json.loads(target.read_text())
     differences = [1.0 if d is None else abs(d - o.depth) / o.depth for d, (_, o) in zip(theirs, overlaps, strict=True)]
     return {"max_relative_difference": max(differences), "depths_m": theirs, "ours_m": [o.depth for _, o in overlaps]}
-
-
-def _begin() -> list[str] | None:
-    """Command before the script's path."""
-    python = os.environ.get(ENV_PYTHON)
-    if python:
-        return [python]
-    blender = os.environ.get(ENV_BLENDER) or shutil.which("blender")
-    return None if blender is None else [blender, "-b", "-P"]
 
 
 def _plain(objects: Sequence[Evaluated], name: str) -> dict[str, Any]:

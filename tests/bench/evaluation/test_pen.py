@@ -22,6 +22,7 @@ from worldagent.bench.evaluation.metrics.pen import (
     penetration,
     sampled_frames,
 )
+from worldagent.bench.evaluation.metrics.pen_peer import peer_depths
 from worldagent.geometry.inside import nearest_faces
 from worldagent.testing.worlds.small_worlds import ball, box, ground, make_candidate, world
 from worldagent.tests.bench.evaluation.folders import baked_folder
@@ -160,3 +161,11 @@ def test_pen_is_unavailable_without_a_complete_bake(tmp_path: Path) -> None:
     folder = baked_folder(tmp_path / "w", {**small_spec(), "prompt": PROMPT}, frames=0)
     with pytest.raises(EvidenceError, match="completely baked"):
         baked_candidate(folder.root)
+
+
+def test_without_blender_the_peer_gives_null_and_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("WORLDAGENT_BLENDER", raising=False)
+    monkeypatch.setenv("PATH", "/nonexistent")
+    answer = peer_depths([])
+    assert answer["max_relative_difference"] is None
+    assert "WORLDAGENT_BLENDER" in answer["reason"]

@@ -18,7 +18,7 @@ Truth = Literal["happened", "did_not"]
 
 @dataclass(frozen=True)
 class BeatVerdicts:
-    """What both say of one beat of the prompt."""
+    """Both verdicts on one beat of the prompt."""
 
     beat: str
     server: str
@@ -27,7 +27,7 @@ class BeatVerdicts:
     """Completion 0, 0.5 or 1; None where the judge gave no score."""
     outcome: Literal["agree", "disputed", "undecided"]
     right: Literal["server", "judge", "unknown"] | None
-    """Of disputed ones: who was right as far as anyone ruled."""
+    """The side that was right on a disputed one, as far as anyone ruled."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def _compared(beat: str, server: str, judge: float | None, truth: Truth | None) 
 
 @dataclass(frozen=True)
 class Spent:
-    """What an agent used on one sample."""
+    """Calls, tokens, time and money that an agent used on one sample."""
 
     calls: int
     tokens: int

@@ -24,7 +24,7 @@ __all__ = ["CHECKPOINT", "MODEL", "Alignment", "Encoder", "align", "load_encoder
 MODEL, CHECKPOINT = "PE-Core-L-14-336", "meta"
 """Names by which open_clip knows the paper's checkpoint; its weights are `timm/PE-Core-L-14-336` on the Hugging Face hub."""
 CONVENTION = {"image_mean": (0.5,) * 3, "image_std": (0.5,) * 3, "image_interpolation": "bilinear", "image_resize_mode": "squash"}
-"""Of the checkpoint's own preprocessing: the whole frame squashed to 336 x 336, nothing cropped."""
+"""Preprocessing of the checkpoint itself: the whole frame squashed to 336 x 336, nothing cropped."""
 INSTALL = "pip install 'worldagent[metrics]'"
 FETCH = f"hf download timm/{MODEL}"
 BATCH = 16
@@ -50,7 +50,7 @@ class Alignment:
     value: float
     frames: int
     text_tokens_used: int
-    """Of the text's tokens; the encoder has room for 32 with their two ends, and cuts longer texts."""
+    """Tokens of the text that count; the encoder has room for 32 with their two ends, and cuts longer texts."""
     text_tokens: int
     """That the whole text has."""
     model: str

@@ -16,7 +16,7 @@ __all__ = ["Film", "encoded_frame"]
 JUDGE_EDGE = 512
 """Own choice: longest side of a frame that a judge gets [pixels]; the paper's judge itself sees 384 x 384."""
 QUALITY = 90
-"""Of the JPEG files that a judge gets."""
+"""Quality of the JPEG files that a judge gets."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What a judge will cost before it is asked: calls, pictures, tokens, money."""
+"""The cost of a judge before it is asked: calls, pictures, tokens, money."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .questions import JUDGED, questions_of
 __all__ = ["Forecast", "forecast", "picture_tokens"]
 
 PIXELS_PER_TOKEN = 750
-"""Of a picture: the rule that Anthropic publishes; others count 85 to 1500 per picture, and local judges 196 (LLaVA-Video)."""
+"""Pixels of a picture: the rule that Anthropic publishes; others count 85 to 1500 per picture, and local judges 196 (LLaVA-Video)."""
 LETTERS_PER_TOKEN = 4
-"""Of English text, roughly."""
+"""Letters of English text, roughly."""
 ANSWER_TOKENS = 40
-"""Of an answer, without what a model thinks before it."""
+"""Tokens of an answer, without what a model thinks before it."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ TRIES = 3
 SECONDS = 180.0
 """Longest wait for one answer [s]."""
 MOST_TOKENS = 2048
-"""Of an answer with what a model thinks before it."""
+"""Tokens of an answer with what a model thinks before it."""
 SHOWN = 200
 """Letters of an answer that a reason quotes."""
 
@@ -41,13 +41,13 @@ class Reply(NamedTuple):
 
 @dataclass(frozen=True)
 class JudgeIdentity:
-    """Who judged, as far as is known; it travels with every result (`metrics.md` 6.2: numbers of different judges do not compare)."""
+    """Who judged, as far as is known; it travels with every result (numbers of different judges do not compare)."""
 
     backend: str
     """Layer and its version: `inspect_ai 0.3.285`."""
     model: str
     dtype: str | None = None
-    """Of the weights; None where a provider does not tell."""
+    """Type of the weights; None where a provider does not tell."""
     arguments: dict[str, str] = field(default_factory=dict)
     """Model arguments that were given, but keys and addresses."""
 
@@ -98,7 +98,7 @@ class InspectJudge:
 
 @dataclass(frozen=True)
 class Answered:
-    """What came of one question."""
+    """The outcome of one question."""
 
     key: str
     scores: dict[str, float] | None

@@ -42,7 +42,7 @@ class Judged:
     questions_sha256: str
     """Over the texts of all questions that belong to the metric, in order."""
     frames: int
-    """Of the film."""
+    """Number of frames of the film."""
 
     def as_json(self) -> dict[str, Any]:
         """Plain data for logs and reports."""

@@ -49,7 +49,7 @@ CHOICES = {
     "scale": "L is the diagonal of the box around all objects at the first frame, so that nothing flung out lowers the score",
     "intended": "overlaps that a specification declares as intended count like all others",
 }
-"""What the paper leaves open, and what is done here; it travels with every result."""
+"""Choices where the paper leaves something open; it travels with every result."""
 
 Ints = NDArray[np.intp]
 

@@ -1,4 +1,4 @@
-"""What a judge is asked about a film: texts and frames of every question, known before any is put (R145-R147, R150, R151).
+"""The questions that a judge is asked about a film: texts and frames of every question, known before any is put (R145-R147, R150, R151).
 
 Neither the text nor a picture tells who made the film: questions are made of the prompt's own words, and frames carry no names.
 """
@@ -35,7 +35,7 @@ class Question:
 
     @property
     def rubric(self) -> Rubric:
-        """What answers it."""
+        """The rubric that says what answers it."""
         found: Rubric = getattr(rubrics(), self.kind)
         return found
 

@@ -25,7 +25,7 @@ LONGEST = 4000
 
 
 class Rubric(BaseModel):
-    """What a judge is asked, and the values of each score."""
+    """A question to a judge, and the values of each score."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

@@ -1,4 +1,4 @@
-"""What a sample of a run left: its prompt, its world, its film; from the metadata of its state and the folders on disk."""
+"""The leavings of a sample of a run: its prompt, its world, its film; from the metadata of its state and the folders on disk."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from .sample import SampleOutput, sample_output
 __all__ = ["SCORERS", "alignment", "caus", "comp", "imag", "pen", "prod", "qual"]
 
 MOST_CALLS = 2000
-"""Of a judge for one metric of one film, by the forecast; more are refused before the first."""
+"""Calls of a judge for one metric of one film, by the forecast; more are refused before the first."""
 Measured = Callable[[SampleOutput], Awaitable[tuple[float | None, str, dict[str, Any]]]]
 """Value or None, words, and plain data."""
 

@@ -16,13 +16,13 @@ STAGES, SEGMENTS = 5, 8
 MOST = 16
 """K_c: frames per stage or segment."""
 OVERLAP = 0.1
-"""Of stages: share of a stage's length that it has in common with each neighbour, half of it on either side of their bound (own choice)."""
+"""Share of a stage's length that it has in common with each neighbour, half of it on either side of their bound (own choice)."""
 STEP, WIDTH, STRIDE = 10, 64, 32
 """Comp: one frame in ten; windows of at most 64 sampled frames, 32 apart."""
 PRODUCTION = 64
 """Prod: frames per window."""
 LEAST_FRAMES = SEGMENTS
-"""Of a film that can be judged: one per segment."""
+"""Frames of the shortest film that can be judged: one per segment."""
 
 
 class Window(NamedTuple):
@@ -66,7 +66,7 @@ def shot_segments(count: int) -> list[Window]:
 
 
 def composition_windows(count: int) -> list[Window]:
-    """Of each of eight segments every tenth frame from its first on; more than 64 of them in windows of 64 that begin 32 apart."""
+    """Every tenth frame of each of eight segments from its first on; more than 64 of them in windows of 64 that begin 32 apart."""
     found = []
     for segment in range(SEGMENTS):
         first, last = _span(count, SEGMENTS, segment)

@@ -36,7 +36,7 @@ def perfect(text: str) -> str:
 
 
 class FakeJudge(ModelAPI):
-    """What it was asked stands in `asked`: texts and numbers of pictures."""
+    """A provider that keeps in `asked` what it was asked: texts and pictures."""
 
     def __init__(self, model_name: str, base_url: str | None = None, api_key: str | None = None, config: GenerateConfig | None = None, **arguments: Any) -> None:
         super().__init__(model_name, base_url, api_key, [], config or GenerateConfig())

@@ -31,7 +31,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:The 'initial' parameter is depre
 PROMPT = load_prompts("agenticsimbench")["volcano"]
 SMALL = load_prompts("small")["crate_slides"]
 VALUES = {"caus": 0.7 + 0.3 * 0.5, "qual": 12 / 15, "comp": 1.0, "prod": 16 / 20}
-"""Of the perfect judge's answers, by the paper's formulas."""
+"""Scores of the perfect judge's answers, by the paper's formulas."""
 
 
 @pytest.fixture(scope="module")

@@ -45,7 +45,8 @@ def run(tmp_path: Path, metadata: dict[str, Any], *chosen: Any, grader: Any = No
     roles = {"grader": grader} if grader is not None else {}
     (log,) = run_eval(task, model=get_model("mockllm/model"), model_roles=roles, log_dir=str(tmp_path / "logs"), display="none")
     assert log.status == "success", log.error
-    return dict(log.samples[0].scores), log
+    (sample,) = log.samples or []
+    return dict(sample.scores or {}), log
 
 
 def told(score: Score) -> dict[str, Any]:

@@ -151,7 +151,7 @@ def test_imaging_quality_is_the_mean_over_every_frame_over_a_hundred(tmp_path: P
 
 @TORCH
 def test_the_predictor_is_made_by_the_packages_own_loading_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of pyiqa, where it is importable: it gets the metric's name and the device, and its failure is a refusal."""
+    """Where pyiqa is importable, it gets the metric's name and the device, and its failure is a refusal."""
     import torch
 
     fake = ModuleType("pyiqa")

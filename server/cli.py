@@ -47,7 +47,7 @@ BENCHMARKS: dict[str, str] = {
     "cloth": "worldagent.bench.cloth:run",
     "gas": "worldagent.bench.gas:run",
     "gas-fire": "worldagent.bench.gas_fire:run",
-    "gas-peer": "worldagent.bench.gas_peer:run",
+    "gas-peer": "worldagent.bench.gas_peer:run", "pen": "worldagent.bench.pen:run",
 }
 """Benchmarks by name: `run()` returns the figures."""
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...worlds.ablation import ablation, switched_off
 from ...worlds.errors import EvidenceError
 from ...worlds.requirements import Row, fail_closed
 from .findings import Finding, judged, lacking
@@ -63,7 +64,9 @@ def row_of(
         recipe_entities: entities that the verdict depends on; default those concerned.
         artifact: what was inspected; default the candidate's caches.
     """
-    if not isinstance(found, Finding):
+    if switched_off(question.check):
+        found = Finding("not_applicable", "not judged: switched off for an evaluation", evidence={"ablation": ablation()})
+    elif not isinstance(found, Finding):
         found = judged(found)
     frames = (0, candidate.last_frame) if found.frames is None else found.frames
     measured, bound = _finite(found.measured), _finite(found.bound)

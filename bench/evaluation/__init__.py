@@ -1,0 +1,1 @@
+"""AgenticSimBench and the headless harness: tasks, agents, isolation, budgets and scores on Inspect AI."""

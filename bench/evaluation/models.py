@@ -51,7 +51,11 @@ class ScriptedModel(ModelAPI):
         self.calls: list[dict[str, Any]] = json.loads(Path(calls).read_text(encoding="utf-8"))
 
     async def generate(
-        self, input: list[ChatMessage], tools: list[ToolInfo], tool_choice: ToolChoice, config: GenerateConfig
+        self,
+        input: list[ChatMessage],  # noqa: A002 - the signature of the interface
+        tools: list[ToolInfo],
+        tool_choice: ToolChoice,
+        config: GenerateConfig,
     ) -> ModelOutput:
         """The next call of the list, or `done`."""
         played = sum(isinstance(message, ChatMessageTool) for message in input)

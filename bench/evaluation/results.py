@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -112,8 +113,8 @@ def _result(sample: EvalSample, agent: str, model: str) -> SampleResult:
         seconds=round(sample.total_time or 0.0, 3),
         working_s=round(sample.working_time or 0.0, 3),
         device_s=float(value.get("device_s", 0.0)),
-        isolation=tuple([*(told.get("isolation") or ()), *later]),
-        differences=tuple([*(replayed.get("differences") or ()), *(told.get("differences") or ())]),
+        isolation=(*(told.get("isolation") or ()), *later),
+        differences=(*(replayed.get("differences") or ()), *(told.get("differences") or ())),
         world=(score.answer or "") if score is not None else "",
         workspace=str(attempt.get("workspace", "")),
         record=str(attempt.get("record", "")),
@@ -121,10 +122,16 @@ def _result(sample: EvalSample, agent: str, model: str) -> SampleResult:
     )
 
 
+def _unquoted(message: str) -> str:
+    """The words of an error, which Inspect keeps as `ServerLost('words')`."""
+    found = re.fullmatch(r"""\w+\((['"])(.*?)\1(?:,.*)?\)""", message.strip(), re.DOTALL)
+    return (found.group(2) if found else message.strip()).splitlines()[0]
+
+
 def _outcome(sample: EvalSample, value: Mapping[str, Any], says: str | None) -> tuple[Outcome, str, str]:
     """Outcome, its reason, and the limit that ended the sample; a world that was accepted before a limit is accepted."""
     if sample.error is not None:
-        return "error", sample.error.message.splitlines()[0][:500], ""
+        return "error", _unquoted(sample.error.message)[:500], ""
     reached, limit = sample.limit, ""
     if reached is not None:
         reason = reached.reason or f"{reached.type} limit of {reached.limit:g}"

@@ -23,7 +23,7 @@ from .scorers import verified
 from .serving import preflight, server_command, server_environment
 from .workspace import new_run
 
-__all__ = ["TIME_LIMIT_S", "TOKEN_LIMIT", "agenticsimbench", "scene_samples", "small", "smoke"]
+__all__ = ["TIME_LIMIT_S", "TOKEN_LIMIT", "agenticsimbench", "scene_samples", "small", "smoke", "task_of"]
 
 DEFAULT_ROOT = "worldagent-eval"
 """Folder of runs, below the present one, where nobody names another."""
@@ -60,7 +60,7 @@ def agenticsimbench(
         film: ask for the final sequence too.
         replay: verify by simulating intervals again.
     """
-    return _made(_bench("agenticsimbench"), Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay)
+    return task_of(_bench("agenticsimbench"), Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay)
 
 
 @task
@@ -69,7 +69,7 @@ def small(
 ) -> Task:
     """The short set: a small prompt per capability. Arguments as of `agenticsimbench`."""
     found = _bench("small")
-    return _made(found, Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay, time_limit=3600)
+    return task_of(found, Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay, time_limit=3600)
 
 
 @task
@@ -85,7 +85,7 @@ def smoke(
     """A prompt of an example that ships with the skills, for a look whether everything works. Arguments as of `agenticsimbench`."""
     scenes = [_shipped(name) for name in SMOKE]
     budget = Budget(calls, device_s, call_timeout_s)
-    return _made(scenes, budget, root=root, ablation=ablation, film=film, replay=replay, time_limit=1800)
+    return task_of(scenes, budget, root=root, ablation=ablation, film=film, replay=replay, time_limit=1800)
 
 
 def _shipped(name: str) -> dict[str, Any]:
@@ -99,7 +99,7 @@ def _bench(name: str) -> list[dict[str, Any]]:
     return [prompt.model_dump(mode="json") for prompt in load_prompts(name).values()]
 
 
-def _made(
+def task_of(
     scenes: Sequence[dict[str, Any]],
     budget: Budget,
     *,
@@ -109,6 +109,20 @@ def _made(
     replay: bool,
     time_limit: int = TIME_LIMIT_S,
 ) -> Task:
+    """A task over scenes, in a new folder of runs.
+
+    Args:
+        scenes: as of `scene_samples`.
+        budget: of every sample.
+        root: folder of runs; default `worldagent-eval` below the present folder.
+        ablation: checks to leave out.
+        film: ask for the final sequence too.
+        replay: verify by simulating intervals again.
+        time_limit: of a sample [s].
+
+    Raises:
+        InputError: there is no such ablation.
+    """
     if ablation and ablation not in ABLATIONS:
         raise InputError(f"ablation {ablation!r} must be one of {', '.join(ABLATIONS)}, or empty")
     run = new_run(Path(root or DEFAULT_ROOT))

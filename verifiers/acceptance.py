@@ -17,11 +17,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..execution import Part, Tell
+from ..worlds.ablation import ABLATED, ablation
 from ..worlds.audits.audit import audit
 from ..worlds.audits.clauses import clauses_of
 from ..worlds.bake_plan import checkpoint_frames, groups_of
 from ..worlds.baked import BakeRecord, bake_record
-from ..worlds.ablation import ABLATED, ablation
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.canonical import digest_of, source_digest, spec_digest
 from ..worlds.claims import prompt_record

@@ -14,7 +14,8 @@ SCHEMA = {
     "type": "object",
     "properties": {
         "world": {"type": "string"},
-        "do": {"enum": ["answer", "refuse"]},
+        "do": {"type": "string"},
+        "prompt": {"type": "string"},
         "count": {"type": "integer", "minimum": 1, "maximum": 9},
     },
     "required": ["world"],

@@ -10,10 +10,13 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...worlds.ablation import ABLATIONS
 from ...worlds.errors import EngineError, InputError
+
+if TYPE_CHECKING:
+    from inspect_ai.solver import Solver
 
 __all__ = ["main", "run_task"]
 
@@ -144,10 +147,11 @@ def run_task(
     made = TASKS[task](root=str(place), **given)
     options = {k: v for k, v in options.items() if v is not None and v != {}}
     options.setdefault("max_samples", max(1, (os.cpu_count() or 2) // 2))
+    solver: Solver = AGENTS[agent](**(agent_args or {}))
     logs = run_eval(
         made,
         model=model or "none",
-        solver=AGENTS[agent](**(agent_args or {})),
+        solver=solver,
         log_dir=str(log_dir or place / "logs"),
         display=options.pop("display", "plain" if sys.stderr.isatty() else "none"),
         score_on_error=False,

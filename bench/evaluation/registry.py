@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
+from inspect_ai import Task
+from inspect_ai.solver import Solver
+
 from .agents.clis import claude_code, codex_cli
 from .agents.external import external
 from .agents.random_calls import random_calls
@@ -31,8 +36,8 @@ __all__ = [
     "verified",
 ]
 
-TASKS = {"agenticsimbench": agenticsimbench, "small": small, "smoke": smoke}
-AGENTS = {
+TASKS: Mapping[str, Callable[..., Task]] = {"agenticsimbench": agenticsimbench, "small": small, "smoke": smoke}
+AGENTS: Mapping[str, Callable[..., Solver]] = {
     "react": react_agent,
     "claude_code": claude_code,
     "codex_cli": codex_cli,

@@ -94,12 +94,13 @@ def verified(replay: bool = True) -> Scorer:
         attempt = attempt_of(state)
         judged = await judged_worlds(attempt, replay=replay)
         best = next((n for n, v in judged.items() if v["verdict"] == "accepted"), next(iter(judged), None))
-        verdict = {"verdict": "refused", "says": "no world was made"} if best is None else judged[best]
+        nothing: dict[str, Any] = {"verdict": "refused", "says": "no world was made"}
+        verdict = nothing if best is None else judged[best]
         calls = attempt.folder.record.calls()
         marks = attempt.folder.record.read("isolation.json")
         known = state.metadata.get("recorded_matrix")
         again = {} if known is None else {"differences": matrix_differences(known, attempt.folder.record.read("matrix.json"))}
-        rows = verdict.get("rows") or {}
+        rows: dict[str, int] = verdict.get("rows") or {}
         accepted = verdict["verdict"] == "accepted" and not marks
         return Score(
             value={

@@ -146,7 +146,7 @@ def task_of(
 
 
 @solver
-def prepared(run: str, budget: dict[str, float], ablation: str, film: bool) -> Solver:
+def prepared(run: str, budget: dict[str, Any], ablation: str, film: bool) -> Solver:
     """Take a folder, ask the server what it is, and write the whole prompt.
 
     Args:
@@ -161,8 +161,7 @@ def prepared(run: str, budget: dict[str, float], ablation: str, film: bool) -> S
         asked = Path(run) / "records"  # an empty workspace for the question is none of a sample
         found = await preflight(server_command(asked), server_environment(ablation))
         scene = told["scene"]
-        allowed = Budget(**{**budget, "calls": int(budget["calls"])})
-        made = begin(state, Path(run), allowed, example=int(told["example"]), prompt=scene["text"], ablation=ablation)
+        made = begin(state, Path(run), Budget(**budget), example=int(told["example"]), prompt=scene["text"], ablation=ablation)
         state.metadata["preflight"] = found.told()
         text = task_prompt(
             scene["text"], example=made.example, setting=scene["setting"], instructions=found.instructions, film=film

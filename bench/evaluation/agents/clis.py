@@ -6,6 +6,7 @@ samples' folders; what it touches there is marked (`workspace.py`), and for hone
 
 from __future__ import annotations
 
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -99,6 +100,4 @@ def _inspect_swe(agent: str, package: str) -> Any:
             f"the agent {agent} needs {' and '.join(lacking)}, which is not installed: pip install inspect_swe {package}; "
             "or choose react, scripted, replay, random_calls or external"
         )
-    import inspect_swe
-
-    return inspect_swe
+    return import_module("inspect_swe")

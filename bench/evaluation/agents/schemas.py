@@ -40,17 +40,17 @@ def _of_kind(kind: str, schema: Mapping[str, Any], rng: random.Random, root: Map
     if kind == "object":
         return _object(schema, rng, root, depth)
     if kind == "array":
-        least, most = int(schema.get("minItems", 0)), int(schema.get("maxItems", schema.get("minItems", 0) + 2))
+        fewest, most = int(schema.get("minItems", 0)), int(schema.get("maxItems", schema.get("minItems", 0) + 2))
         firsts: Sequence[Any] = schema.get("prefixItems", ())
         items = schema.get("items") or {}
-        count = max(least, len(firsts)) if depth > DEPTH else rng.randint(least, max(least, min(most, least + 3)))
+        count = max(fewest, len(firsts)) if depth > DEPTH else rng.randint(fewest, max(fewest, min(most, fewest + 3)))
         return [drawn(firsts[k] if k < len(firsts) else items, rng, root=root, depth=depth + 1) for k in range(count)]
     if kind == "integer":
         low = int(schema.get("minimum", schema.get("exclusiveMinimum", -1) + 1))
         return rng.randint(low, int(schema.get("maximum", low + 100)))
     if kind == "number":
-        low = float(schema.get("minimum", schema.get("exclusiveMinimum", 0.0)))
-        return round(rng.uniform(low, float(schema.get("maximum", schema.get("exclusiveMaximum", low + 10.0)))), 3)
+        least = float(schema.get("minimum", schema.get("exclusiveMinimum", 0.0)))
+        return round(rng.uniform(least, float(schema.get("maximum", schema.get("exclusiveMaximum", least + 10.0)))), 3)
     if kind == "boolean":
         return rng.random() < 0.5
     return None if kind == "null" else rng.choice(WORDS)

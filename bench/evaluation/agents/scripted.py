@@ -40,11 +40,12 @@ def document_of(sample: str, folder: Path | None) -> dict[str, Any]:
     Raises:
         InputError: there is none.
     """
-    shipped = files("worldagent.skills") / "world-building" / "examples"
-    found = (shipped if folder is None else folder) / f"{sample}.json"
+    place = files("worldagent.skills") / "world-building" / "examples" if folder is None else folder
+    found = place / f"{sample}.json"
     if not found.is_file():
-        known = sorted(p.name.removesuffix(".json") for p in (shipped if folder is None else folder).iterdir() if p.name.endswith(".json"))
-        raise InputError(f"no document for the sample {sample!r} in {found.parent}; there are {', '.join(known) or 'none'}")
+        known = sorted(p.name.removesuffix(".json") for p in place.iterdir() if p.name.endswith(".json"))
+        where = "the examples of the skill world-building" if folder is None else str(folder)
+        raise InputError(f"no document for the sample {sample!r} in {where}; there are {', '.join(known) or 'none'}")
     document: dict[str, Any] = json.loads(found.read_text(encoding="utf-8"))
     return document
 

@@ -106,7 +106,7 @@ def test_a_loop_on_a_model_calls_the_tools_of_its_own_server(tmp_path: Path, fak
     assert found["jug"].model == "scripted/x"
     made = Record(Path(found["jug"].record)).calls()[0]
     assert made.arguments == {"world": "example_2", "prompt": "A jug falls."}
-    (sample, _) = log.samples
+    sample = (log.samples or [])[0]
     prompt = sample.messages[0].text
     assert "Scene prompt (example_1, interior)" in prompt
     assert "Be fake." in prompt
@@ -152,7 +152,7 @@ def test_a_session_driven_from_elsewhere_connects_by_what_is_written_down(tmp_pa
     found, log = run(tmp_path, ["cup"], external(), time_limit=60)
     thread.join()
     assert (found["cup"].outcome, found["cup"].calls) == ("refused", 1)
-    assert log.samples[0].output.completion == "I looked at it."
+    assert (log.samples or [])[0].output.completion == "I looked at it."
     assert "A cup falls." in told["prompt"]
 
 

@@ -1,1 +1,1 @@
-"""AgenticSimBench and the headless harness: tasks, agents, isolation, budgets and scores on Inspect AI."""
+"""AgenticSimBench: prompts, the harness that runs agents on them, and the paper's seven metrics."""

@@ -43,6 +43,7 @@ def _add_run(run: argparse.ArgumentParser) -> None:
     run.add_argument("task", metavar="TASK", help="agenticsimbench, small or smoke")
     run.add_argument("--agent", default="react", help="react, claude_code, codex_cli, scripted, replay, random or external")
     run.add_argument("--model", help="e.g. anthropic/NAME; agents that need none take none")
+    run.add_argument("--prompts", metavar="FILE", help="a set of prompts of your own, instead of the task's")
     run.add_argument("--limit", type=int, metavar="N", help="the first N samples only")
     run.add_argument("--samples", metavar="ID,ID", help="these samples only")
     run.add_argument("--epochs", type=int, default=1, metavar="N", help="times each sample is run")
@@ -77,7 +78,7 @@ def _list(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     from .results import counts_of, samples_of
 
-    given = {k: getattr(options, k) for k in ("ablation", "calls", "device_s")}
+    given = {k: getattr(options, k) for k in ("ablation", "calls", "device_s", "prompts")}
     arguments = {k: v for k, v in given.items() if v not in (None, "")}
     log = run_task(
         options.task,

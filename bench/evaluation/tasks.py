@@ -19,6 +19,7 @@ from ...worlds.errors import InputError
 from .agents.react import react_agent
 from .attempts import Budget, begin, settle
 from .prompting import TEMPLATE_VERSION, prompt_digest, task_prompt
+from .prompts.reading import PromptSet, load_set
 from .scorers import verified
 from .serving import preflight, server_command, server_environment
 from .workspace import new_run
@@ -48,11 +49,18 @@ def scene_samples(scenes: Sequence[dict[str, Any]]) -> MemoryDataset:
 
 @task
 def agenticsimbench(
-    root: str = "", ablation: str = "", calls: int = 600, device_s: float = 6 * 3600.0, film: bool = True, replay: bool = True
+    prompts: str = "agenticsimbench",
+    root: str = "",
+    ablation: str = "",
+    calls: int = 600,
+    device_s: float = 6 * 3600.0,
+    film: bool = True,
+    replay: bool = True,
 ) -> Task:
     """The thirteen prompts of AgenticSimBench (ours: the paper's are unpublished).
 
     Args:
+        prompts: another set, by the path of its JSON file.
         root: folder of runs; default `worldagent-eval` below the present folder.
         ablation: checks to leave out: navigability, static, category, causal or all.
         calls: tool calls per sample.
@@ -60,15 +68,22 @@ def agenticsimbench(
         film: ask for the final sequence too.
         replay: verify by simulating intervals again.
     """
-    return task_of(_bench("agenticsimbench"), Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay)
+    found = load_set(prompts)
+    return task_of(found, Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay)
 
 
 @task
 def small(
-    root: str = "", ablation: str = "", calls: int = 120, device_s: float = 1800.0, film: bool = False, replay: bool = True
+    prompts: str = "small",
+    root: str = "",
+    ablation: str = "",
+    calls: int = 120,
+    device_s: float = 1800.0,
+    film: bool = False,
+    replay: bool = True,
 ) -> Task:
     """The short set: a small prompt per capability. Arguments as of `agenticsimbench`."""
-    found = _bench("small")
+    found = load_set(prompts)
     return task_of(found, Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay, time_limit=3600)
 
 
@@ -93,14 +108,10 @@ def _shipped(name: str) -> dict[str, Any]:
     return {"id": name, "text": json.loads(path.read_text(encoding="utf-8"))["prompt"], "setting": "interior"}
 
 
-def _bench(name: str) -> list[dict[str, Any]]:
-    from .prompts.reading import load_prompts
-
-    return [prompt.model_dump(mode="json") for prompt in load_prompts(name).values()]
 
 
 def task_of(
-    scenes: Sequence[dict[str, Any]],
+    scenes: PromptSet | Sequence[dict[str, Any]],
     budget: Budget,
     *,
     root: str,
@@ -112,7 +123,7 @@ def task_of(
     """A task over scenes, in a new folder of runs.
 
     Args:
-        scenes: as of `scene_samples`.
+        scenes: a set of prompts, or as of `scene_samples`.
         budget: of every sample.
         root: folder of runs; default `worldagent-eval` below the present folder.
         ablation: checks to leave out.
@@ -125,9 +136,11 @@ def task_of(
     """
     if ablation and ablation not in ABLATIONS:
         raise InputError(f"ablation {ablation!r} must be one of {', '.join(ABLATIONS)}, or empty")
+    told = [p.model_dump(mode="json") for p in scenes.prompts] if isinstance(scenes, PromptSet) else scenes
+    known = {"name": scenes.name, "version": scenes.version, "sha256": scenes.digest} if isinstance(scenes, PromptSet) else {}
     run = new_run(Path(root or DEFAULT_ROOT))
     return Task(
-        dataset=scene_samples(scenes),
+        dataset=scene_samples(told),
         setup=prepared(str(run), asdict(budget), ablation, film),
         solver=react_agent(),
         cleanup=settle,
@@ -140,6 +153,7 @@ def task_of(
             "run": str(run),
             "budget": asdict(budget),
             "ablation": ablation,
+            "prompts": known,
             "template": {"version": TEMPLATE_VERSION, "sha256": prompt_digest()},
         },
     )

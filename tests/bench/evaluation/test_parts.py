@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import anyio
-import jsonschema
+import jsonschema  # type: ignore[import-untyped]
 import pytest
 from mcp import Client
 from worldagent.bench.evaluation.agents.replay import recording_of, steps_of, verdict_in

@@ -20,8 +20,9 @@ from inspect_ai.solver import Solver
 from mcp import Client, StdioServerParameters
 from worldagent.bench.evaluation import commands
 from worldagent.bench.evaluation.attempts import Budget
+from worldagent.bench.evaluation.prompts.reading import load_set
 from worldagent.bench.evaluation.records import Record
-from worldagent.bench.evaluation.registry import claude_code, codex_cli, external, random_calls, react_agent, scripted
+from worldagent.bench.evaluation.registry import TASKS, claude_code, codex_cli, external, random_calls, react_agent, scripted
 from worldagent.bench.evaluation.relay import MOST_BYTES
 from worldagent.bench.evaluation.results import SampleResult, counts_of, samples_of
 from worldagent.bench.evaluation.serving import preflight
@@ -189,6 +190,18 @@ def test_the_list_names_tasks_agents_and_ablations(capsys: pytest.CaptureFixture
     told = json.loads(capsys.readouterr().out)
     assert told["agents"]["external"] == "needs no model"
     assert told["ablations"]["static"] == ["interpenetration", "support"]
+
+
+@pytest.mark.parametrize(("task", "count"), [("agenticsimbench", 13), ("small", 20)])
+def test_a_task_has_a_sample_of_every_prompt_with_its_number_and_the_version_of_its_set(task: str, count: int, tmp_path: Path) -> None:
+    made = TASKS[task](root=str(tmp_path))
+    found = load_set(task)
+    samples = list(made.dataset)
+    assert [s.id for s in samples] == [p.id for p in found.prompts]
+    assert [s.metadata["example"] for s in samples if s.metadata] == list(range(1, count + 1))
+    assert samples[0].input == found.prompts[0].text
+    assert (made.metadata or {})["prompts"] == {"name": task, "version": found.version, "sha256": found.digest}
+    assert (Path((made.metadata or {})["run"]) / "outputs").is_dir()
 
 
 def test_an_unknown_ablation_makes_no_task(tmp_path: Path) -> None:

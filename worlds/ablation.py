@@ -49,7 +49,7 @@ def switched_off(check: Check) -> bool:
 
 
 def ablation_words(name: str) -> str:
-    """What an ablation is, for replies and verdicts."""
+    """An ablation in words, for replies and verdicts."""
     return f"no acceptance: an evaluation without {', '.join(sorted(ABLATIONS.get(name, {name})))}"
 
 

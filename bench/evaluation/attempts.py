@@ -43,7 +43,7 @@ KEY = "attempt"
 
 @dataclass(frozen=True)
 class Budget:
-    """What one sample may use, beside what Inspect limits itself."""
+    """Use that one sample may make of calls and time, beside what Inspect limits itself."""
 
     calls: int = 300
     """Tool calls."""
@@ -64,11 +64,11 @@ class Attempt:
     began: float
     example: str
     prompt: str
-    """Of the scene alone."""
+    """Prompt of the scene alone."""
     command: tuple[str, ...]
-    """Of the server behind its relay."""
+    """Command line of the server behind its relay."""
     environment: dict[str, str]
-    """Of the server, beside what MCP clients pass on."""
+    """Variables of the server, beside what MCP clients pass on."""
     device_s: float
     ablation: str = ""
 
@@ -78,7 +78,7 @@ class Attempt:
         return SampleFolder(Path(self.workspace), Record(Path(self.record)), self.began)
 
     def ending(self) -> Ending | None:
-        """What ended it from outside: as the relay says, or the device seconds."""
+        """The ending from outside, if there is one: as the relay says, or the device seconds."""
         known = self.folder.record.ending()
         used = device_seconds(Path(self.workspace)) if known is None else 0.0
         if used > self.device_s:

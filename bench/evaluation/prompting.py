@@ -29,7 +29,7 @@ def prompt_digest() -> str:
 
 
 def ending_words(*, film: bool) -> str:
-    """What completes a scene: its film, or its acceptance."""
+    """Words that say what completes a scene: its film, or its acceptance."""
     return FILM if film else NO_FILM
 
 

@@ -237,7 +237,7 @@ class _Relay:
 
 
 def _told(texts: list[str]) -> Any:
-    """What a reply without structured content says: its first text, as data where it is JSON."""
+    """Content of a reply without structured content: its first text, as data where it is JSON."""
     first = texts[0] if texts else ""
     try:
         return json.loads(first)

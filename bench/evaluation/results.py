@@ -32,13 +32,13 @@ class SampleResult:
     """`accepted`: `verify` accepted its world, and nothing speaks against its isolation. `refused`: its agent ended, and none is.
     `limit`: a budget ended it first. `error`: the server or the harness failed, which says nothing of the agent."""
     reason: str
-    """Of the verdict, the limit or the error, in one sentence."""
+    """Reason of the verdict, the limit or the error, in one sentence."""
     limit: str = ""
     """`time`, `token`, `message`, `calls`, `device_s` ...; empty where none ended it."""
     ablation: str = ""
     """Name of the ablation; such a sample is never `accepted`."""
     server_verdict: str = ""
-    """What the sample's own server said at last: `accepted`, `incomplete`, `ablated`, or nothing."""
+    """Last word of the sample's own server: `accepted`, `incomplete`, `ablated`, or nothing."""
     rows: Mapping[str, int] = field(default_factory=dict)
     """Rows by status, as `verify` judged."""
     open_rows: tuple[str, ...] = ()
@@ -56,11 +56,11 @@ class SampleResult:
     working_s: float = 0.0
     """Without waiting for a model [s]."""
     device_s: float = 0.0
-    """Of jobs in worker processes [s]."""
+    """Seconds of jobs in worker processes [s]."""
     isolation: tuple[str, ...] = ()
-    """What speaks against its isolation, at its end and now."""
+    """Lines that speak against its isolation, at its end and now."""
     differences: tuple[str, ...] = ()
-    """Of a replayed recording: verdicts that are not the same."""
+    """Verdicts of a replay that are not those of its recording."""
     world: str = ""
     workspace: str = ""
     record: str = ""

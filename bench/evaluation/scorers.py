@@ -127,7 +127,7 @@ def verified(replay: bool = True) -> Scorer:
 
 
 def _of_ledger(attempt: Attempt, world: str | None) -> dict[str, Any]:
-    """What the sample's own server said at last, and the weakenings on the way there; for reports, it decides nothing."""
+    """Last word of the sample's own server, and the weakenings on the way there; for reports, it decides nothing."""
     if world is None:
         return {}
     try:

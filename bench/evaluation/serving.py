@@ -38,7 +38,7 @@ class ServerLost(Exception):  # noqa: N818 - what happened to the server; the sa
 
 @dataclass(frozen=True)
 class Preflight:
-    """What the server says of itself before a run; it stands in the log of every sample."""
+    """Answers of the server about itself before a run; it stands in the log of every sample."""
 
     name: str
     version: str

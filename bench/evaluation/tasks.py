@@ -29,7 +29,7 @@ __all__ = ["TIME_LIMIT_S", "TOKEN_LIMIT", "agenticsimbench", "scene_samples", "s
 DEFAULT_ROOT = "worldagent-eval"
 """Folder of runs, below the present one, where nobody names another."""
 TIME_LIMIT_S, TOKEN_LIMIT = 4 * 3600, 5_000_000
-"""Of a sample of the benchmark: own choice, above what scripted agents need with repairs."""
+"""Limits of a sample of the benchmark: own choice, above what scripted agents need with repairs."""
 SMOKE = ("two_blocks",)
 """Examples of the skill `world-building` whose prompts make up the smoke test."""
 

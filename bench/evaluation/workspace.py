@@ -98,7 +98,7 @@ def take_folder(run: Path, example: int, *, epoch: int = 1) -> SampleFolder:
 
 
 def marks_after(record: Record, workspace: Path) -> list[str]:
-    """What changed in a sample's folder after the sample had ended: another one, or a hand, was there."""
+    """Lines about what changed in a sample's folder after the sample had ended: another one, or a hand, was there."""
     known = record.read("manifest.json")
     if known is None:
         return ["the sample left no manifest"]

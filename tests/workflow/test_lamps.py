@@ -14,7 +14,7 @@ def _spec(**lamps: Lamp):
 
 
 def _document(*parts: str) -> dict:
-    return {"parts": dict.fromkeys(parts, {})}
+    return {"parts": {key: {} for key in parts}}
 
 
 def test_each_bulb_becomes_a_lamp_and_nothing_else_does() -> None:

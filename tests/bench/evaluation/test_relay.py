@@ -58,6 +58,7 @@ def test_a_server_that_dies_is_lost_with_its_code_and_its_last_words(tmp_path: P
     assert texts[0].startswith('{"summary"')
     ending = record.ending()
     assert (ending.kind, ending.type, ending.reason) == ("lost", "died", "the server ended with code 7 while its client was there")
+    assert [c.ended for c in record.calls()] == ["answered", "lost"]
     assert (tmp_path / "server.stderr").read_text() == "the fake server falls over\n"
 
 

@@ -42,6 +42,7 @@ BENCHMARKS: dict[str, str] = {
     "gas": "worldagent.bench.gas:run",
     "gas-fire": "worldagent.bench.gas_fire:run",
     "gas-peer": "worldagent.bench.gas_peer:run",
+    "pen": "worldagent.bench.pen:run",
     "eval-smoke": "worldagent.bench.evaluation.smoke:run",
 }
 """Benchmarks by name: `run()` returns the figures."""

@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -49,8 +50,9 @@ def spread(root: Path, executor: Executor, gate: Path, **options: Any) -> EvalLo
     return run_spread(executor, "small", "scripted", IDS, root=root, agent_args={"folder": str(scripts)}, **options)
 
 
-def murder(root: Path, gate: Path) -> int:
-    """Kill the worker of the third sample once it waits in a call, then open the gate for the next; its process id."""
+def murder(root: Path, gate: Path, parent: bool, died: list[bool]) -> None:
+    """Kill the process of the third sample, or its parent, once it waits in a call; see it die, and open the gate for the next."""
+
     def started() -> list[dict[str, Any]]:
         found = [json.loads(p.read_text()) for p in root.glob("*/records/*/start.json")]
         return [s for s in found if s["sample"] == IDS[2]]
@@ -58,24 +60,40 @@ def murder(root: Path, gate: Path) -> int:
     while not (gate.with_suffix(".there").exists() and started()):
         time.sleep(0.02)
     pid = int(started()[0]["pid"])
-    os.kill(pid, signal.SIGKILL)
+    worker = int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+    os.kill(worker if parent else pid, signal.SIGKILL)
+    deadline = time.monotonic() + 20
+    while not gone(pid) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    died.append(gone(pid))
     gate.touch()
-    return pid
+
+
+def gone(pid: int) -> bool:
+    """True if a process is dead, waited for or not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
 
 
 @pytest.mark.slow
-def test_a_worker_killed_in_the_middle_changes_nothing_in_the_table(tmp_path: Path, fake: Callable[[str], None]) -> None:
+@pytest.mark.parametrize("kind", ["local", pytest.param("ray", marks=pytest.mark.skipif(find_spec("ray") is None, reason="no ray: extra [cluster]"))])
+def test_a_worker_killed_in_the_middle_changes_nothing_in_the_table(kind: str, tmp_path: Path, fake: Callable[[str], None]) -> None:
+    """With Ray the worker is a process of Ray, and that of the sample dies with it."""
     gate = tmp_path / "gate"
     gate.touch()
-    plain = spread(tmp_path / "plain", LocalExecutor(2), gate)
+    plain = spread(tmp_path / "plain", executor_of(kind, 2), gate)
     assert [s.id for s in plain.samples or ()] == IDS
     assert [r.calls for r in table(plain)] == [1, 2, 1, 2]
     gate.unlink()
     gate.with_suffix(".there").unlink()
-    killer = threading.Thread(target=murder, args=(tmp_path / "hurt", gate))
+    died: list[bool] = []
+    killer = threading.Thread(target=murder, args=(tmp_path / "hurt", gate, kind == "ray", died))
     killer.start()
-    hurt = spread(tmp_path / "hurt", LocalExecutor(2), gate)
+    hurt = spread(tmp_path / "hurt", executor_of(kind, 2), gate)
     killer.join()
+    assert died == [True]
     assert table(hurt) == table(plain)
     starts = [json.loads(p.read_text())["sample"] for p in (tmp_path / "hurt").glob("*/records/*/start.json")]
     assert sorted(starts) == sorted([*IDS, IDS[2]])

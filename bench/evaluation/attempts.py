@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ import anyio
 import anyio.to_thread
 
 from ...execution import Job, JobStore
+from ...worlds.errors import WorldAgentError
 from .cleanup import cancel_jobs
 from .matrices import matrices
 from .records import Ending, Record
@@ -152,7 +153,10 @@ async def conduct(state: TaskState, work: Callable[[Attempt], Awaitable[Any]]) -
     attempt, failed = attempt_of(state), list[Exception]()
 
     async def watch(scope: anyio.CancelScope) -> None:
-        while attempt.ending() is None:
+        ended = None
+        while ended is None:
+            with suppress(WorldAgentError):  # the jobs' file is busy or new: the next look tells
+                ended = attempt.ending()
             await anyio.sleep(WATCH_S)
         scope.cancel()
 

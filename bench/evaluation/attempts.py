@@ -153,12 +153,12 @@ async def conduct(state: TaskState, work: Callable[[Attempt], Awaitable[Any]]) -
     attempt, failed = attempt_of(state), list[Exception]()
 
     async def watch(scope: anyio.CancelScope) -> None:
-        ended = None
-        while ended is None:
+        while True:
             with suppress(WorldAgentError):  # the jobs' file is busy or new: the next look tells
-                ended = attempt.ending()
+                if attempt.ending() is not None:
+                    scope.cancel()
+                    return
             await anyio.sleep(WATCH_S)
-        scope.cancel()
 
     async with anyio.create_task_group() as group:
         group.start_soon(watch, group.cancel_scope)

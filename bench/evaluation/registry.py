@@ -13,6 +13,8 @@ from .agents.random_calls import random_calls
 from .agents.react import react_agent
 from .agents.replay import replay
 from .agents.scripted import scripted
+from .metrics.scorers import SCORERS as METRICS
+from .metrics.scorers import alignment, caus, comp, imag, pen, prod, qual
 from .models import ScriptedModel
 from .scorers import verified
 from .tasks import agenticsimbench, small, smoke
@@ -24,9 +26,16 @@ __all__ = [
     "TASKS",
     "ScriptedModel",
     "agenticsimbench",
+    "alignment",
+    "caus",
     "claude_code",
     "codex_cli",
+    "comp",
     "external",
+    "imag",
+    "pen",
+    "prod",
+    "qual",
     "random_calls",
     "react_agent",
     "replay",
@@ -49,4 +58,5 @@ AGENTS: Mapping[str, Callable[..., Solver]] = {
 """Solvers by the name that `worldagent eval run --agent` takes."""
 MODELS = ("react", "claude_code", "codex_cli")
 """Agents that need a model."""
-SCORERS = {"verified": verified}
+SCORERS = (verified, *METRICS)
+"""The verdict, and the seven metrics, which are taken on a finished log: `inspect score LOG --scorer worldagent/pen`."""

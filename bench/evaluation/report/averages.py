@@ -13,7 +13,7 @@ from .runs import Run, SampleScores
 __all__ = ["LEVEL", "Estimate", "macro", "per_task"]
 
 LEVEL = 0.95
-"""Of intervals."""
+"""Level of confidence of intervals."""
 
 
 class Estimate(NamedTuple):

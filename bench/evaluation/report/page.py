@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -83,14 +84,14 @@ def _shown(metrics: Sequence[Metric], runs: Sequence[Run]) -> list[Metric]:
 def _number(estimate: Estimate) -> str:
     if estimate.value is None:
         told = f"{estimate.scored} of {estimate.samples}" if estimate.samples else ""
-        return cell(f"– {tag('span', told, class_='dim')}", "n")
-    around = "" if estimate.low is None or estimate.high is None else f" {tag('span', f'[{estimate.low:.4f}, {estimate.high:.4f}]', class_='dim')}"
+        return cell(f"–<br>{tag('small', told, class_='dim')}", "n")
+    around = "" if estimate.low is None or estimate.high is None else f"<br>{tag('small', f'[{estimate.low:.4f}, {estimate.high:.4f}]', class_='dim')}"
     return cell(f"{estimate.value:.4f}{around}", "n")
 
 
 def _macro_table(runs: Sequence[Run]) -> str:
     shown = _shown(METRICS, runs)
-    rows = [[cell(escaped(run.method)), *(_number(macro(run, m.name)) for m in shown)] for run in runs]
+    rows = [[cell(escaped(run.method), "n"), *(_number(macro(run, m.name)) for m in shown)] for run in runs]
     groups = "; ".join(f"{group}: {', '.join(m.title for m in shown if m.group == group)}" for group in dict.fromkeys(m.group for m in shown))
     words = f"{groups}. A dash: not every sample has a score. In brackets: 95 % over repeats."
     return table(["Method", *(_title(m) for m in shown)], rows) + tag("p", escaped(words), class_="dim")
@@ -101,8 +102,9 @@ def _task_table(run: Run) -> str:
     columns = {m.name: per_task(run, m.name) for m in shown}
     rows = []
     for task in run.tasks:
-        outcomes = ", ".join(s.outcome for s in run.of_task(task))
-        rows.append([cell(escaped(task), "id"), cell(escaped(outcomes)), *(_number(columns[m.name][task]) for m in shown)])
+        outcomes = Counter(s.outcome for s in run.of_task(task))
+        told = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
+        rows.append([cell(escaped(task), "n"), cell(escaped(told), "n"), *(_number(columns[m.name][task]) for m in shown)])
     return table(["Task", "Outcome", *(_title(m) for m in shown)], rows)
 
 
@@ -122,8 +124,10 @@ def _film(sample: SampleScores, sheets: Sheets) -> str:
 
 def _both(task: str, first: Run, second: Run, sheets: tuple[Sheets, Sheets]) -> str:
     """The first film of a task of either run, side by side."""
-    cells = []
-    for run, own in zip((first, second), sheets, strict=True):
+    cells, runs = [], (first, second)
+    if not any(s.sheet in own for run, own in zip(runs, sheets, strict=True) for s in run.of_task(task)):
+        return ""
+    for run, own in zip(runs, sheets, strict=True):
         sample = next((s for s in run.of_task(task) if s.sheet in own), None)
         cells.append(cell(escaped("no film") if sample is None else figure(own[sample.sheet], run.method, f"frames of the film of {task}")))
     return tag("h3", escaped(task)) + table([first.method, second.method], [cells])

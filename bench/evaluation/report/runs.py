@@ -47,7 +47,7 @@ class SampleScores:
     task: str
     repeat: int
     outcome: str
-    """How it ended: accepted, refused, limit, error; or `film` of methods that make nothing else."""
+    """Its ending: accepted, refused, limit, error; or `film` of methods that make nothing else."""
     scores: Mapping[str, float | None]
     """By metric; None where it could not be scored."""
     reasons: Mapping[str, str] = field(default_factory=dict)
@@ -69,7 +69,7 @@ class Run:
     prompts: Mapping[str, str]
     """Name, version and digest of the set."""
     versions: Mapping[str, str]
-    """Of the programs that ran and scored it."""
+    """Versions of the programs that ran and scored it."""
     samples: tuple[SampleScores, ...]
     created: str = ""
     """ISO date."""

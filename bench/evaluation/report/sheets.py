@@ -13,7 +13,7 @@ __all__ = ["film_sheet", "sheets_beside"]
 PICTURES, COLUMNS = 12, 4
 """On a sheet."""
 LARGEST = 300_000
-"""Of a sheet's file [bytes]."""
+"""Most bytes of a sheet's file."""
 
 
 def film_sheet(film: Film) -> bytes:

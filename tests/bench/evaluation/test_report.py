@@ -161,7 +161,7 @@ def test_what_a_judge_used_is_not_the_agents_even_where_both_are_one_model(tmp_p
 
 
 def test_a_log_with_the_servers_verdict_gives_outcome_and_its_figures(tmp_path: Path) -> None:
-    """Of the scorer `verified` of the harness: a table of values, and the answer of `worldagent verify` beside it."""
+    """The scorer `verified` of the harness gives a table of values, and the answer of `worldagent verify` beside it."""
     _, log = evaluated(tmp_path, scene(attempt={"ablation": "causal"}), scorers.pen())
     (sample,) = log.samples
     verdict = {"verdict": "accepted", "says": "accepted", "rows": {"pass": 9}, "approximations": [1, 2]}

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "480aec3b146461021de28d15484bddca69063b75282e6b89d09ec155a13e9e15"
+SCHEMA = "b20c6806434bedadcc9929fecec8db380b1071ab792ca3417a72e99847d3b378"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

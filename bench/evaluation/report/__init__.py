@@ -1,0 +1,1 @@
+"""Reports of runs: one page and one JSON file each, and comparisons of two."""

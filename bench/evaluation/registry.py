@@ -15,10 +15,12 @@ from .agents.replay import replay
 from .agents.scripted import scripted
 from .models import ScriptedModel
 from .scorers import verified
+from .scoring import METRICS
 from .tasks import agenticsimbench, small, smoke
 
 __all__ = [
     "AGENTS",
+    "METRICS",
     "MODELS",
     "SCORERS",
     "TASKS",
@@ -49,4 +51,4 @@ AGENTS: Mapping[str, Callable[..., Solver]] = {
 """Solvers by the name that `worldagent eval run --agent` takes."""
 MODELS = ("react", "claude_code", "codex_cli")
 """Agents that need a model."""
-SCORERS = {"verified": verified}
+SCORERS = {"verified": verified, **METRICS}

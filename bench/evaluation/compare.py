@@ -75,7 +75,9 @@ def differences(
         both = [p for p in left if left[p] is not None and right.get(p) is not None]
         if both:
             pairs = {p: (left[p] or 0.0, right[p] or 0.0) for p in both}
-            made = paired_bootstrap({p: v[0] for p, v in pairs.items()}, {p: v[1] for p, v in pairs.items()}, seed=seed, resamples=resamples)
+            made = paired_bootstrap(
+                {p: v[0] for p, v in pairs.items()}, {p: v[1] for p, v in pairs.items()}, seed=seed, resamples=resamples
+            )
             found[name] = {**asdict(made), "moved": made.moved, "without": sorted((left.keys() & right.keys()) - set(both))}
     return found
 
@@ -93,7 +95,11 @@ def told_difference(name: str, told: dict[str, Any]) -> str:
 
 def _told(log: EvalLog, identity: dict[str, Any]) -> dict[str, Any]:
     solver = (log.eval.solver or "").rpartition("/")[2]
-    return {"agent": solver, "model": log.eval.model, **{k: identity[k] for k in ("ablation", "budget", "server", "tools_sha256")}}
+    return {
+        "agent": solver,
+        "model": log.eval.model,
+        **{k: identity[k] for k in ("ablation", "budget", "server", "tools_sha256")},
+    }
 
 
 def _words(known: dict[str, Any]) -> str:

@@ -16,7 +16,18 @@ from .statistics import Interval, repeat_interval, share_interval
 if TYPE_CHECKING:
     from inspect_ai.log import EvalLog, EvalSample
 
-__all__ = ["FIGURES", "METRIC_FIGURES", "SERVER_FIGURES", "Figure", "RunFigures", "Summary", "identity_of", "run_figures", "scored_value", "unscored"]
+__all__ = [
+    "FIGURES",
+    "METRIC_FIGURES",
+    "SERVER_FIGURES",
+    "Figure",
+    "RunFigures",
+    "Summary",
+    "identity_of",
+    "run_figures",
+    "scored_value",
+    "unscored",
+]
 
 
 @dataclass(frozen=True)
@@ -116,11 +127,15 @@ def run_figures(log: EvalLog) -> RunFigures:
 def _of_sample(sample: EvalSample, result: SampleResult) -> dict[str, float | None]:
     costs = [usage.total_cost for usage in sample.model_usage.values()]
     told: dict[str, float | None] = {f.name: scored_value(sample, f.name) for f in METRIC_FIGURES}
-    told |= {name: float(getattr(result, name)) for name in ("calls", "refused_calls", "tokens", "seconds", "working_s", "device_s")}
+    told |= {
+        name: float(getattr(result, name)) for name in ("calls", "refused_calls", "tokens", "seconds", "working_s", "device_s")
+    }
     told["accepted"] = float(result.outcome == "accepted")
     told["cost_usd"] = sum(c for c in costs if c is not None) if costs and None not in costs else None
     if result.rows:  # without a judged world there is nothing to count
-        told |= {f"rows_{status}": float(result.rows.get(status, 0)) for status in ("pass", "fail", "unverified", "not_applicable")}
+        told |= {
+            f"rows_{status}": float(result.rows.get(status, 0)) for status in ("pass", "fail", "unverified", "not_applicable")
+        }
         told |= {"approximations": float(result.approximations), "unmet_words": float(len(result.unmet))}
         told["weakenings"] = float(result.weakenings)
     return told
@@ -153,7 +168,11 @@ def identity_of(log: EvalLog) -> dict[str, Any]:
     told = log.eval.metadata or {}
     samples = log.samples or []
     flights = [s.metadata["preflight"] for s in samples if s.metadata.get("preflight")]
-    prompts = told.get("prompts") or {"name": log.eval.task, "version": "", "sha256": digest_of(*sorted({str(s.input) for s in samples}))}
+    prompts = told.get("prompts") or {
+        "name": log.eval.task,
+        "version": "",
+        "sha256": digest_of(*sorted({str(s.input) for s in samples})),
+    }
     revision = log.eval.revision
     return {
         "prompts": prompts,

@@ -28,8 +28,12 @@ def add_later_commands(add: Add) -> None:
     report = add("report", help="one HTML page and one JSON file about a run")
     report.set_defaults(command=_report)
     report.add_argument("run", type=Path, metavar="RUN", help="folder of a run, or its log")
-    report.add_argument("--beside", type=Path, action="append", default=[], metavar="RUN", help="another run in the same tables (repeatable)")
-    report.add_argument("--beats", type=Path, metavar="FILE", help="which beats of the worlds stand for which of the prompts, and rulings")
+    report.add_argument(
+        "--beside", type=Path, action="append", default=[], metavar="RUN", help="another run in the same tables (repeatable)"
+    )
+    report.add_argument(
+        "--beats", type=Path, metavar="FILE", help="which beats of the worlds stand for which of the prompts, and rulings"
+    )
     report.add_argument("--out", type=Path, metavar="DIR", help="folder of the two files (default: reports beside the run)")
     compare = add("compare", help="two runs over the same prompts, by the paired bootstrap")
     compare.set_defaults(command=_compare)
@@ -38,9 +42,13 @@ def add_later_commands(add: Add) -> None:
     compare.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws")
     study = add("study", help="a page on which people judge films, blind")
     study.set_defaults(command=_study)
-    study.add_argument("films", type=Path, metavar="FILMS_FOLDER", help="METHOD/TASK.webm (or .mp4), the same tasks of every method")
+    study.add_argument(
+        "films", type=Path, metavar="FILMS_FOLDER", help="METHOD/TASK.webm (or .mp4), the same tasks of every method"
+    )
     study.add_argument("--answers", type=Path, metavar="FILE", help="where answers go (default: FILMS_FOLDER.answers.jsonl)")
-    study.add_argument("--prompts", default="agenticsimbench", metavar="SET", help="set of prompts by name or file; its ids are the tasks")
+    study.add_argument(
+        "--prompts", default="agenticsimbench", metavar="SET", help="set of prompts by name or file; its ids are the tasks"
+    )
     study.add_argument("--tasks", type=int, default=8, metavar="N", help="tasks that each rater sees")
     study.add_argument("--pairs", type=int, default=8, metavar="N", help="pairs of films that each rater compares after that")
     study.add_argument("--seed", type=int, default=1, metavar="N", help="of the order of tasks, methods and pairs")
@@ -52,7 +60,9 @@ def add_judge(parser: argparse.ArgumentParser) -> None:
     """Options of metrics that ask a judge model."""
     parser.add_argument("--judge", metavar="PROVIDER/MODEL", help="model that sees the films, for caus, qual, comp and prod")
     parser.add_argument("--judge-arg", action="append", default=[], metavar="NAME=VALUE", help="argument of the judge")
-    parser.add_argument("--prices", default="", metavar="IN/OUT", help="its dollars per million tokens, for the forecast, as 3/15")
+    parser.add_argument(
+        "--prices", default="", metavar="IN/OUT", help="its dollars per million tokens, for the forecast, as 3/15"
+    )
 
 
 def judge_of(options: argparse.Namespace) -> Any:
@@ -75,7 +85,9 @@ def _score(options: argparse.Namespace) -> int:
         print(f"judge {options.judge} for {', '.join(asking)}, at most: {told.words()}", file=sys.stderr, flush=True)
     asked = score_log(log, names, judge=judge_of(options), again=options.again)
     found = run_figures(log).figures
-    means = {f.name: {"average": found[f.name].average, "by_prompt": found[f.name].means} for f in METRIC_FIGURES if f.name in found}
+    means = {
+        f.name: {"average": found[f.name].average, "by_prompt": found[f.name].means} for f in METRIC_FIGURES if f.name in found
+    }
     print(json.dumps({"log": log.location, "asked": asked, "metrics": means, "unscored": unscored(log)}))
     return 0
 

@@ -30,7 +30,9 @@ def open_run(place: Path) -> EvalLog:
         raise InputError(f"no run {str(place)!r}: give its folder, or its log (*.eval) where --log-dir put it elsewhere")
     known = sorted(p for folder in (place, place / "logs", place.parent / "logs") for p in folder.glob("*.eval"))
     if (place / "outputs").is_dir():
-        known = [p for p in known if (read_eval_log(str(p), header_only=True).eval.metadata or {}).get("run") == str(place.absolute())]
+        known = [
+            p for p in known if (read_eval_log(str(p), header_only=True).eval.metadata or {}).get("run") == str(place.absolute())
+        ]
     if len(known) != 1:
         names = ", ".join(p.name for p in known[:5]) or "none"
         raise InputError(f"{str(place)!r} has {len(known)} logs ({names}); name the log itself")

@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 __all__ = ["METRICS", "forecast_films", "forecast_prompts", "metric_names", "metric_scorers", "need_judge", "score_log"]
 
-METRICS: dict[str, Callable[..., Scorer]] = dict(zip(("pen", "caus", "qual", "comp", "align", "imag", "prod"), SCORERS, strict=True))
+METRICS: dict[str, Callable[..., Scorer]] = dict(
+    zip(("pen", "caus", "qual", "comp", "align", "imag", "prod"), SCORERS, strict=True)
+)
 """Scorers by the name of the metric, in the order of the paper's table."""
 FILM_FPS, FILM_SIZE = 24.0, (1080, 1920)
 """Of a film that is still to be made, for a forecast: frames per second, height and width [pixels]."""
@@ -86,8 +88,8 @@ def forecast_films(
     told = _nothing(prices)
     for sample in samples:
         film, prompt = _film_of(sample)
-        for name in names if film is not None else ():
-            if again or scored_value(sample, name) is None:
+        for name in names:
+            if film is not None and (again or scored_value(sample, name) is None):
                 told += _forecast(prompt, film, name, prices)
     return told
 
@@ -96,7 +98,9 @@ def _nothing(prices: tuple[float, float] | None) -> Forecast:
     return Forecast(0, 0, 0, 0, None if prices is None else 0.0)
 
 
-def _forecast(prompt: BenchPrompt, film: tuple[int, float, tuple[int, int]], name: str, prices: tuple[float, float] | None) -> Forecast:
+def _forecast(
+    prompt: BenchPrompt, film: tuple[int, float, tuple[int, int]], name: str, prices: tuple[float, float] | None
+) -> Forecast:
     """Of one metric of one film; nothing where it can have no score, since no question is put then."""
     try:
         return forecast(prompt, *film, metrics=(name,), prices=prices)
@@ -140,9 +144,16 @@ def score_log(log: EvalLog, names: Sequence[str], *, judge: Model | None = None,
         # Inspect writes the scorers of this pass alone into what it is given: a copy of the header, with this sample.
         part = log.model_copy(update={"eval": log.eval.model_copy(), "samples": [sample], "results": None, "reductions": None})
         part = run_score(
-            part, metric_scorers(wanted), model="none", model_roles=None if judge is None else {"grader": judge}, display="none", copy=False
+            part,
+            metric_scorers(wanted),
+            model="none",
+            model_roles=None if judge is None else {"grader": judge},
+            display="none",
+            copy=False,
         )
-        log.eval.scorers = [s for s in log.eval.scorers or [] if s.name.rpartition("/")[2] not in wanted] + list(part.eval.scorers or [])
+        log.eval.scorers = [s for s in log.eval.scorers or [] if s.name.rpartition("/")[2] not in wanted] + list(
+            part.eval.scorers or []
+        )
         recompute_metrics(log)
         write_eval_log(log)
         asked += len(wanted)

@@ -50,10 +50,14 @@ def tree_of(against: str) -> Iterator[Path]:
         _need_tree(folder)
         yield folder.resolve()
         return
-    packed = subprocess.run(["git", "archive", "--format=tar", "--end-of-options", against], cwd=HERE, capture_output=True, check=False)
+    packed = subprocess.run(
+        ["git", "archive", "--format=tar", "--end-of-options", against], cwd=HERE, capture_output=True, check=False
+    )
     if packed.returncode:
         said = packed.stderr.decode(errors="replace").strip().splitlines()
-        raise InputError(f"--against {against!r} is neither a folder nor a revision of {str(HERE)!r}: {said[-1] if said else 'git failed'}")
+        raise InputError(
+            f"--against {against!r} is neither a folder nor a revision of {str(HERE)!r}: {said[-1] if said else 'git failed'}"
+        )
     with tempfile.TemporaryDirectory(prefix="worldagent-state-") as place:
         with tarfile.open(fileobj=BytesIO(packed.stdout)) as archive:
             archive.extractall(place, filter="data")
@@ -127,9 +131,19 @@ def compare_states(states: Mapping[str, str], run: Callable[[str], EvalLog], *, 
     moved = differences(before, after, WATCHED, seed=seed)
     if len(moved) < len(WATCHED):
         reasons = {name: [f"{r.id}: {r.reason}" for r in f.results if r.outcome == "error"][:3] for name, f in figures.items()}
-        raise RefusedError(f"nothing can be compared: no prompt has {', '.join(w for w in WATCHED if w not in moved)} in both runs; errors: {reasons}")
+        raise RefusedError(
+            f"nothing can be compared: no prompt has {', '.join(w for w in WATCHED if w not in moved)} in both runs; errors: {reasons}"
+        )
     return {
-        "states": {n: {"run": run_name(log), "log": log.location, "outcomes": counts_of(list(figures[n].results)), "tools_sha256": _tools(log)} for n, log in logs.items()},
+        "states": {
+            n: {
+                "run": run_name(log),
+                "log": log.location,
+                "outcomes": counts_of(list(figures[n].results)),
+                "tools_sha256": _tools(log),
+            }
+            for n, log in logs.items()
+        },
         "figures": moved,
         "moved": [name for name in WATCHED if moved[name]["moved"]],
         "says": verdict_lines(moved),

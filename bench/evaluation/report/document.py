@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from .... import __version__
 from ....worlds.errors import InputError, WorldAgentError
 from ..compare import refuse_others
 from ..figures import RunFigures, Summary, identity_of, run_figures, unscored
@@ -61,7 +62,9 @@ def beat_notes(path: Path | None) -> dict[str, BeatNotes]:
         raise InputError(f"{str(path)!r} holds no notes on beats: {error}") from error
 
 
-def report_document(log: EvalLog, beside: Sequence[EvalLog] = (), *, notes: Mapping[str, BeatNotes] | None = None) -> dict[str, Any]:
+def report_document(
+    log: EvalLog, beside: Sequence[EvalLog] = (), *, notes: Mapping[str, BeatNotes] | None = None
+) -> dict[str, Any]:
     """The document.
 
     Args:
@@ -80,6 +83,7 @@ def report_document(log: EvalLog, beside: Sequence[EvalLog] = (), *, notes: Mapp
     films = {_key(sample): _film(sample) for sample in log.samples or ()}
     return {
         "version": VERSION,
+        "made_by": __version__,
         "run": _run(log),
         "outcomes": counts_of(list(run.results)),
         "made_with": identity_of(log),
@@ -96,7 +100,12 @@ def report_document(log: EvalLog, beside: Sequence[EvalLog] = (), *, notes: Mapp
 
 def _beside(log: EvalLog) -> dict[str, Any]:
     found = run_figures(log)
-    return {"run": _run(log), "made_with": identity_of(log), "outcomes": counts_of(list(found.results)), "figures": _figures(found)}
+    return {
+        "run": _run(log),
+        "made_with": identity_of(log),
+        "outcomes": counts_of(list(found.results)),
+        "figures": _figures(found),
+    }
 
 
 def _run(log: EvalLog) -> dict[str, Any]:
@@ -121,7 +130,8 @@ def _figures(run: RunFigures) -> dict[str, Any]:
 
 def _summary(found: Summary) -> dict[str, Any]:
     by_prompt = {
-        p: {"values": list(v), "mean": found.means[p], "interval": (i := found.intervals[p]) and [i.low, i.high]} for p, v in found.values.items()
+        p: {"values": list(v), "mean": found.means[p], "interval": (i := found.intervals[p]) and [i.low, i.high]}
+        for p, v in found.values.items()
     }
     interval = found.interval
     return {
@@ -144,7 +154,9 @@ def _beats(log: EvalLog, results: Sequence[SampleResult], notes: Mapping[str, Be
         judge = judged_beats(sample)
         if judge:
             note = notes.get(_key(sample)) or notes.get(str(sample.id)) or BeatNotes()
-            found[_key(sample)] = compare_beats(list(judge), server_beats(sample, result), judge, pairs=note.pairs, ruled=note.ruled)
+            found[_key(sample)] = compare_beats(
+                list(judge), server_beats(sample, result), judge, pairs=note.pairs, ruled=note.ruled
+            )
     return found
 
 
@@ -180,7 +192,13 @@ def _film(sample: EvalSample) -> dict[str, Any] | None:
         film = sample_output(sample.metadata).need_film()
         with film.path.open("rb") as stream:
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
-        return {"path": str(film.path), "sha256": digest, "frames": film.count, "fps": film.fps, "height": film.size[0], "width": film.size[1]}
+        return {
+            "path": str(film.path),
+            "sha256": digest,
+            "frames": film.count,
+            "fps": film.fps,
+            "height": film.size[0],
+            "width": film.size[1],
+        }
     except WorldAgentError:
         return None
-

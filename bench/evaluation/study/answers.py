@@ -62,7 +62,9 @@ class AnswerFile:
             self._append({**told, "secret": self._secret})
         elif (known := {k: v for k, v in lines[0].items() if k != "secret"}) != told:
             apart = sorted(k for k in told.keys() | known.keys() if told.get(k) != known.get(k))
-            raise InputError(f"{str(path)!r} holds answers to another study: {', '.join(apart)} differ; give --answers another file, or the films and options of before")
+            raise InputError(
+                f"{str(path)!r} holds answers to another study: {', '.join(apart)} differ; give --answers another file, or the films and options of before"
+            )
         else:
             self._secret = str(lines[0]["secret"])
         for line in lines[1:]:
@@ -113,7 +115,14 @@ class AnswerFile:
             if (rater.id, number) in self.answered:
                 return False
             step = self.study.steps(rater.number)[number]
-            line = {"kind": step.kind, "rater": rater.id, "step": number, "task": step.task, "methods": list(step.methods), **answer}
+            line = {
+                "kind": step.kind,
+                "rater": rater.id,
+                "step": number,
+                "task": step.task,
+                "methods": list(step.methods),
+                **answer,
+            }
             self._append(line)
             self.answered[(rater.id, number)] = line
             return True

@@ -83,7 +83,13 @@ class Study:
 
     def told(self) -> dict[str, Any]:
         """The plan as plain data."""
-        return {"methods": list(self.methods), "tasks": list(self.tasks), "tasks_each": self.tasks_each, "pairs_each": self.pairs_each, "seed": self.seed}
+        return {
+            "methods": list(self.methods),
+            "tasks": list(self.tasks),
+            "tasks_each": self.tasks_each,
+            "pairs_each": self.pairs_each,
+            "seed": self.seed,
+        }
 
 
 def williams(count: int) -> Sequence[tuple[int, ...]]:

@@ -44,17 +44,25 @@ def read_films(folder: Path, prompts: Mapping[str, str]) -> StudyFilms:
     found = {(p.parent.name, p.stem): p for p in sorted(folder.glob("*/*")) if p.suffix.lower() in KINDS}
     methods, tasks = tuple(sorted({m for m, _ in found})), sorted({t for _, t in found})
     if len(methods) < 2:
-        raise InputError(f"{str(folder)!r} has films of {len(methods)} methods; a comparison needs at least two folders METHOD with TASK.webm or TASK.mp4")
+        raise InputError(
+            f"{str(folder)!r} has films of {len(methods)} methods; a comparison needs at least two folders METHOD with TASK.webm or TASK.mp4"
+        )
     lacking = [f"{m}/{t}" for m in methods for t in tasks if (m, t) not in found]
     if lacking:
-        raise InputError(f"every rater sees all methods of a task; missing are {', '.join(lacking[:6])}{' ...' if len(lacking) > 6 else ''}")
+        raise InputError(
+            f"every rater sees all methods of a task; missing are {', '.join(lacking[:6])}{' ...' if len(lacking) > 6 else ''}"
+        )
     strange = [t for t in tasks if t not in prompts]
     if strange:
-        raise InputError(f"tasks {', '.join(strange[:6])} have no prompt; name the set with --prompts, or the films after its ids")
+        raise InputError(
+            f"tasks {', '.join(strange[:6])} have no prompt; name the set with --prompts, or the films after its ids"
+        )
     forms = {_form(p) for p in found.values()}
     if len(forms) > 1:
         told = "; ".join(f"{kind} {width} x {height} at {rate:g} frames/s" for kind, width, height, rate in sorted(forms))
-        raise InputError(f"films must share one format, or it gives their methods away; there are {told}. Encode them alike (ffmpeg -s, -r)")
+        raise InputError(
+            f"films must share one format, or it gives their methods away; there are {told}. Encode them alike (ffmpeg -s, -r)"
+        )
     state = hashlib.sha256()
     for (method, task), path in sorted(found.items()):
         with path.open("rb") as stream:

@@ -9,7 +9,7 @@ from .answers import CRITERIA
 
 __all__ = ["POLICY", "consent_page", "end_page", "pair_page", "rate_page", "words_page"]
 
-POLICY = "default-src 'none'; media-src 'self'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
+POLICY = "default-src 'none'; media-src 'self'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
 STYLE = """
 :root{--ink:#1b1d21;--dim:#555b65;--line:#767d88;--back:#fff;--soft:#f2f4f6;--act:#0b57d0;--on:#fff;--bad:#b3261e}
 @media (prefers-color-scheme:dark){:root{--ink:#e6e8eb;--dim:#a7b0bb;--line:#848d99;--back:#15171a;--soft:#1e2125;--act:#a8c7fa;--on:#062e6f;--bad:#ff8a80}}
@@ -30,7 +30,7 @@ LABELS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def _page(title: str, body: str) -> str:
-    meta = '<meta charset="utf-8"><meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">'
+    meta = '<meta charset="utf-8"><meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
     return f'<!DOCTYPE html>\n<html lang="en"><head>{meta}{tag("title", escaped(title))}<style>{STYLE}</style></head><body>{tag("main", body)}</body></html>\n'
 
 
@@ -41,13 +41,22 @@ def words_page(title: str, *paragraphs: str) -> str:
 
 def consent_page(tasks: int, films: int, pairs: int, *, problem: str = "") -> str:
     """The first page."""
+    told = f"{pairs} pairs of films, of each of which" if pairs != 1 else "a pair of films, of which"
     listed = "".join(tag("li", tag("strong", escaped(name)) + escaped(f": {covers}")) for name, covers in CRITERIA.values())
     body = (
         tag("h1", "Films of simulated worlds")
-        + tag("p", escaped(f"You will see {tasks} prompts, and for each of them {films} films that were made from it. Rate every film from 1 (poor) to 5 (excellent) on four criteria:"))
+        + tag(
+            "p",
+            escaped(
+                f"You will see {tasks} {'prompts' if tasks != 1 else 'prompt'}, and for each {films} films that were made from it. Rate every film from 1 (poor) to 5 (excellent) on four criteria:"
+            ),
+        )
         + tag("ul", listed)
-        + (tag("p", escaped(f"After that come {pairs} pairs of films, of which you choose the better one.")) if pairs else "")
-        + tag("p", "No name, address or other personal information is kept: your answers stand under a random word. You may stop at any time; what you have sent by then is kept. To go on later, keep the address of the page.")
+        + (tag("p", escaped(f"After that come {told} you choose the better one.")) if pairs else "")
+        + tag(
+            "p",
+            "No name, address or other personal information is kept: your answers stand under a random word. You may stop at any time; what you have sent by then is kept. To go on later, keep the address of the page.",
+        )
         + (tag("p", escaped(problem), class_="bad", role="alert") if problem else "")
         + '<form method="post" action="/"><p><label><input type="checkbox" name="consent" value="yes" required> I take part of my own will, and agree that my answers are used.</label></p>'
         + "<button>Begin</button></form>"
@@ -101,19 +110,35 @@ def rate_page(
         kept: what was chosen already, where something is missing.
         problem: what is missing.
     """
-    scale = [(str(k), {1: "1 poor", 5: "5 excellent"}.get(k, str(k))) for k in range(1, 6)]
+    scale = [(str(k), str(k)) for k in range(1, 6)]
     films = "".join(
-        _film(token, place, "".join(_scale(f"{key}-{place}", name, scale, (kept or {}).get(f"{key}-{place}")) for key, (name, _) in CRITERIA.items()))
+        _film(
+            token,
+            place,
+            "".join(
+                _scale(f"{key}-{place}", name, scale, (kept or {}).get(f"{key}-{place}")) for key, (name, _) in CRITERIA.items()
+            ),
+        )
         for place, token in enumerate(tokens)
     )
     covers = "; ".join(f"{name}: {words}" for name, words in CRITERIA.values())
-    asked = f"Watch every film, then rate each from 1 to 5, higher is better. {covers}."
-    return _form(f"Page {number + 1} of {of}", "Rate the films", asked, prompt, tag("div", films, class_="films"), number=number, problem=problem)
+    asked = f"Watch every film, then rate each from 1 (poor) to 5 (excellent). {covers}."
+    return _form(
+        f"Page {number + 1} of {of}",
+        "Rate the films",
+        asked,
+        prompt,
+        tag("div", films, class_="films"),
+        number=number,
+        problem=problem,
+    )
 
 
 def pair_page(prompt: str, tokens: Sequence[str], *, number: int, of: int, problem: str = "") -> str:
     """Two films of a task, of which the better one is chosen. Arguments as of `rate_page`."""
     films = tag("div", "".join(_film(token, place) for place, token in enumerate(tokens)), class_="films")
-    choice = _scale("choice", "Which film is better as a whole?", (("first", "Film A"), ("equal", "equally good"), ("second", "Film B")), None)
+    choice = _scale(
+        "choice", "Which film is better as a whole?", (("first", "Film A"), ("equal", "equally good"), ("second", "Film B")), None
+    )
     asked = "Watch both films, then choose: which shows the prompt's world more plausibly, completely and beautifully?"
     return _form(f"Page {number + 1} of {of}", "Compare two films", asked, prompt, films + choice, number=number, problem=problem)

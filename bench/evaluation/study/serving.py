@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -136,7 +137,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _from_here(self) -> bool:
         """Refuse requests under another name, or sent by a page of another site."""
-        port = self.server.server_address[1]
+        port = self.connection.getsockname()[1]
         here = {f"{name}:{port}" for name in (HOST, "localhost")}
         origin = self.headers.get("Origin")
         if self.headers.get("Host") in here and (origin is None or origin.removeprefix("http://") in here):
@@ -160,7 +161,12 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _headers(self, status: int, media_type: str, length: int, **more: str) -> None:
         self.send_response(status)
-        told = {"Content-Type": media_type, "Content-Length": str(length), "Cache-Control": "no-store", "X-Content-Type-Options": "nosniff"}
+        told = {
+            "Content-Type": media_type,
+            "Content-Length": str(length),
+            "Cache-Control": "no-store",
+            "X-Content-Type-Options": "nosniff",
+        }
         for name, value in {**told, **{k.replace("_", "-"): v for k, v in more.items()}}.items():
             self.send_header(name, value)
         self.end_headers()
@@ -168,7 +174,9 @@ class _Handler(BaseHTTPRequestHandler):
     def _send(self, status: int, text: str, *, cookie: str = "") -> None:
         data = text.encode()
         told = {"Set_Cookie": f"rater={cookie}; Path=/; HttpOnly; SameSite=Strict"} if cookie else {}
-        self._headers(status, "text/html; charset=utf-8", len(data), Content_Security_Policy=POLICY, Referrer_Policy="same-origin", **told)
+        self._headers(
+            status, "text/html; charset=utf-8", len(data), Content_Security_Policy=POLICY, Referrer_Policy="same-origin", **told
+        )
         self.wfile.write(data)
 
     def _onward(self, rater: Rater) -> None:
@@ -187,7 +195,13 @@ class _Handler(BaseHTTPRequestHandler):
             if first > last:
                 self._headers(HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE, media_type, 0, Content_Range=f"bytes */{size}")
                 return
-            self._headers(HTTPStatus.PARTIAL_CONTENT, media_type, last - first + 1, Accept_Ranges="bytes", Content_Range=f"bytes {first}-{last}/{size}")
+            self._headers(
+                HTTPStatus.PARTIAL_CONTENT,
+                media_type,
+                last - first + 1,
+                Accept_Ranges="bytes",
+                Content_Range=f"bytes {first}-{last}/{size}",
+            )
         try:
             for chunk in _chunks(path, first, last):
                 self.wfile.write(chunk)
@@ -196,6 +210,15 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - the signature of the class
         """Say nothing: a line per request would show the rater's word on the terminal."""
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Pass over a browser that left in the middle of a request."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
 
 def _chunks(path: Path, first: int, last: int) -> Iterator[bytes]:
@@ -216,10 +239,9 @@ def study_server(page: StudyPage, port: int = 0) -> Iterator[ThreadingHTTPServer
     """
     handler = type("Handler", (_Handler,), {"page": page})
     try:
-        server = ThreadingHTTPServer((HOST, port), handler)
+        server = _Server((HOST, port), handler)
     except OSError as error:
         raise InputError(f"port {port} on {HOST} cannot be had: {error.strerror}; name another with --port") from error
-    server.daemon_threads = True
     try:
         yield server
     finally:

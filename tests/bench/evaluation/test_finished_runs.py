@@ -64,7 +64,9 @@ def test_a_finished_run_is_scored_by_a_judge_and_nothing_is_paid_for_twice(run: 
     assert score_log(log, ("pen", "caus", "qual"), judge=model) == 12
     again = read_eval_log(str(tmp_path / "scored.eval"))
     assert [scored_value(s, "caus") for s in again.samples or ()] == pytest.approx([0.85] * 4)
-    assert {str(s.scores["pen"].explanation) for s in again.samples or () if s.scores} == {"the sample left no world of its prompt"}
+    assert {str(s.scores["pen"].explanation) for s in again.samples or () if s.scores} == {
+        "the sample left no world of its prompt"
+    }
     assert {s.name for s in again.results.scores if s.metrics and s.scorer in ("caus", "pen", "qual")} == {"caus", "pen", "qual"}
     assert again.results.scores[0].scorer == "verified"
     asked = len(provider.asked)
@@ -72,11 +74,15 @@ def test_a_finished_run_is_scored_by_a_judge_and_nothing_is_paid_for_twice(run: 
     assert score_log(again, ("caus",), judge=model) == 0
     assert len(provider.asked) == asked
     assert score_log(again, ("caus", "qual"), judge=answering()[0]) == 4
-    assert [scored_value(s, "qual") for s in read_eval_log(str(tmp_path / "scored.eval")).samples or ()] == pytest.approx([0.8] * 4)
+    assert [scored_value(s, "qual") for s in read_eval_log(str(tmp_path / "scored.eval")).samples or ()] == pytest.approx(
+        [0.8] * 4
+    )
     assert [r.outcome for r in samples_of(again)] == ["refused"] * 4
 
 
-def test_the_command_scores_a_run_by_its_folder_and_says_before_what_it_costs(run: EvalLog, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_scores_a_run_by_its_folder_and_says_before_what_it_costs(
+    run: EvalLog, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = str((run.eval.metadata or {})["run"])
     words = ["eval", "score", folder, "--metrics", "comp", "--judge", "fakejudge/x", "--prices", "3/15"]
     assert command_line(words) == 0
@@ -144,7 +150,9 @@ def test_a_comparison_has_the_known_answer_and_leaves_out_what_others_scored(run
     assert caus["same_sign"] == pytest.approx(0.75, abs=0.02)
     assert (caus["moved"], "pen" in found["figures"]) == (False, False)
     assert found["figures"]["calls"]["difference"] == 0.0
-    assert told_difference("caus", caus).startswith("Caus: no movement seen: 0.3000 -> 0.3500 (+0.0500, 95 % from +0.0000 to +0.1000; 7")
+    assert told_difference("caus", caus).startswith(
+        "Caus: no movement seen: 0.3000 -> 0.3500 (+0.0500, 95 % from +0.0000 to +0.1000; 7"
+    )
     apart = compare_runs(first, other)
     assert apart["scored_differently"] == {"caus": {"first": [{"judge": "a"}], "second": [{"judge": "b"}]}}
     assert "caus" not in apart["figures"]

@@ -50,7 +50,9 @@ def test_a_state_whose_server_falls_over_gives_no_comparison(tmp_path: Path, doc
     folder = documents(study=[{"do": "crash_once", "marker": str(tmp_path / "mark")}])
 
     def run(name: str) -> Any:
-        return run_task("small", "scripted", root=tmp_path / name, agent_args={"folder": str(folder)}, sample_id=["study"], retry_on_error=0)
+        return run_task(
+            "small", "scripted", root=tmp_path / name, agent_args={"folder": str(folder)}, sample_id=["study"], retry_on_error=0
+        )
 
     with pytest.raises(RefusedError, match=r"nothing can be compared.*study: died"):
         compare_states(states("", ""), run)
@@ -59,7 +61,12 @@ def test_a_state_whose_server_falls_over_gives_no_comparison(tmp_path: Path, doc
 def test_files_that_differ_are_told_by_whether_an_agent_reads_them(tmp_path: Path) -> None:
     trees = [tmp_path / name for name in ("a", "b")]
     for k, tree in enumerate(trees):
-        for name, text in (("skills/x/SKILL.md", f"{k}"), ("tools/edit.py", "same"), ("simulation/step.py", f"{k}"), ("tests/t.py", f"{k}")):
+        for name, text in (
+            ("skills/x/SKILL.md", f"{k}"),
+            ("tools/edit.py", "same"),
+            ("simulation/step.py", f"{k}"),
+            ("tests/t.py", f"{k}"),
+        ):
             (tree / name).parent.mkdir(parents=True)
             (tree / name).write_text(text)
     (trees[1] / "tools" / "new.py").write_text("")
@@ -88,7 +95,9 @@ def test_a_revision_is_unpacked_for_as_long_as_it_is_needed() -> None:
     assert not tree.exists()
 
 
-@pytest.mark.parametrize(("against", "text"), [("no-such-revision", "neither a folder nor a revision"), ("/", "is no tree of worldagent")])
+@pytest.mark.parametrize(
+    ("against", "text"), [("no-such-revision", "neither a folder nor a revision"), ("/", "is no tree of worldagent")]
+)
 def test_what_is_no_state_is_refused(against: str, text: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(InputError, match=text), tree_of(against):
         pass

@@ -68,10 +68,17 @@ class Rater:
     def __init__(self, port: int) -> None:
         self.port, self.place, self.cookie, self.seen = port, "/", "", ""
 
-    def ask(self, method: str, path: str, form: dict[str, Any] | None = None, **headers: str) -> tuple[int, dict[str, str], bytes]:
+    def ask(
+        self, method: str, path: str, form: dict[str, Any] | None = None, **headers: str
+    ) -> tuple[int, dict[str, str], bytes]:
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
         body = None if form is None else urlencode(form)
-        connection.request(method, path, body, {**({"Cookie": self.cookie} if self.cookie else {}), **{k.replace("_", "-"): v for k, v in headers.items()}})
+        connection.request(
+            method,
+            path,
+            body,
+            {**({"Cookie": self.cookie} if self.cookie else {}), **{k.replace("_", "-"): v for k, v in headers.items()}},
+        )
         reply = connection.getresponse()
         data, told = reply.read(), dict(reply.getheaders())
         connection.close()
@@ -95,7 +102,11 @@ class Rater:
         """Answer the page with the same score everywhere, and see what comes."""
         names = sorted(set(re.findall(r'type="radio" name="([\w-]+)"', page)))
         assert names
-        form = {n: "second" if n == "choice" else str(score) for n in names} | {"step": found(page, r'name="step" value="(\d+)"')} | changes
+        form = (
+            {n: "second" if n == "choice" else str(score) for n in names}
+            | {"step": found(page, r'name="step" value="(\d+)"')}
+            | changes
+        )
         status, _, data = self.ask("POST", self.place, {k: v for k, v in form.items() if v})
         return status, data.decode() if status != 303 else self.page()
 

@@ -13,13 +13,14 @@ import pytest
 from inspect_ai.log import EvalLog, EvalSample, read_eval_log, write_eval_log
 from scipy.stats import binom
 from worldagent.bench.evaluation.compare import compare_runs, told_difference
+from worldagent.bench.evaluation.figures import scored_value
 from worldagent.bench.evaluation.records import Record
 from worldagent.bench.evaluation.report.document import BeatNotes, report_document
 from worldagent.bench.evaluation.report.films import film_sheets
 from worldagent.bench.evaluation.report.page import report_page
 from worldagent.bench.evaluation.results import samples_of
 from worldagent.bench.evaluation.runs import open_run, run_name
-from worldagent.bench.evaluation.scoring import forecast_films, metric_names, score_log, scored_value
+from worldagent.bench.evaluation.scoring import forecast_films, metric_names, score_log
 from worldagent.server.cli import main as command_line
 from worldagent.tests.bench.evaluation.fake_judge import answering, perfect
 from worldagent.tests.bench.evaluation.finished import finished_run, with_scores

@@ -7,11 +7,12 @@ import json
 import re
 import threading
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import pairwise
 from math import log
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 from urllib.parse import urlencode
 
@@ -98,7 +99,7 @@ class Rater:
         assert status == 200
         return data.decode()
 
-    def send(self, page: str, score: int = 4, **changes: str) -> tuple[int, str]:
+    def send(self, page: str, score: int = 4, *, changes: Mapping[str, str] = MappingProxyType({})) -> tuple[int, str]:
         """Answer the page with the same score everywhere, and see what comes."""
         names = sorted(set(re.findall(r'type="radio" name="([\w-]+)"', page)))
         assert names
@@ -184,7 +185,7 @@ def test_the_film_behind_a_name_is_that_of_the_method_whose_answer_is_kept(films
     with served(films, place) as rater:
         page = rater.begin()
         bodies = [rater.ask("GET", f"/film/{t}")[2] for t in re.findall(r'src="/film/(\w+)"', page)]
-        rater.send(page, **{"physical-1": "1"})
+        rater.send(page, changes={"physical-1": "1"})
     line = read_lines(place)[2]
     assert bodies == [films.paths[m, line["task"]].read_bytes() for m in line["methods"]]
     assert [s["physical"] for s in line["scores"]] == [4, 1, 4]
@@ -193,7 +194,7 @@ def test_the_film_behind_a_name_is_that_of_the_method_whose_answer_is_kept(films
 def test_what_is_missing_is_asked_for_and_what_was_chosen_stays(films: StudyFilms, tmp_path: Path) -> None:
     with served(films, tmp_path / "answers.jsonl") as rater:
         page = rater.begin()
-        status, again = rater.send(page, 2, **{"content-0": "", "shots-2": "9"})
+        status, again = rater.send(page, 2, changes={"content-0": "", "shots-2": "9"})
         assert status == 422
         assert "2 of 12 ratings are missing" in again
         assert len(re.findall(r'value="2" required checked', again)) == 10

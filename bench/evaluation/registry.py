@@ -13,14 +13,15 @@ from .agents.random_calls import random_calls
 from .agents.react import react_agent
 from .agents.replay import replay
 from .agents.scripted import scripted
-from .metrics.scorers import SCORERS as METRICS
 from .metrics.scorers import alignment, caus, comp, imag, pen, prod, qual
 from .models import ScriptedModel
 from .scorers import verified
+from .scoring import METRICS
 from .tasks import agenticsimbench, small, smoke
 
 __all__ = [
     "AGENTS",
+    "METRICS",
     "MODELS",
     "SCORERS",
     "TASKS",
@@ -58,5 +59,4 @@ AGENTS: Mapping[str, Callable[..., Solver]] = {
 """Solvers by the name that `worldagent eval run --agent` takes."""
 MODELS = ("react", "claude_code", "codex_cli")
 """Agents that need a model."""
-SCORERS = (verified, *METRICS)
-"""The verdict, and the seven metrics, which are taken on a finished log: `inspect score LOG --scorer worldagent/pen`."""
+SCORERS = {"verified": verified, **METRICS}

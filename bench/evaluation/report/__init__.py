@@ -1,1 +1,1 @@
-"""Reports of runs: one page and one JSON file each, and comparisons of two."""
+"""The report about a run: plain data, and one page."""

@@ -1,155 +1,243 @@
-"""Pages of runs: tables as in the paper, values per task, contact sheets, and what everything was made with; one file, no script."""
+"""The report about a run: one HTML page with its pictures inside; no script, no network.
+
+Names, reasons and worlds come from agents and strangers: all text is escaped, and the page's own policy forbids scripts and foreign content.
+"""
 
 from __future__ import annotations
 
-from collections import Counter
+import json
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from typing import Any
 
-from ....rendering.report.markup import cell, escaped, figure, table, tag
+from ....rendering.report.markup import cell, escaped, figure, tag
 from ....rendering.report.style import STYLE
-from ....worlds.folder import write_atomically
-from .averages import Estimate, macro, per_task
-from .comparing import Comparison, compare
-from .runs import METRICS, Metric, Run, SampleScores, write_run
+from ..figures import FIGURES, METRIC_FIGURES, SERVER_FIGURES, Figure
+from .films import FilmSheet
 
-__all__ = ["comparison_page", "run_page", "write_comparison", "write_report"]
+__all__ = ["report_page"]
 
-Sheets = Mapping[str, bytes]
-"""Contact sheets by name of their file."""
+POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+OWN_STYLE = (
+    "caption{text-align:start;color:var(--dim);padding-bottom:.3rem}th[scope=row]{color:inherit;font-size:1em;white-space:normal;font-weight:400;min-width:9rem}"
+    ".scroll:focus-visible{outline:2px solid var(--ink)}.best{font-weight:700}.side{display:grid;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr));gap:1rem}"
+    ".limit{color:var(--open)}.error{color:var(--none)}tfoot td,tfoot th{border-top:2px solid var(--line);font-weight:600}"
+)
+ARROWS = {"higher": "↑", "lower": "↓", "": ""}
+NONE = "–"
 
 
-def run_page(run: Run, sheets: Sheets) -> str:
-    """The page of one run."""
-    notes = "".join(tag("p", escaped(note), class_="fail") for note in run.notes)
-    return _page(
-        f"{run.method} on {run.prompts.get('name', 'prompts')}",
-        tag("p", escaped(f"{run.model}, {len(run.tasks)} tasks, {len(run.samples)} samples, {run.created}"), class_="dim")
-        + notes
-        + _section("Macro averages", _macro_table([run]))
-        + _section("Tasks", _task_table(run))
-        + _section("Without a score", _reasons(run))
-        + _section("Films", "".join(_film(sample, sheets) for sample in run.samples))
-        + _section("Made with", _made_with(run)),
+def report_page(document: Mapping[str, Any], sheets: Mapping[str, Sequence[FilmSheet]]) -> str:
+    """The page.
+
+    Args:
+        document: of `report_document`.
+        sheets: contact sheets by prompt.
+    """
+    run, runs = document["run"], [document, *document["beside"]]
+    title = f"{run['task']}: {run['agent']}" + ("" if run["model"] in ("", "none", "none/none") else f" on {run['model']}")
+    counts = ", ".join(f"{count} {word}" for word, count in document["outcomes"].items())
+    ablation = document["made_with"]["ablation"]
+    head = tag("h1", escaped(title)) + tag(
+        "p", escaped(f"{counts}. Run {run['name']}, began {run['began']}, log {run['status']}.")
     )
-
-
-def comparison_page(first: Run, second: Run, compared: Mapping[str, Comparison], sheets: tuple[Sheets, Sheets]) -> str:
-    """The page of two runs side by side."""
-    films = "".join(_both(task, first, second, sheets) for task in dict.fromkeys([*first.tasks, *second.tasks]))
-    return _page(
-        f"{first.method} and {second.method}",
-        _section("Macro averages", _macro_table([first, second]))
-        + _section("Differences, second less first", _differences(compared))
-        + _section("Films", films)
-        + _section("Made with", _made_with(first) + _made_with(second)),
+    if ablation:
+        head += tag("p", escaped(f"Checks left out: {ablation}. Nothing of this run is an acceptance."), class_="fail")
+    sections = (
+        ("Averages", _averages(runs)),
+        (
+            "The metrics by prompt",
+            _by_prompt(document, METRIC_FIGURES, "Metrics of each prompt; with repeats, the mean and its 95 % interval"),
+        ),
+        ("The server's figures by prompt", _by_prompt(document, SERVER_FIGURES, "The server's own figures of each prompt")),
+        ("Outcomes", _outcomes(document)),
+        ("Not scored", _unscored(document)),
+        ("Beats: server and judge", _beats(document)),
+        ("Films", _films(sheets)),
+        ("Made with", _made_with(document)),
     )
+    body = tag("header", head) + tag(
+        "main", "".join(tag("section", tag("h2", escaped(t)) + inner) for t, inner in sections if inner)
+    )
+    meta = f'<meta charset="utf-8"><meta http-equiv="Content-Security-Policy" content="{POLICY}"><meta name="viewport" content="width=device-width,initial-scale=1"><meta name="color-scheme" content="light dark">'
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{meta}{tag("title", escaped(title))}<style>{STYLE}{OWN_STYLE}</style></head>{tag("body", body)}</html>\n'
 
 
-def write_report(run: Run, folder: Path, sheets: Sheets) -> tuple[Path, Path]:
-    """Write page, JSON file and contact sheets of a run into a folder; returns the first two."""
-    page, data = folder / "report.html", folder / "report.json"
-    for name, picture in sheets.items():
-        write_atomically(folder / name, picture)
-    write_run(run, data)
-    write_atomically(page, run_page(run, sheets).encode())
-    return page, data
+def _grid(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]], foot: Sequence[str] = ()) -> str:
+    """A table of escaped cells whose first cell of a row names it; it scrolls by keyboard too."""
+
+    def line(cells: Sequence[str]) -> str:
+        return tag("tr", tag("th", cells[0], scope="row") + "".join(cells[1:]))
+
+    inner = tag("caption", escaped(caption)) + tag("thead", tag("tr", "".join(tag("th", escaped(h), scope="col") for h in head)))
+    inner += tag("tbody", "".join(line(r) for r in rows)) + (tag("tfoot", line(foot)) if foot else "")
+    return tag("div", tag("table", inner), class_="scroll", tabindex="0", role="region", aria_label=caption)
 
 
-def write_comparison(first: Run, second: Run, path: Path, sheets: tuple[Sheets, Sheets], *, seed: int = 0) -> dict[str, Comparison]:
-    """Compare two runs and write the page."""
-    compared = compare(first, second, seed=seed)
-    write_atomically(path, comparison_page(first, second, compared, sheets).encode())
-    return compared
+def _titles(figures: Sequence[Figure]) -> list[str]:
+    return [f"{f.title} {ARROWS[f.better]}".strip() for f in figures]
 
 
-def _page(title: str, inner: str) -> str:
-    head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{escaped(title)}</title><style>{STYLE}</style>'
-    return f'<!doctype html><html lang="en"><head>{head}</head><body>{tag("h1", escaped(title))}{inner}</body></html>'
+def _told(value: float | None, interval: Sequence[float] | None, digits: int) -> str:
+    if value is None:
+        return NONE
+    spread = "" if interval is None else f" [{interval[0]:.{digits}f}, {interval[1]:.{digits}f}]"
+    return f"{value:.{digits}f}{spread}"
 
 
-def _section(title: str, inner: str) -> str:
-    return tag("section", tag("h2", escaped(title)) + inner) if inner else ""
+def _averages(runs: Sequence[Mapping[str, Any]]) -> str:
+    """The paper's table: a row per run, the best of each column in bold where there are several."""
+
+    def cells(run: Mapping[str, Any], figures: Sequence[Figure], best: Mapping[str, float]) -> list[str]:
+        made = [escaped(_method(run))]
+        for f in figures:
+            known = run["figures"].get(f.name) or {}
+            value = known.get("average")
+            few = "" if not known or value is not None else f" ({known['prompts_scored']} of {known['prompts']} prompts)"
+            top = value is not None and best.get(f.name) == value
+            words = escaped(_told(value, known.get("interval"), f.digits) + few)
+            made.append(cell(tag("strong", words) if top else words, "n"))
+        return made
+
+    found = ""
+    for figures, caption in (
+        (METRIC_FIGURES, "Macro averages of the metrics over all prompts, by what they measure: Pen and Caus physical plausibility, Qual shot planning, "
+         "Comp and Align content alignment, Imag and Prod aesthetics"),
+        (SERVER_FIGURES, "Macro averages of the server's own figures"),
+    ):  # fmt: skip
+        shown = [f for f in figures if figures is METRIC_FIGURES or any(f.name in r["figures"] for r in runs)]
+        best = {f.name: top for f in shown if len(runs) > 1 and (top := _best(runs, f)) is not None}
+        found += _grid(caption, ("run", *_titles(shown)), [cells(r, shown, best) for r in runs])
+    note = "In brackets 95 % intervals over the repeats, where every prompt has at least two. A prompt without a value leaves the average without one (R140)."
+    return found + tag("p", escaped(note), class_="dim")
 
 
-def _title(metric: Metric) -> str:
-    return f"{metric.title} {'↑' if metric.higher else '↓'}"
+def _best(runs: Sequence[Mapping[str, Any]], figure: Figure) -> float | None:
+    values: list[float] = [v for r in runs if (v := (r["figures"].get(figure.name) or {}).get("average")) is not None]
+    if len(set(values)) < 2 or not figure.better:
+        return None
+    return max(values) if figure.better == "higher" else min(values)
 
 
-def _shown(metrics: Sequence[Metric], runs: Sequence[Run]) -> list[Metric]:
-    """Metrics that anyone was asked for."""
-    return [m for m in metrics if any(m.name in s.scores for run in runs for s in run.samples)]
+def _method(run: Mapping[str, Any]) -> str:
+    told = run["run"]
+    model = "" if told["model"] in ("", "none", "none/none") else f" ({told['model']})"
+    ablation = run["made_with"]["ablation"]
+    return f"{told['agent']}{model}{f', without {ablation}' if ablation else ''}, {told['name']}"
 
 
-def _number(estimate: Estimate) -> str:
-    if estimate.value is None:
-        told = f"{estimate.scored} of {estimate.samples}" if estimate.samples else ""
-        return cell(f"–<br>{tag('small', told, class_='dim')}", "n")
-    around = "" if estimate.low is None or estimate.high is None else f"<br>{tag('small', f'[{estimate.low:.4f}, {estimate.high:.4f}]', class_='dim')}"
-    return cell(f"{estimate.value:.4f}{around}", "n")
+def _by_prompt(document: Mapping[str, Any], figures: Sequence[Figure], caption: str) -> str:
+    known = document["figures"]
+    shown = [f for f in figures if f.name in known]
+    if not shown:
+        return tag("p", "None was asked for: worldagent eval score RUN --metrics ...") if figures is METRIC_FIGURES else ""
+    prompts = list(known[shown[0].name]["by_prompt"])
 
+    def line(prompt: str) -> list[str]:
+        told = [(known[f.name]["by_prompt"][prompt], f.digits) for f in shown]
+        return [escaped(prompt), *(cell(escaped(_told(t["mean"], t["interval"], digits)), "n") for t, digits in told)]
 
-def _macro_table(runs: Sequence[Run]) -> str:
-    shown = _shown(METRICS, runs)
-    rows = [[cell(escaped(run.method), "n"), *(_number(macro(run, m.name)) for m in shown)] for run in runs]
-    groups = "; ".join(f"{group}: {', '.join(m.title for m in shown if m.group == group)}" for group in dict.fromkeys(m.group for m in shown))
-    words = f"{groups}. A dash: not every sample has a score. In brackets: 95 % over repeats."
-    return table(["Method", *(_title(m) for m in shown)], rows) + tag("p", escaped(words), class_="dim")
-
-
-def _task_table(run: Run) -> str:
-    shown = _shown(METRICS, [run])
-    columns = {m.name: per_task(run, m.name) for m in shown}
-    rows = []
-    for task in run.tasks:
-        outcomes = Counter(s.outcome for s in run.of_task(task))
-        told = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
-        rows.append([cell(escaped(task), "n"), cell(escaped(told), "n"), *(_number(columns[m.name][task]) for m in shown)])
-    return table(["Task", "Outcome", *(_title(m) for m in shown)], rows)
-
-
-def _reasons(run: Run) -> str:
-    rows = [
-        [cell(escaped(f"{s.task} {s.repeat}"), "id"), cell(escaped(metric)), cell(escaped(reason))]
-        for s in run.samples
-        for metric, reason in s.reasons.items()
-        if s.scores.get(metric) is None
+    foot = [
+        "macro average",
+        *(cell(escaped(_told(known[f.name]["average"], known[f.name]["interval"], f.digits)), "n") for f in shown),
     ]
-    return table(["Sample", "Metric", "Reason"], rows) if rows else ""
+    return _grid(caption, ("prompt", *_titles(shown)), [line(p) for p in prompts], foot)
 
 
-def _film(sample: SampleScores, sheets: Sheets) -> str:
-    return figure(sheets.get(sample.sheet), f"{sample.task}, repeat {sample.repeat}", f"frames of the film of {sample.task}")
-
-
-def _both(task: str, first: Run, second: Run, sheets: tuple[Sheets, Sheets]) -> str:
-    """The first film of a task of either run, side by side."""
-    cells, runs = [], (first, second)
-    if not any(s.sheet in own for run, own in zip(runs, sheets, strict=True) for s in run.of_task(task)):
-        return ""
-    for run, own in zip(runs, sheets, strict=True):
-        sample = next((s for s in run.of_task(task) if s.sheet in own), None)
-        cells.append(cell(escaped("no film") if sample is None else figure(own[sample.sheet], run.method, f"frames of the film of {task}")))
-    return tag("h3", escaped(task)) + table([first.method, second.method], [cells])
-
-
-def _differences(compared: Mapping[str, Comparison]) -> str:
+def _outcomes(document: Mapping[str, Any]) -> str:
     rows = []
-    for metric in METRICS:
-        found = compared.get(metric.name)
-        if found is None or found.difference is None:
-            continue
-        around = "" if found.low is None or found.high is None else f"[{found.low:+.4f}, {found.high:+.4f}]"
-        words = f"{found.difference:+.4f} {tag('span', around, class_='dim')}"
-        left = f"{len(found.tasks)}" + (f", without {', '.join(found.left_out)}" if found.left_out else "")
-        rows.append([cell(_title(metric)), cell(words, "n"), cell(escaped(found.better)), cell(escaped(left))])
-    told = "Paired bootstrap over tasks, 95 %. Better: the run that the whole interval is in favour of."
-    return table(["Metric", "Difference", "Better", "Tasks"], rows) + tag("p", told, class_="dim") if rows else ""
+    for s in document["samples"]:
+        name = f"{s['id']}, repeat {s['epoch']}" if document["run"]["repeats"] > 1 else s["id"]
+        beside = [
+            s["limit"] and f"limit: {s['limit']}",
+            *(f"isolation: {m}" for m in s["isolation"]),
+            *(f"waived: {w}" for w in s["unmet"]),
+        ]
+        words = escaped(s["reason"]) + "".join(tag("div", escaped(w), class_="dim") for w in beside if w)
+        rows.append(
+            [
+                escaped(name),
+                cell(tag("strong", escaped(s["outcome"]), class_=s["outcome"])),
+                cell(words),
+                cell(escaped(", ".join(s["open_rows"][:6]) or NONE)),
+            ]
+        )
+    caption = "Each sample: accepted, refused (its agent ended without an acceptance), limit (a budget ended it), error (the server or the harness failed; it counts in no figure)"
+    return _grid(caption, ("sample", "outcome", "reason", "open rows"), rows)
 
 
-def _made_with(run: Run) -> str:
-    known = {**{f"prompts {k}": v for k, v in run.prompts.items()}, **run.versions}
-    judges = {str(d["judge"]["model"]) for s in run.samples for d in s.details.values() if isinstance(d, Mapping) and isinstance(d.get("judge"), Mapping)}
-    rubrics = {str(d["rubric"]["sha256"]) for s in run.samples for d in s.details.values() if isinstance(d, Mapping) and isinstance(d.get("rubric"), Mapping)}
-    told = {**known, **({"judge": ", ".join(sorted(judges))} if judges else {}), **({"rubric": ", ".join(sorted(rubrics))} if rubrics else {})}
-    return tag("h3", escaped(run.method)) + table(["", ""], [[cell(escaped(k)), cell(escaped(v), "id")] for k, v in sorted(told.items())])
+def _unscored(document: Mapping[str, Any]) -> str:
+    rows = [
+        [escaped(f"{u['sample']}:{u['epoch']}"), cell(escaped(FIGURES[u["metric"]].title)), cell(escaped(u["reason"]))]
+        for u in document["unscored"]
+    ]
+    return _grid("Metrics that could not be given, with their reasons", ("sample", "metric", "reason"), rows) if rows else ""
+
+
+def _beats(document: Mapping[str, Any]) -> str:
+    found = document["beats"]
+    rows = []
+    for name, told in found["samples"].items():
+        for b in told["beats"]:
+            judge = NONE if b["judge"] is None else {0.0: "absent", 0.5: "partly", 1.0: "completed"}[b["judge"]]
+            right = {"server": "the server was right", "judge": "the judge was right", "unknown": "nobody ruled yet"}.get(
+                b["right"] or "", ""
+            )
+            word = tag("strong", "disputed", class_="fail") if b["outcome"] == "disputed" else escaped(b["outcome"])
+            rows.append(
+                [
+                    escaped(f"{name} {b['beat']}"),
+                    cell(escaped(b["server"])),
+                    cell(escaped(judge)),
+                    cell(word),
+                    cell(escaped(right)),
+                ]
+            )
+    if not rows:
+        return ""
+    share, kappa = (NONE if found[k] is None else f"{found[k]:.3f}" for k in ("agreement", "kappa"))
+    words = (
+        f"Of the beats that both decide they agree on a share of {share} (Cohen's kappa {kappa}). Of the disputed ones the server was right on "
+        f"{found['server_right']}, the judge on {found['judge_right']}; {found['open']} are open. Unmatched: no note says which beat of the world stands for it (--beats)."
+    )
+    return tag("p", escaped(words)) + _grid(
+        "Beats of the prompts as the server measured them and as the judge saw them",
+        ("beat", "server", "judge", "together", "who was right"),
+        rows,
+    )
+
+
+def _films(sheets: Mapping[str, Sequence[FilmSheet]]) -> str:
+    found = ""
+    for prompt, films in sheets.items():
+        shown = "".join(
+            figure(f.picture, f"{f.run}, repeat {f.repeat}", f"frames of the film of {prompt}, run {f.run}, repeat {f.repeat}")
+            for f in films
+        )
+        found += tag("h3", escaped(prompt)) + tag("div", shown, class_="side")
+    return found
+
+
+def _made_with(document: Mapping[str, Any]) -> str:
+    made, run = document["made_with"], document["run"]
+    facts: dict[str, Any] = {
+        "report by worldagent": document["made_by"],
+        "log": run["log"],
+        "folder of the run": run["folder"],
+        "arguments of the agent": run["agent_arguments"],
+        **{f"prompts: {k}": v for k, v in made["prompts"].items()},
+        **{f"template: {k}": v for k, v in made["template"].items()},
+        **{f"budget: {k}": v for k, v in made["budget"].items()},
+        "server": made["server"],
+        "tools (SHA-256)": made["tools_sha256"],
+        "revision": made["revision"],
+        **{f"package {k}": v for k, v in made["packages"].items()},
+        **{f"{FIGURES[k].title} by": v for k, v in made["metrics"].items()},
+        **{f"film of {s['id']}:{s['epoch']} (SHA-256)": s["film"]["sha256"] for s in document["samples"] if s["film"]},
+    }
+    told = {
+        k: v if isinstance(v, str) else json.dumps(v, sort_keys=True, ensure_ascii=False, default=str)
+        for k, v in facts.items()
+        if v not in (None, "", {}, [])
+    }
+    rows = [[escaped(k), cell(tag("code", escaped(v)))] for k, v in told.items()]
+    return _grid("Versions, hashes and settings", ("what", "value"), rows)

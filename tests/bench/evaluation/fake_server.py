@@ -73,7 +73,7 @@ def main(mode: str) -> None:
             say({"id": key, "result": {"tools": [{"name": n, "description": n, "inputSchema": SCHEMA} for n in names]}})
         elif method == "tools/call":
             arguments = message["params"].get("arguments") or {}
-            say({"id": key, "result": acted(arguments.get("do", "answer"), arguments)})
+            say({"id": key, "result": acted("refuse" if mode == "strict" else arguments.get("do", "answer"), arguments)})
         else:
             say({"id": key, "result": {}})
 

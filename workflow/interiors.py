@@ -22,6 +22,8 @@ __all__ = ["interior"]
 
 SHOWN = 20
 """Things without a place that a reply names."""
+ENDS = ("", "_upper", "_outside", *(f"_{storey}" for storey in range(1, 6)))
+"""Ends of the ids of regions that a room has: of itself, of its part above steps, of the ground before its door, on upper storeys."""
 
 
 def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
@@ -90,7 +92,7 @@ def interior_operations(spec: WorldSpec, name: str, asked: Interior, made: Built
     whole = {"path": f"/interiors/{name}", "value": record} if spec.interiors else {"path": "/interiors", "value": {name: record}}
     edits.append({"op": "add", **whole})
     edits += [{"op": "add", "path": f"/entities/{k}", "value": v} for k, v in made.entities.items()]
-    rooms = {f"{name}_{room}" for room in spec.interiors[name].rooms} if name in spec.interiors else set()
+    rooms = {f"{name}_{room}{end}" for room in spec.interiors[name].rooms for end in ENDS} if name in spec.interiors else set()
     document = document_of(spec)
     for path, members in (
         ("/simulation/joints", made.joints),

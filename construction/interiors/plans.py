@@ -1,4 +1,4 @@
-"""Plans of one storey: rooms as rectangles that tile a rectangle, found by constraint programming (R48, R95).
+"""Plans of storeys: rooms as rectangles that tile one rectangle on every storey, found by constraint programming (R48, R95).
 
 Source of the formulation: exact cover by rectangles with no-overlap and area constraints, as in the examples of OR-tools (CP-SAT,
 `cover_rectangle_sat`); ranges of areas and widths after Infinigen Indoors (Raistrick et al. 2024, arXiv:2406.11824).
@@ -7,13 +7,13 @@ Source of the formulation: exact cover by rectangles with no-overlap and area co
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
 
 from ...worlds.errors import InputError
 
-__all__ = ["OUTSIDE", "Need", "Plan", "Rect", "solve_plan"]
+__all__ = ["CELL", "OUTSIDE", "SLACK", "STEPS", "UPPER", "Need", "Plan", "Rect", "Side", "solve_plans"]
 
 CELL = 0.25
 """[m] Own choice: grid of plans; walls stand on its lines."""
@@ -21,10 +21,17 @@ OUTSIDE = "outside"
 """Name that stands for the outside among the doors of a room."""
 SLACK = 0.3
 """Own choice: share by which a room's area may differ from what is asked for."""
-EFFORT = 8.0
-"""Deterministic time of the solver, about seconds on one core: the same on every machine."""
-TIDY = 4
-"""Own choice: weight of the difference of a room's sides against that of its area, both in cells."""
+MOST_STRETCH = 2.5
+"""Own choice: factor by which rooms of which no area is asked for grow, so that a storey fills the one below it."""
+RATIOS = (1.3, 1.0, 1.6)
+LONG_RATIOS = (1.3, 1.8, 2.4, 1.0)
+"""Own choice: extent x over y of plans, tried in order; the second with corridors."""
+FEW = 3
+"""Own choice: fewer rooms beside a stairwell often do not fill a rectangle."""
+STEPS, UPPER = "steps", "upper"
+"""Ends of the ids of the parts of a corridor with steps: the flight, and the part above it."""
+
+Side = Literal["west", "south", "east", "north"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +48,16 @@ class Need:
     """Rooms to which a door leads, or `OUTSIDE`."""
     daylight: bool = False
     """It has a side on the outside."""
+    storeys: tuple[int, ...] = (0,)
+    """Storeys that it stands on: one, or all of a stairwell."""
+    asked: bool = True
+    """The area is asked for; else it may be stretched to fill the storey."""
+    corridor: bool = False
+    """Its width is `width` and no more, it runs between rooms."""
+    flight: float = 0.0
+    """Length of a flight of steps in a corridor [m]; 0 for none."""
+    well: tuple[float, float] | None = None
+    """Clear sides of a stairwell across and along the climb [m]."""
 
 
 @dataclass(frozen=True)
@@ -67,10 +84,18 @@ class Plan:
     depth: float
     """Extent y [m]."""
     rooms: Mapping[str, Rect]
+    raised: frozenset[str] = frozenset()
+    """Rooms whose floor is level with the upper part of the corridor."""
+    fronts: Mapping[str, Side] = field(default_factory=dict)
+    """Side of each stairwell at which one gets on and off the stairs."""
+    doors: tuple[tuple[str, str], ...] = ()
+    """Rooms between which a door leads, each pair once; parts of corridors by their own ids."""
 
 
-def solve_plan(needs: Mapping[str, Need], *, size: tuple[float, float] | None, wall: float, door: float, seed: int) -> Plan:
-    """A plan in which every room has its area, its doors and its daylight.
+def solve_plans(
+    needs: Mapping[str, Need], *, size: tuple[float, float] | None, wall: float, door: float, seed: int
+) -> tuple[Plan, ...]:
+    """Plans of all storeys in which every room has its area, its doors and its daylight, and stairwells stand over each other.
 
     Args:
         needs: of every room, by id.
@@ -82,85 +107,92 @@ def solve_plan(needs: Mapping[str, Need], *, size: tuple[float, float] | None, w
     Raises:
         InputError: there is no such plan, with what does not fit where it is known.
     """
-    whole = sum(n.area for n in needs.values())
+    from .plan_model import solved
+
+    pairs = _pairs(needs)
+    _check_storeys(needs, pairs)
+    count = 1 + max(s for n in needs.values() for s in n.storeys)
+    sums = [sum(_area(n, wall) for n in needs.values() if s in n.storeys) for s in range(count)]
     if size is None:
-        options = [_near(whole, ratio) for ratio in (1.3, 1.0, 1.6)]
+        ratios = LONG_RATIOS if any(n.corridor for n in needs.values()) else RATIOS
+        options = [_near(max(sums), ratio) for ratio in ratios]
     else:
         options = [(max(1, round(size[0] / CELL)), max(1, round(size[1] / CELL)))]
-        room = options[0][0] * options[0][1] * CELL**2
-        if abs(room / whole - 1) > SLACK:
-            raise InputError(
-                f"size {size[0]:g} x {size[1]:g} m has {room:.1f} m^2, the rooms ask for {whole:.1f} m^2; both may differ by {100 * SLACK:.0f} %: "
-                "change size or areas, or leave size out"
-            )
+    for storey, whole in enumerate(sums):
+        _check_area(needs, storey, whole, options[0], size)
     for extent in options:
-        found = _solved(needs, extent, wall, door, seed)
+        found = solved(needs, pairs, extent, wall=wall, door=door, seed=seed)
         if found is not None:
-            return Plan(extent[0] * CELL, extent[1] * CELL, found)
-    doors = sum(len(n.doors) for n in needs.values())
+            return found
+    few = [s for s in range(count) if any(n.well and s in n.storeys for n in needs.values()) and _rooms_on(needs, s) < FEW]
+    beside = "".join(f" (storey {s} has {_rooms_on(needs, s)} rooms beside its stairs: more of them fill it better)" for s in few)
     raise InputError(
-        f"no plan of {len(needs)} rooms of {whole:.0f} m^2 has all of the {doors} doors asked for, daylight, least widths and aspects; "
-        "ask for fewer doors or windows, more area for halls, or another size"
+        f"no plan of {len(needs)} rooms of {max(sums):.0f} m^2{beside} has all of the {len(pairs)} doors asked for, daylight, least widths and "
+        "aspects; ask for fewer doors or windows, more area for halls, or another size"
     )
+
+
+def _rooms_on(needs: Mapping[str, Need], storey: int) -> int:
+    """Rooms of a storey that are no stairwells."""
+    return sum(storey in n.storeys and n.well is None for n in needs.values())
+
+
+def _area(need: Need, wall: float) -> float:
+    """Area that a room takes of a plan [m^2]."""
+    if need.well is None:
+        return need.area
+    return math.prod(cells(side + wall) * CELL for side in need.well)
+
+
+def cells(length: float) -> int:
+    """Cells that a length takes at least."""
+    return math.ceil(length / CELL - 1e-9)
+
+
+def _check_area(
+    needs: Mapping[str, Need], storey: int, whole: float, extent: tuple[int, int], size: tuple[float, float] | None
+) -> None:
+    """Refuse a storey whose rooms would have to be stretched or shrunk too far."""
+    room = extent[0] * extent[1] * CELL**2
+    asked = (size is not None and storey == 0) or any(n.asked for n in needs.values() if storey in n.storeys and n.well is None)
+    most = 1 + SLACK if asked else MOST_STRETCH
+    if whole == 0:
+        raise InputError(f"storey {storey} has no rooms; number storeys from 0 without a gap")
+    if not 1 - SLACK <= room / whole <= most:
+        told = f"size {size[0]:g} x {size[1]:g} m" if size is not None else "the plan of the largest storey"
+        raise InputError(
+            f"{told} has {room:.1f} m^2, the rooms of storey {storey} ask for {whole:.1f} m^2; both may differ by {100 * SLACK:.0f} % "
+            "(rooms without an area of their own may grow more): change size or areas, or leave size out"
+        )
+
+
+def _check_storeys(needs: Mapping[str, Need], pairs: list[tuple[str, str]]) -> None:
+    """Refuse doors between storeys, and wells of stairs with two doors on one storey."""
+    taken: dict[tuple[str, int], str] = {}
+    for a, b in pairs:
+        if b == OUTSIDE:
+            if 0 not in needs[a].storeys:
+                raise InputError(f"room {a!r} on storey {needs[a].storeys[0]} has a door to the outside; only storey 0 has")
+            continue
+        both = sorted({*needs[a].storeys} & {*needs[b].storeys})
+        if not both:
+            raise InputError(
+                f"rooms {a!r} and {b!r} are on storeys {needs[a].storeys[0]} and {needs[b].storeys[0]}; a door leads to stairs "
+                "(a room of kind 'stairs'), which lead to the other storey"
+            )
+        for well, other in ((a, b), (b, a)):
+            if needs[well].well is not None and (well, both[0]) in taken:
+                raise InputError(
+                    f"stairs {well!r} have doors to {taken[well, both[0]]!r} and {other!r} on storey {both[0]}; one fits: let it lead to a hall"
+                )
+            if needs[well].well is not None:
+                taken[well, both[0]] = other
 
 
 def _near(area: float, ratio: float) -> tuple[int, int]:
     """Cells of a rectangle of nearly an area."""
     depth = round(math.sqrt(area / ratio) / CELL)
     return max(1, round(area / CELL**2 / depth)), depth
-
-
-def _solved(needs: Mapping[str, Need], extent: tuple[int, int], wall: float, door: float, seed: int) -> dict[str, Rect] | None:
-    from ortools.sat.python import cp_model
-
-    model = cp_model.CpModel()
-    wide, deep = extent
-    scale = wide * deep * CELL**2 / sum(n.area for n in needs.values())
-    boxes, terms, areas = {}, [], []
-    for name, need in needs.items():
-        least = max(2, math.ceil((need.width + wall) / CELL))
-        goal = scale * need.area / CELL**2
-        x, y, x1, y1 = (model.new_int_var(0, top, f"{name}_{k}") for k, top in enumerate((wide, deep, wide, deep)))
-        w, d = model.new_int_var(least, wide, f"{name}_w"), model.new_int_var(least, deep, f"{name}_d")
-        area = model.new_int_var(math.floor((1 - SLACK) * goal), math.ceil((1 + SLACK) * goal), f"{name}_area")
-        model.add_multiplication_equality(area, [w, d])
-        areas.append(area)
-        model.add(100 * w <= round(100 * need.aspect) * d)
-        model.add(100 * d <= round(100 * need.aspect) * w)
-        boxes[name] = (
-            x,
-            y,
-            w,
-            d,
-            x1,
-            y1,
-            model.new_interval_var(x, w, x1, f"{name}_ix"),
-            model.new_interval_var(y, d, y1, f"{name}_iy"),
-        )
-        off, slim = model.new_int_var(0, wide * deep, f"{name}_off"), model.new_int_var(0, max(wide, deep), f"{name}_slim")
-        model.add_abs_equality(off, area - round(goal))
-        model.add_abs_equality(slim, w - d)
-        terms += [off, TIDY * slim] if need.aspect <= 3 else [off]
-        if need.daylight:
-            model.add_bool_or(_at_edge(model, boxes[name], extent, name))
-    model.add_no_overlap_2d([b[6] for b in boxes.values()], [b[7] for b in boxes.values()])
-    model.add(sum(areas) == wide * deep)
-    reach = math.ceil((door + wall) / CELL)
-    for a, b in _pairs(needs):
-        if b == OUTSIDE:
-            model.add_bool_or(_at_edge(model, boxes[a], extent, f"{a}_door"))
-        else:
-            _share(model, boxes[a], boxes[b], reach, f"{a}_{b}")
-    model.minimize(sum(terms))
-    solver = cp_model.CpSolver()
-    solver.parameters.random_seed = seed % 2**31
-    solver.parameters.num_workers = 1
-    solver.parameters.max_deterministic_time = EFFORT
-    if solver.solve(model) not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-        return None
-    value = solver.value
-    found = {n: Rect(*(CELL * value(v) for v in (b[0], b[1], b[4], b[5]))) for n, b in boxes.items()}
-    return found if seed % 2 == 0 else {n: Rect(wide * CELL - r.x1, r.y0, wide * CELL - r.x0, r.y1) for n, r in found.items()}
 
 
 def _pairs(needs: Mapping[str, Need]) -> list[tuple[str, str]]:
@@ -174,26 +206,3 @@ def _pairs(needs: Mapping[str, Need]) -> list[tuple[str, str]]:
                 )
             found.setdefault(frozenset((name, other)), (name, other))
     return list(found.values())
-
-
-def _at_edge(model: Any, box: Sequence[Any], extent: tuple[int, int], name: str) -> list[Any]:
-    """Literals of which each says that a room touches a side of the plan."""
-    literals = []
-    for side, (variable, value) in enumerate(((box[0], 0), (box[1], 0), (box[4], extent[0]), (box[5], extent[1]))):
-        literal = model.new_bool_var(f"{name}_edge_{side}")
-        model.add(variable == value).only_enforce_if(literal)
-        literals.append(literal)
-    return literals
-
-
-def _share(model: Any, a: Sequence[Any], b: Sequence[Any], reach: int, name: str) -> None:
-    """Ask that two rooms have so many cells of a wall in common."""
-    literals = []
-    for side, (end, start, across) in enumerate(((a[4], b[0], 1), (b[4], a[0], 1), (a[5], b[1], 0), (b[5], a[1], 0))):
-        literal = model.new_bool_var(f"{name}_share_{side}")
-        low, high = across, 4 + across
-        model.add(end == start).only_enforce_if(literal)
-        model.add(a[high] - b[low] >= reach).only_enforce_if(literal)
-        model.add(b[high] - a[low] >= reach).only_enforce_if(literal)
-        literals.append(literal)
-    model.add_bool_or(literals)

@@ -231,4 +231,11 @@ KINDS: Mapping[str, RoomKind] = {
         {"": ("tin_can", "jar", "chest", "bucket", "basket", "jug", "cooking_pot", "wooden_crate", "lantern", "flower_pot", "rope_coil", "bowl")},
         ("wooden_crate", "cardboard_box", "bucket", "basket"),
     ),
+    "corridor": RoomKind(
+        12.0, 1.6, 40.0, False, "limestone",
+        (PICTURES, _w("wall_mirror", rule="hung", count=(0, 1), height=1.5), _w("wall_clock", rule="hung", count=(0, 1), height=1.8)),
+        {},
+        ("flower_pot",),
+    ),
+    "stairs": RoomKind(9.0, 1.9, 9.0, False, "limestone", (), {}),
 }  # fmt: skip

@@ -1,0 +1,82 @@
+"""Buildings that a client asks for: a corridor with steps, storeys joined by stairs; and the same broken on purpose."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+
+BARE = {"furniture": False, "windows": False}
+HOTEL: dict[str, Any] = {
+    "rooms": {
+        "lobby": {"kind": "hall", "area": 9, "doors": ["outside", "corridor"], **BARE},
+        "corridor": {"kind": "corridor", "steps": 3},
+        "left": {"kind": "bedroom", "area": 10, "doors": ["corridor"], **BARE},
+        "right": {"kind": "bedroom", "area": 10, "doors": ["corridor"], **BARE},
+    },
+    "density": 0.0,
+}
+HOUSE: dict[str, Any] = {
+    "rooms": {
+        "hall": {"kind": "hall", "doors": ["outside", "stairs"], **BARE},
+        "stairs": {"kind": "stairs"},
+        "living": {"kind": "living", "area": 12, "doors": ["hall"], **BARE},
+        "landing": {"kind": "hall", "storey": 1, "doors": ["stairs"], **BARE},
+        "bedroom": {"kind": "bedroom", "storey": 1, "doors": ["landing"], **BARE},
+    }
+}
+
+
+@pytest.fixture(autouse=True)
+def _inline(monkeypatch: pytest.MonkeyPatch) -> None:
+    run_jobs_inline(monkeypatch)
+
+
+def _built(agent: Any, prompt: str, plan: dict[str, Any]) -> dict[str, Any]:
+    agent.call("edit_spec", world="w", prompt=prompt, spec={"simulation": {"frames": 24}})
+    made: dict[str, Any] = agent.call("build_interior", world="w", interior="b", plan=plan, wait_s=240)
+    assert made["open_rows"] == []
+    return made
+
+
+def _row(agent: Any, name: str) -> dict[str, Any]:
+    (found,) = [r for r in agent.pages("rows", part="matrix") if r["id"] == name]
+    return dict(found)
+
+
+def _spec(agent: Any, pointer: str) -> Any:
+    return agent.call("inspect_world", world="w", part="spec", pointer=pointer)["value"]
+
+
+def _without(agent: Any, *paths: str) -> None:
+    agent.call("edit_spec", world="w", patch=[{"op": "remove", "path": p} for p in paths])
+    agent.call("run_checks", world="w", scope="static")
+
+
+def test_a_corridor_with_steps_is_walked_on_both_levels_and_not_without_its_steps(agent: Any) -> None:
+    made = _built(agent, "A hotel corridor has a landing of three steps.", HOTEL)
+    assert {"corridor", "corridor_upper"} <= set(made["rooms"])
+    assert made["rooms"]["corridor_upper"]["level"] == 0.48
+    assert _row(agent, "navigability:b_corridor_steps_up")["status"] == "pass"
+    _without(agent, *(f"/entities/b_floor/parts/corridor_steps_{k}" for k in (1, 2)))
+    row = _row(agent, "navigability:b_corridor_steps_up")
+    assert row["status"] == "fail"
+    assert row["measured"] == pytest.approx(0.48, abs=0.01)
+
+
+def test_a_building_made_anew_leaves_nothing_of_its_storeys_and_steps(agent: Any) -> None:
+    _built(agent, "A house has an upper storey.", HOUSE)
+    small = {"rooms": {"hall": {"kind": "hall", "doors": ["outside"], **BARE}}}
+    agent.call("build_interior", world="w", interior="b", plan=small, wait_s=240)
+    assert set(_spec(agent, "/graph/regions")) == {"b_hall"}
+    assert {n for n in _spec(agent, "/entities") if "_1" in n or "stairs" in n} == set()
+    assert {n for n, r in _spec(agent, "/graph/relations").items() if r["kind"] == "connects"} == set()
+
+
+def test_storeys_are_walked_up_the_stairs_and_not_without_them(agent: Any) -> None:
+    made = _built(agent, "A house has an upper storey.", HOUSE)
+    assert made["rooms"]["landing"]["storey"] == 1
+    assert _row(agent, "navigability:b_stairs_up_1")["status"] == "pass"
+    _without(agent, "/entities/b_stairs_flights/parts/upper_step_4")
+    assert _row(agent, "navigability:b_stairs_up_1")["status"] == "fail"

@@ -16,6 +16,7 @@ from .built import BuiltInterior, numbers, put_asset, suffix
 from .fittings import hang_door, set_window
 from .floor_space import FloorSpace
 from .furnishing import Frame, Standing, furnished
+from .ground import Heights, put_ground, seated
 from .layout import STRIP, Storey, room_of, storeys_of
 from .pieces import Stock
 from .plans import OUTSIDE, STEPS, Rect
@@ -33,21 +34,30 @@ HEADROOM = {"door": 1.95, "stairs": 2.0}
 """[m] Clear height of the ways that are declared and checked: under the lintel of a door, and on stairs."""
 
 
-def build_interior(name: str, interior: Interior, *, gap: float) -> BuiltInterior:
+def build_interior(name: str, interior: Interior, *, gap: float, ground: Heights | None = None) -> BuiltInterior:
     """Plan an interior, put up its walls, and furnish it.
 
     Args:
         name: id of the interior, with which all ids begin.
         interior: what is asked for.
         gap: between things and what carries them [m]: two collision skins.
+        ground: height of the ground on which it stands; None where `interior.on` names none.
 
     Raises:
-        InputError: there is no such plan.
+        InputError: there is no such plan, or the ground does not carry it.
     """
     rng = np.random.default_rng(interior.seed)
     storeys = storeys_of(interior, rng)
     plan, (x, y, z) = storeys[0].plan, interior.at
-    found = BuiltInterior(plan, (x - plan.width / 2, y - plan.depth / 2, z))
+    site = None if ground is None else seated(interior, storeys[0], ground)
+    found = BuiltInterior(plan, (x - plan.width / 2, y - plan.depth / 2, z if site is None else round(site.floor, 6)))
+    if site is not None:
+        put_ground(found, name, interior, plan, site)
+        found.site = {
+            "floor": round(site.floor, 3),
+            "plinth": round(-site.lowest, 3),
+            "steps": {s.front.door.rooms[0]: s.number for s in site.steps},
+        }
     put_shell(found, name, interior, storeys)
     for storey in storeys:
         for door in storey.doors:

@@ -1,4 +1,4 @@
-"""What becomes of an interior: members of collections of a specification, and how single things get into them."""
+"""Members of collections of a specification that an interior is written as, and how single things get into them."""
 
 from __future__ import annotations
 
@@ -36,6 +36,8 @@ class BuiltInterior:
     regions: dict[str, dict[str, Any]] = field(default_factory=dict)
     rooms: dict[str, dict[str, Any]] = field(default_factory=dict)
     """Per room: rectangle [m], things and generators."""
+    site: dict[str, Any] = field(default_factory=dict)
+    """Of a building on the ground: height of its floor, greatest height of its plinth [m], and steps before its doors."""
     lacking: list[str] = field(default_factory=list)
     """Sentences about what could not be placed."""
 

@@ -39,7 +39,7 @@ class Storey:
     z: float
     """Its floor over the lowest one [m]."""
     height: float
-    """Of the upper side of its walls over its floor [m]."""
+    """Upper side of its walls over its floor [m]."""
     levels: Mapping[str, float]
     """Floors of rooms over that of the storey [m]; 0 of those that are not named."""
     doors: tuple[Opening, ...]
@@ -69,7 +69,8 @@ def storeys_of(interior: Interior, rng: np.random.Generator) -> tuple[Storey, ..
     _check_names(interior)
     needs = _needs(interior)
     opening = interior.door + 2 * JAMB + 2 * LOOSE
-    plans = solve_plans(needs, size=interior.size, wall=interior.wall, door=opening + 2 * CORNER, seed=interior.seed)
+    door = opening + 2 * CORNER
+    plans = solve_plans(needs, size=interior.size, wall=interior.wall, door=door, seed=interior.seed, entrance=interior.entrance)
     found: list[Storey] = []
     z = 0.0
     for number, plan in enumerate(plans):
@@ -108,7 +109,14 @@ def _doorway(interior: Interior, a: str, b: str, levels: Mapping[str, float]) ->
     """A door opens into the room, not into the corridor or stairwell."""
     if b != OUTSIDE and room_of(interior, a)[1].kind in ("corridor", "stairs"):
         a, b = b, a
-    return Doorway(a, b, interior.door + 2 * JAMB + 2 * LOOSE, DOOR_HEIGHT + JAMB + LOOSE, levels.get(a, 0.0))
+    return Doorway(
+        a,
+        b,
+        interior.door + 2 * JAMB + 2 * LOOSE,
+        DOOR_HEIGHT + JAMB + LOOSE,
+        levels.get(a, 0.0),
+        interior.entrance if b == OUTSIDE else None,
+    )
 
 
 def _lit(level: float) -> tuple[float, float]:

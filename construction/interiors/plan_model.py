@@ -40,14 +40,22 @@ class _Box(NamedTuple):
 
 
 def solved(
-    needs: Mapping[str, Need], pairs: Sequence[tuple[str, str]], extent: tuple[int, int], *, wall: float, door: float, seed: int
+    needs: Mapping[str, Need],
+    pairs: Sequence[tuple[str, str]],
+    extent: tuple[int, int],
+    *,
+    wall: float,
+    door: float,
+    seed: int,
+    entrance: Side | None,
 ) -> tuple[Plan, ...] | None:
     """Plans of all storeys on a rectangle of so many cells; None where there are none, or none is found in the time."""
     from ortools.sat.python import cp_model
 
+    flipped = seed % 2 == 1
     made = _Model(needs, extent, wall, cells(door + wall))
     for a, b in pairs:
-        made.join(a, b)
+        made.join(a, b, FLIPPED[entrance] if entrance and flipped else entrance)
     made.finish(pairs)
     solver = cp_model.CpSolver()
     solver.parameters.random_seed = seed % 2**31
@@ -55,7 +63,7 @@ def solved(
     solver.parameters.max_deterministic_time = EFFORT
     if solver.solve(made.model) not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
         return None
-    return made.plans(solver, pairs, flipped=seed % 2 == 1)
+    return made.plans(solver, pairs, flipped=flipped)
 
 
 class _Model:
@@ -177,10 +185,11 @@ class _Model:
             literals.append(literal)
         return literals
 
-    def join(self, a: str, b: str) -> None:
-        """Ask for a wall between two rooms, or to the outside, that is wide enough for a door."""
+    def join(self, a: str, b: str, entrance: Side | None) -> None:
+        """Ask for a wall between two rooms, or to the outside (on a side, where one is given), that is wide enough for a door."""
         if b == OUTSIDE:
-            self.model.add_bool_or(self._at_edge(self.boxes[a], f"{a}_door"))
+            literals = self._at_edge(self.boxes[a], f"{a}_door")
+            self.model.add_bool_or(literals if entrance is None else [literals[SIDES.index(entrance)]])
             if a in self.upper:
                 self.model.add(self.upper[a] == 0)
             return

@@ -93,7 +93,13 @@ class Plan:
 
 
 def solve_plans(
-    needs: Mapping[str, Need], *, size: tuple[float, float] | None, wall: float, door: float, seed: int
+    needs: Mapping[str, Need],
+    *,
+    size: tuple[float, float] | None,
+    wall: float,
+    door: float,
+    seed: int,
+    entrance: Side | None = None,
 ) -> tuple[Plan, ...]:
     """Plans of all storeys in which every room has its area, its doors and its daylight, and stairwells stand over each other.
 
@@ -103,6 +109,7 @@ def solve_plans(
         wall: thickness of walls [m].
         door: width of an opening with its frame [m].
         seed: of the plan among those that are as good.
+        entrance: side on which rooms with a door to the outside lie; None for any.
 
     Raises:
         InputError: there is no such plan, with what does not fit where it is known.
@@ -121,7 +128,7 @@ def solve_plans(
     for storey, whole in enumerate(sums):
         _check_area(needs, storey, whole, options[0], size)
     for extent in options:
-        found = solved(needs, pairs, extent, wall=wall, door=door, seed=seed)
+        found = solved(needs, pairs, extent, wall=wall, door=door, seed=seed, entrance=entrance)
         if found is not None:
             return found
     few = [s for s in range(count) if any(n.well and s in n.storeys for n in needs.values()) and _rooms_on(needs, s) < FEW]

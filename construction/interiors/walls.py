@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...worlds.errors import InputError
-from .plans import OUTSIDE, Plan, Rect
+from .plans import OUTSIDE, Plan, Rect, Side
 
 __all__ = [
     "CORNER",
@@ -104,15 +104,15 @@ def _shared(a: Rect, b: Rect) -> list[_Edge]:
     return found
 
 
-def _outer(plan: Plan, room: Rect) -> list[_Edge]:
-    """Pieces of a room's walls that are on the outside."""
-    sides = [
-        (room.x0 <= 1e-9, _Edge("y", room.x0, room.y0, room.y1)),
-        (room.x1 >= plan.width - 1e-9, _Edge("y", room.x1, room.y0, room.y1)),
-        (room.y0 <= 1e-9, _Edge("x", room.y0, room.x0, room.x1)),
-        (room.y1 >= plan.depth - 1e-9, _Edge("x", room.y1, room.x0, room.x1)),
+def _outer(plan: Plan, room: Rect, side: Side | None = None) -> list[_Edge]:
+    """Pieces of a room's walls that are on the outside, or on one side of it."""
+    sides: list[tuple[bool, Side, _Edge]] = [
+        (room.x0 <= 1e-9, "west", _Edge("y", room.x0, room.y0, room.y1)),
+        (room.x1 >= plan.width - 1e-9, "east", _Edge("y", room.x1, room.y0, room.y1)),
+        (room.y0 <= 1e-9, "south", _Edge("x", room.y0, room.x0, room.x1)),
+        (room.y1 >= plan.depth - 1e-9, "north", _Edge("x", room.y1, room.x0, room.x1)),
     ]
-    return [edge for there, edge in sides if there]
+    return [edge for there, name, edge in sides if there and side in (None, name)]
 
 
 def swing(opening: Opening, wall: float) -> Rect:
@@ -144,11 +144,13 @@ class Doorway(NamedTuple):
     """Room into which it opens."""
     b: str
     width: float
-    """Of the opening [m]."""
+    """Width of the opening [m]."""
     head: float
     """Height of the opening over the floor of its room [m]."""
     level: float = 0.0
     """Floor of its rooms over that of the storey [m]."""
+    side: Side | None = None
+    """Of the building, for a door to the outside; None for any."""
 
 
 def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.random.Generator) -> list[Opening]:
@@ -158,8 +160,8 @@ def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.ra
         InputError: two rooms share no wall that is wide enough.
     """
     found: list[Opening] = []
-    for a, b, width, head, level in doorways:
-        edges = _outer(plan, plan.rooms[a]) if b == OUTSIDE else _shared(plan.rooms[a], plan.rooms[b])
+    for a, b, width, head, level, side in doorways:
+        edges = _outer(plan, plan.rooms[a], side) if b == OUTSIDE else _shared(plan.rooms[a], plan.rooms[b])
         margin = wall / 2 + CORNER + width / 2
         wide = [e for e in edges if e.end - e.start >= 2 * margin]
         if not wide:

@@ -1,4 +1,4 @@
-"""Buildings that a client asks for: a corridor with steps, storeys joined by stairs; and the same broken on purpose."""
+"""Buildings that a client asks for: a corridor with steps, storeys joined by stairs, a hut on a slope; and the same broken on purpose."""
 
 from __future__ import annotations
 
@@ -26,6 +26,32 @@ HOUSE: dict[str, Any] = {
         "bedroom": {"kind": "bedroom", "storey": 1, "doors": ["landing"], **BARE},
     }
 }
+HUT: dict[str, Any] = {
+    "rooms": {
+        "hall": {"kind": "hall", "area": 8, "doors": ["outside"], **BARE},
+        "store": {"kind": "store", "doors": ["hall"], **BARE},
+    },
+    "on": "hill",
+    "at": [1.0, 0.5, 0.0],
+    "entrance": "south",
+}
+
+
+def _hill(slope: float) -> dict[str, Any]:
+    """Rough ground that rises to the north."""
+    rows = [[1.0 + slope * y + 0.06 * ((3 * x + 5 * y) % 4) / 4 for x in range(21)] for y in range(21)]
+    return {
+        "role": "ground",
+        "motion": "static",
+        "material": "limestone",
+        "dimensions": {"size": [20, 20, 0.1 + max(map(max, rows)) - min(map(min, rows))]},
+        "parts": {"top": {"shape": {"kind": "heightfield", "size": [20, 20], "heights": rows}}},
+    }
+
+
+def _hilly(slope: float) -> dict[str, Any]:
+    solvers = {"rigid": {"engine": "mujoco", "members": ["hill"]}}
+    return {"entities": {"hill": _hill(slope)}, "simulation": {"frames": 24, "solvers": solvers}}
 
 
 @pytest.fixture(autouse=True)
@@ -54,6 +80,15 @@ def _without(agent: Any, *paths: str) -> None:
     agent.call("run_checks", world="w", scope="static")
 
 
+def _lower(agent: Any, entity: str, by: float) -> None:
+    x, y, z = _spec(agent, f"/entities/{entity}/pose/position")
+    agent.call(
+        "edit_spec", world="w", patch=[{"op": "add", "path": f"/entities/{entity}/pose/position", "value": [x, y, z - by]}]
+    )
+    agent.call("run_checks", world="w", scope="static")
+
+
+@pytest.mark.slow
 def test_a_corridor_with_steps_is_walked_on_both_levels_and_not_without_its_steps(agent: Any) -> None:
     made = _built(agent, "A hotel corridor has a landing of three steps.", HOTEL)
     assert {"corridor", "corridor_upper"} <= set(made["rooms"])
@@ -74,9 +109,38 @@ def test_a_building_made_anew_leaves_nothing_of_its_storeys_and_steps(agent: Any
     assert {n for n, r in _spec(agent, "/graph/relations").items() if r["kind"] == "connects"} == set()
 
 
+@pytest.mark.slow
 def test_storeys_are_walked_up_the_stairs_and_not_without_them(agent: Any) -> None:
     made = _built(agent, "A house has an upper storey.", HOUSE)
     assert made["rooms"]["landing"]["storey"] == 1
     assert _row(agent, "navigability:b_stairs_up_1")["status"] == "pass"
     _without(agent, "/entities/b_stairs_flights/parts/upper_step_4")
     assert _row(agent, "navigability:b_stairs_up_1")["status"] == "fail"
+
+
+@pytest.mark.slow
+def test_a_hut_on_a_slope_is_entered_over_its_steps_and_stands_on_its_plinth(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A hut stands on a hill.", spec=_hilly(0.1))
+    made = agent.call("build_interior", world="w", interior="b", plan=HUT, wait_s=240)
+    assert made["open_rows"] == []
+    assert made["ground"]["steps"]["hall"] >= 2
+    assert 0.3 < made["ground"]["plinth"] < 1.5
+    assert _row(agent, "navigability:b_hall_outside_to_hall")["status"] == "pass"
+    _lower(agent, "b_hall_steps_outside", 0.25)
+    assert _row(agent, "navigability:b_hall_outside_to_hall")["status"] == "fail"
+    again = {**HUT, "at": [1.0, 0.5, 0.0], "entrance": "north"}
+    steep = [{"op": "add", "path": "/entities/hill", "value": _hill(0.4)}]
+    agent.call("edit_spec", world="w", patch=steep, hypothesis="the hill is to be steeper for another try")
+    said = agent.refused("build_interior", world="w", interior="b", plan=again)
+    assert "its plinth would be" in said
+    assert "flatten" in said
+
+
+def test_a_building_whose_floor_is_above_its_plinth_hangs_in_the_air(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A hut stands on a hill.", spec=_hilly(0.05))
+    agent.call("build_interior", world="w", interior="b", plan=HUT, wait_s=240)
+    _lower(agent, "b_plinth", 0.2)
+    failed = {
+        r["id"]: r["measured"] for r in agent.pages("rows", part="matrix") if r["status"] == "fail" and r["check"] == "support"
+    }
+    assert failed["support:b_floor_lies:b_floor"] == pytest.approx(0.2, abs=0.01), failed

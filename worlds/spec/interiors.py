@@ -49,6 +49,14 @@ class Interior(SpecModel):
         default=None, description="extent x, y between the middles of the outer walls [m]; default what the areas need"
     )
     at: Vec3 = Field(default=(0.0, 0.0, 0.0), description="middle of the plan at the upper side of the lowest floor [m]")
+    on: EntityRef | None = Field(
+        default=None,
+        description="ground on which it stands, e.g. what build_terrain made: the floor follows the ground at the first door to the outside, "
+        "a plinth closes the gap below the walls, steps lead up to doors; z of `at` is then ignored",
+    )
+    entrance: Literal["west", "south", "east", "north"] | None = Field(
+        default=None, description="side of the doors to the outside; default any"
+    )
     height: float = Field(default=2.6, ge=2.1, le=8.0, description="from floor to ceiling [m]")
     wall: float = Field(default=0.12, ge=0.09, le=0.5, description="thickness of walls [m]")
     door: float = Field(default=0.86, ge=0.62, le=1.2, description="clear width of doors [m]")

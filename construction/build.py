@@ -79,8 +79,8 @@ def _deviation(shape_kind: str, geometry: ShapeGeometry) -> tuple[float, float]:
     for piece in geometry.collision:
         hull = ConvexHull(piece.points)
         own = _samples(piece.points, hull.simplices.astype(np.int32))
-        distance, _ = distance_to_surface(visible, own)
-        outside = max(outside, float(distance[~contains(visible, own)].max(initial=0.0)))
+        own = own[~contains(visible, own)]
+        outside = max(outside, float(distance_to_surface(visible, own).distance.max(initial=0.0)))
         planes = hull.equations
         reach = np.minimum(reach, (samples @ planes[:, :3].T + planes[:, 3]).max(1))
     return (outside, max(0.0, float(reach.max(initial=0.0))))

@@ -64,10 +64,13 @@ def contains(solid: Solid, points: F64) -> NDArray[np.bool_]:
     result = np.zeros(len(points), dtype=bool)
     if not solid.closed:
         return result
+    near = np.flatnonzero(((points >= solid.lower) & (points <= solid.upper)).all(axis=1))
+    if len(near) == 0:
+        return result
     if solid.convex:
         facets = solid.facets
-        return np.asarray((points @ facets.normals.T <= facets.offsets).all(axis=1))
-    near = np.flatnonzero(((points >= solid.lower) & (points <= solid.upper)).all(axis=1))
+        result[near] = (points[near] @ facets.normals.T <= facets.offsets).all(axis=1)
+        return result
     few = len(solid.faces) <= GRID_FACES and len(near) * len(solid.faces) <= GRID_PAIRS
     if few or not solid.is_watertight:
         result[near] = np.abs(winding_number(solid.triangles, points[near])) > 0.5

@@ -23,6 +23,8 @@ CONVEX_TOLERANCE = 1e-9
 """Own choice: a vertex may stand this far above a face plane, relative to the size, and the mesh still be convex."""
 COPLANAR = 1e-11
 """Own choice: triangles whose corners lie this close to one plane, relative to the size, count as one facet."""
+FEW_FACES = 16
+"""Own choice: faces, evenly over the list, that are tried first for a vertex above them."""
 CHUNK = 4_000_000
 """Elements of a temporary matrix; bounds memory to tens of megabytes."""
 
@@ -149,8 +151,10 @@ class Solid:
             return False
         offsets = np.einsum("ij,ij->i", self.face_normals, self.triangles[:, 0])
         step = max(1, CHUNK // len(self.vertices))
-        for i in range(0, len(self.faces), step):
-            height = self.face_normals[i : i + step] @ self.vertices.T - offsets[i : i + step, None]
+        # A few faces tell of most solids that are not convex.
+        few = np.linspace(0, len(self.faces) - 1, min(FEW_FACES, len(self.faces))).astype(np.intp)
+        for rows in (few, *(slice(i, i + step) for i in range(0, len(self.faces), step))):
+            height = self.face_normals[rows] @ self.vertices.T - offsets[rows, None]
             if height.max() > CONVEX_TOLERANCE * self.size:
                 return False
         return True
@@ -170,8 +174,10 @@ class Solid:
         for i in range(0, len(self.faces), step):
             height = self.face_normals[i : i + step] @ self.vertices.T - offsets[i : i + step, None]
             bits.append(np.packbits(height > -COPLANAR * self.size, axis=1))
-        keys, label = np.unique(np.concatenate(bits), axis=0, return_inverse=True)
-        label = label.reshape(-1)
+        packed = np.ascontiguousarray(np.concatenate(bits))
+        # Rows as whole byte strings, which compare the same and much faster than column by column.
+        _, first, label = np.unique(packed.view(f"V{packed.shape[1]}").reshape(-1), return_index=True, return_inverse=True)
+        keys = packed[first]
         members = np.unpackbits(keys, axis=1, count=len(self.vertices)).astype(bool)
         t = self.triangles
         area = np.linalg.norm(cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1)
@@ -192,13 +198,14 @@ class Solid:
 
     def _sharp_edges(self, label: NDArray[np.intp]) -> I32:
         pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        unique, index = np.unique(pairs, axis=0, return_inverse=True)
+        count = len(self.vertices)
+        key, index = np.unique(pairs[:, 0].astype(np.int64) * count + pairs[:, 1], return_inverse=True)
         side = np.repeat(label, 3)
-        low = np.full(len(unique), np.iinfo(np.int64).max)
-        high = np.full(len(unique), -1)
-        np.minimum.at(low, index.reshape(-1), side)
-        np.maximum.at(high, index.reshape(-1), side)
-        return np.asarray(unique[low != high], dtype=np.int32)
+        low = np.full(len(key), np.iinfo(np.int64).max)
+        high = np.full(len(key), -1)
+        np.minimum.at(low, index, side)
+        np.maximum.at(high, index, side)
+        return np.asarray(np.stack(np.divmod(key[low != high], count), axis=1), dtype=np.int32)
 
     @cached_property
     def volume(self) -> float:

@@ -39,6 +39,7 @@ BENCHMARKS: dict[str, str] = {
     "grains": "worldagent.bench.grains:run",
     "liquid-gpu": "worldagent.bench.liquid_gpu:run",
     "interiors": "worldagent.bench.interiors:run",
+    "statics-scale": "worldagent.bench.statics_scale:run",
     "island": "worldagent.bench.island:run",
     "liquid-surfaces": "worldagent.bench.liquid_surfaces:run",
     "liquid-flip": "worldagent.bench.liquid_flip:run",

@@ -12,7 +12,7 @@ import io
 import json
 import zipfile
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from .cache import DAMAGE, read_array
 from .errors import EvidenceError
 from .folder import write_atomically
 from .simulation_mesh import SimulationMesh, mesh_arrays, mesh_from
+from .stored_zip import stored_zip
 
 __all__ = ["BuiltBody", "BuiltEntity", "BuiltPart", "Convex", "TriangleMesh", "load_built", "save_built"]
 
@@ -140,8 +141,15 @@ def _pose_from(values: list[float]) -> RigidPose:
 
 
 def _npy(array: Any) -> bytes:
+    held = np.ascontiguousarray(array)
+    return _npy_header(held.dtype.str, held.shape) + held.tobytes()
+
+
+@lru_cache(maxsize=4096)
+def _npy_header(dtype: str, shape: tuple[int, ...]) -> bytes:
+    """What `numpy.save` writes before the elements."""
     raw = io.BytesIO()
-    np.lib.format.write_array(raw, np.ascontiguousarray(array), allow_pickle=False)
+    np.lib.format.write_array_header_1_0(raw, {"descr": dtype, "fortran_order": False, "shape": shape})
     return raw.getvalue()
 
 
@@ -178,12 +186,7 @@ def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
     bonds = {} if built.bonds is None else bond_arrays(built.bonds)
     files |= {f"bonds/{key}": _npy(value) for key, value in bonds.items()}
     meta = {"entity": built.entity, "bodies": bodies, "parts": parts, "recipe": built.recipe if with_recipe else ""}
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
-        archive.writestr(zipfile.ZipInfo("meta.json"), json.dumps(meta, sort_keys=True))
-        for name in sorted(files):
-            archive.writestr(zipfile.ZipInfo(name), files[name])
-    return buffer.getvalue()
+    return stored_zip({"meta.json": json.dumps(meta, sort_keys=True).encode(), **{name: files[name] for name in sorted(files)}})
 
 
 def save_built(built: BuiltEntity, path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,13 +11,13 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from ..land.grounds import Land, lands, patches, stem_triangles, surface_triangles
 from ..predicates.kinematic import region_offset
 from .bounds import CELL, RASTER_NOISE, REST, WADING
 from .clearances import Obstacles, measure_clearance
-from .columns import Columns, Grid, Ints, Soup, rasterise
+from .columns import Columns, Grid, Ints
 from .places import frame_of, region_box
-from .walkable import Carrier, Floor, lay_floor
+from .scene import Ground, scene_of
+from .walkable import Carrier, Floor
 from .widths import Way, passable, pieces_of, widest_way
 
 if TYPE_CHECKING:
@@ -30,6 +29,8 @@ __all__ = ["Walks"]
 CELLS_PER_WIDTH = 8.0
 CELLS_PER_REGION = 4.0
 """Cells across the carrier, and across the smaller region."""
+WHOLE = 200_000
+"""Own choice: a scene that takes no more cells than this (20 x 25 m at 5 cm) is searched as a whole, so that all its ways share one floor."""
 
 
 class Walks:
@@ -40,72 +41,39 @@ class Walks:
     ) -> None:
         self.surfaces, self.relation, self.frame, self.most = surfaces, relation, frame, most
         self.carrier = Carrier(relation.width, relation.headroom, math.tan(relation.max_slope), relation.max_step)
-        self.names = [n for n in surfaces.entities if n not in absent]
-        self.entity_count = len(self.names)
-        self.lands = lands(surfaces.candidate)
-        self.waters: dict[int, Land] = {}
-        self.bare = False
-        """True if nothing but the land lies in the area."""
+        self.scene = scene_of(surfaces, frame, absent)
         low, high = self._area(margin, wide=wide)
-        self.soup, scene_low, scene_high = self._soup(low, high)
-        self.clipped = bool((low > scene_low).any() or (high < scene_high).any())
-        self.low, self.high = np.maximum(low, scene_low), np.minimum(high, scene_high)
+        if self.scene.cells(self._finest) <= WHOLE:
+            low, high = self.scene.low, self.scene.high
+        self.clipped = bool((low > self.scene.low).any() or (high < self.scene.high).any())
+        self.low, self.high = np.maximum(low, self.scene.low), np.minimum(high, self.scene.high)
 
     def _area(self, margin: float, *, wide: bool) -> tuple[F64, F64]:
-        boxes = [region_box(self.surfaces, n, self.frame) for n in (self.relation.a, self.relation.b)]
-        flat = np.array([b[:2] for pair in boxes for b in pair] + [list(w) for w in self.relation.waypoints])
+        flat = np.array([b[:2] for pair in self._regions for b in pair] + [list(w) for w in self.relation.waypoints])
         low, high = flat.min(axis=0), flat.max(axis=0)
         margin = max(margin, float(np.linalg.norm(high - low))) if wide else margin
         return low - margin, high + margin
 
-    def _soup(self, low: F64, high: F64) -> tuple[Soup, F64, F64]:
-        """Triangles that reach into a rectangle, and the corners of the rectangle around all there are."""
-        found: list[Soup] = []
-        candidate = self.surfaces.candidate
-        drawn = {(n, p.part) for n in self.names for p in candidate.entity(n).parts if not p.collision}
-        grounds = {(p.entity, p.part) for land in self.lands for p in patches(candidate.spec, land.name)}
-        index = {n: k for k, n in enumerate(self.names)}
-        ends = [(land.low, land.high) for land in self.lands]
-        top = max((float(np.nanmax(land.height)) for land in self.lands), default=math.inf) + self.carrier.headroom
-        self.bare = True
-        for part in (p for p in self.surfaces.parts if p.entity in index):
-            pose = self.surfaces.track(part.entity, part.body).at(self.frame)
-            corners = pose.apply(part.solid.vertices)[part.solid.faces]
-            flat = corners[:, :, :2]
-            ends.append((flat.min(axis=(0, 1)), flat.max(axis=(0, 1))))
-            corners = corners[((flat.max(axis=1) >= low) & (flat.min(axis=1) <= high)).all(axis=1)]
-            aloft = len(corners) == 0 or corners[:, :, 2].min() > top
-            self.bare &= aloft or (part.entity, part.part) in grounds
-            found.append(
-                _pile(corners, index[part.entity], closed=part.solid.closed, solid=(part.entity, part.part) not in drawn)
-            )
-        for land in self.lands:
-            surface = surface_triangles(land, low, high, patches(candidate.spec, land.name))
-            stems = stem_triangles(land.stems.inside(low, high))
-            for name, triangles in ((land.name, surface), (f"plants of {land.name}", stems)):
-                found.append(_pile(triangles, len(self.names), closed=False, solid=True))
-                self.names.append(name)
-            self.waters[len(self.names)] = land
-            self.names.append(f"water of {land.name}")
-        if not found:
-            raise EvidenceError("the scene has no visible surface; call build_terrain or place_object")
-        soup = Soup(*(np.concatenate(column) for column in zip(*found, strict=True)))
-        return soup, np.min([e[0] for e in ends], axis=0), np.max([e[1] for e in ends], axis=0)
+    @cached_property
+    def _regions(self) -> list[tuple[F64, F64]]:
+        return [region_box(self.surfaces, n, self.frame) for n in (self.relation.a, self.relation.b)]
+
+    @property
+    def _finest(self) -> float:
+        """Cell [m] that resolves the carrier and the smaller region."""
+        extent = min(float((b[:2] - a[:2]).min()) for a, b in self._regions)
+        return min(CELL, self.relation.width / CELLS_PER_WIDTH, extent / CELLS_PER_REGION)
 
     @cached_property
-    def columns(self) -> Columns:
-        """The scene, rasterised.
+    def ground(self) -> Ground:
+        """What stands in the area.
 
         Raises:
             EvidenceError: the area is too large, or nothing is there.
         """
-        low, high = self.low, self.high
-        if (low >= high).any() or not len(self.soup.triangles):
+        size, cell = self.high - self.low, self._finest
+        if (size <= 0.0).any():
             raise EvidenceError(f"regions {self.relation.a!r} and {self.relation.b!r} lie outside everything built")
-        boxes = [region_box(self.surfaces, n, self.frame) for n in (self.relation.a, self.relation.b)]
-        extent = min(float((b[:2] - a[:2]).min()) for a, b in boxes)
-        cell = min(CELL, self.relation.width / CELLS_PER_WIDTH, extent / CELLS_PER_REGION)
-        size = high - low
         coarse = math.sqrt(float(size[0] * size[1]) / self.most)
         if coarse > max(cell, self.relation.width / 4.0):
             raise EvidenceError(
@@ -114,19 +82,34 @@ class Walks:
             )
         cell = max(cell, coarse)
         count = np.maximum(np.ceil(size / cell).astype(int), 1)
-        return rasterise(self.soup, Grid(low, cell, int(count[0]), int(count[1])))
+        found = self.scene.ground(Grid(self.low, cell, int(count[0]), int(count[1])), self.high)
+        if not len(found.soup.triangles):
+            raise EvidenceError(f"regions {self.relation.a!r} and {self.relation.b!r} lie outside everything built")
+        return found
+
+    @property
+    def bare(self) -> bool:
+        """True if nothing but the land lies in the area."""
+        return self.scene.bare(self.low, self.high, self.carrier.headroom)
+
+    @property
+    def names(self) -> list[str]:
+        """Entities and landscapes by the numbers that nodes and triangles carry."""
+        return self.scene.names
+
+    @property
+    def columns(self) -> Columns:
+        """The area, rasterised; errors as `ground`."""
+        return self.ground.columns
 
     def _floor(self, carrier: Carrier, ignore: int) -> Floor:
         """Layers of floor; where water over them is deeper than the carrier wades they are blocked."""
-        floor = lay_floor(self.columns, carrier, ignore=ignore)
-        wade = WADING.get(self.relation.carrier, math.inf)
-        for number, land in self.waters.items():
-            deep = land.depths_at(floor.points) > wade
-            if number != ignore and deep.any():
-                nodes = floor.nodes
-                nodes = nodes._replace(blocked=nodes.blocked | deep, blocker=np.where(deep, number, nodes.blocker))
-                floor = replace(floor, nodes=nodes)
-        return floor
+        return self.ground.floor(carrier, ignore, self._wade)
+
+    @property
+    def _wade(self) -> float:
+        """Depth of water [m] that stops the carrier."""
+        return WADING.get(self.relation.carrier, math.inf)
 
     def _in_region(self, floor: Floor, name: str) -> Ints:
         """Free nodes whose foot stands in a region, or under it by at most a step; no small rests behind walls."""
@@ -150,7 +133,7 @@ class Walks:
     def way(self, carrier: Carrier, ignore: int = -1) -> tuple[Way | None, Floor, Obstacles]:
         """The widest way for a carrier, as if the entity number `ignore` were absent."""
         floor = self._floor(carrier, ignore)
-        obstacles = measure_clearance(floor, carrier.width, ignore=ignore)
+        obstacles = self.ground.obstacles(carrier, ignore, self._wade)
         return widest_way(floor, obstacles, self.stops(floor), 0.5 * carrier.width, carrier.width), floor, obstacles
 
     @property
@@ -190,7 +173,3 @@ class Walks:
         """Names of entities by their numbers, each once; -1 is nobody."""
         return tuple(self.names[i] for i in dict.fromkeys(int(k) for k in index if k >= 0))
 
-
-def _pile(corners: F64, owner: int, *, closed: bool, solid: bool) -> Soup:
-    count = len(corners)
-    return Soup(corners, np.full(count, owner, dtype=np.intp), np.full(count, closed), np.full(count, solid))

@@ -13,14 +13,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...geometry.inside import contains
-from ...geometry.solids import Solid
 from ...worlds.arrays import F64, cross
 from ...worlds.spec import RigidPhysics
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
 from .bounds import HIDDEN_DEPTH, HIDDEN_MASS, HIDDEN_SURFACE, HIDDEN_TRIANGLES
+from .surfaces import surfaces_of
 
 if TYPE_CHECKING:
+    from ...geometry.solids import Solid
     from ...worlds.built import BuiltPart
     from ...worlds.candidate import Candidate
 
@@ -71,7 +72,7 @@ def _weighed(candidate: Candidate, name: str) -> list[_Weighed]:
     for part in _free_parts(candidate, name):
         material = candidate.spec.materials.get(part.material)
         if part.closed and material is not None and np.isfinite(part.render.vertices).all():
-            solid = Solid.from_mesh(part.render, closed=True)
+            solid = surfaces_of(candidate).solid_of(part.render, closed=True)
             opaque = material.appearance.transmission == 0.0
             found.append(_Weighed(part, solid, abs(solid.volume) * material.density, opaque))
     return sorted(found, key=lambda w: -abs(w.solid.volume))
@@ -94,7 +95,8 @@ def _share_inside(inner: Solid, around: list[Solid]) -> float:
     inwards = inner.face_normals[largest, None] * (HIDDEN_DEPTH * inner.size)
     points = np.einsum("sk,fkj->fsj", _SPOTS, corners[largest]) - inwards
     covered = np.zeros(points.shape[:2], dtype=bool)
-    for solid in around:
+    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    for solid in (s for s in around if (s.lower <= high).all() and (s.upper >= low).all()):
         covered |= contains(solid, points.reshape(-1, 3)).reshape(covered.shape)
     total = float(areas[largest].sum())
     return float(areas[largest] @ covered.mean(axis=1)) / total if total > 0.0 else 0.0

@@ -46,10 +46,11 @@ def check(candidate: Candidate) -> list[Row]:
     """One row per pair that comes within twice the contact tolerance, and one for the scene."""
     surfaces = surfaces_of(candidate)
     rows: list[Row] = []
+    failed = 0
     for a, b in surfaces.first:
-        detailed = sum(r.status == "fail" for r in rows) < DETAILED
-        judge = partial(_pair, surfaces, a, b, detailed=detailed)
+        judge = partial(_pair, surfaces, a, b, detailed=failed < DETAILED)
         rows.append(row_of(candidate, OVERLAP, (a, b), judge, entities=(a, b)))
+        failed += rows[-1].status == "fail"
     for entity, pairs in own_pairs(surfaces, np.zeros(1, dtype=np.intp)).items():
         rows.append(row_of(candidate, OVERLAP, (entity, entity), _own(surfaces, entity, pairs), entities=(entity,)))
     crossed = [r for entity in surfaces.entities for r in self_rows(surfaces, entity)]

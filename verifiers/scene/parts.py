@@ -83,14 +83,14 @@ class Parts:
             try:
                 soft = entity in self.candidate.deforming
                 shape = TriangleMesh(self.candidate.shape(entity, part.part, 0), part.render.faces) if soft else part.render
-                solid = self._solid(shape, closed=part.closed)
+                solid = self.solid_of(shape, closed=part.closed)
             except InputError as error:
                 raise EvidenceError(f"surface of {entity}/{part.part} cannot be inspected: {error}") from error
             # A hull that fills what is drawn open widens no tolerance: whoever pushes there pushes where nothing is drawn.
             found.append(PartSurface(entity, part.part, part.body, solid, min(float(part.deviation[0]), GAP_CAP)))
         return found
 
-    def _solid(self, mesh: TriangleMesh, *, closed: bool) -> Solid:
+    def solid_of(self, mesh: TriangleMesh, *, closed: bool) -> Solid:
         """The mesh ready for queries; equal meshes share one, with all that is derived from it."""
         key = hashlib.sha256(repr((mesh.vertices.shape, mesh.vertices.dtype, mesh.faces.dtype, closed)).encode())
         key.update(mesh.vertices.tobytes())

@@ -21,7 +21,7 @@ from .layout import STRIP, Storey, room_of, storeys_of
 from .pieces import Stock
 from .plans import OUTSIDE, STEPS, Rect
 from .programs import KINDS
-from .shell import put_shell, well_of
+from .shell import put_roof, put_shell, well_of
 from .walls import Opening, clear_rect
 
 __all__ = ["BuiltInterior", "build_interior"]
@@ -59,6 +59,7 @@ def build_interior(name: str, interior: Interior, *, gap: float, ground: Heights
             "steps": {s.front.door.rooms[0]: s.number for s in site.steps},
         }
     put_shell(found, name, interior, storeys)
+    put_roof(found, name, interior, storeys[-1])
     for storey in storeys:
         for door in storey.doors:
             hang_door(found, name, interior, storey, door, rng)

@@ -9,7 +9,7 @@ import numpy as np
 from ...worlds.arrays import RigidPose, euler_to_quaternion
 from ...worlds.spec import Interior
 from .built import LOOSE, BuiltInterior, put_asset, suffix
-from .layout import DOOR_HEIGHT, JAMB, Storey
+from .layout import DOOR_HEIGHT, JAMB, Storey, gate_of
 from .pieces import made_piece
 from .plans import OUTSIDE
 from .walls import Opening
@@ -24,13 +24,18 @@ def hang_door(
     found: BuiltInterior, name: str, interior: Interior, storey: Storey, door: Opening, rng: np.random.Generator
 ) -> None:
     """A door in its opening, ajar into the room that it belongs to."""
-    parameters = {
-        "width": interior.door, "height": DOOR_HEIGHT, "depth": round(interior.wall + 2 * LOOSE, 6),
-        "hinged": str(rng.choice(["left", "right"])), "style": "panelled" if door.rooms[1] != OUTSIDE else "planks",
-    }  # fmt: skip
-    own = made_piece("door", parameters, int(rng.integers(2**31)))
+    gate = gate_of(interior, *door.rooms)
+    style = "panelled" if door.rooms[1] != OUTSIDE else "planks"
+    depth = round(interior.wall + 2 * LOOSE, 6)
+    hinged = str(rng.choice(["left", "right"]))
+    if gate is None:
+        parameters = {"width": interior.door, "height": DOOR_HEIGHT, "depth": depth, "hinged": hinged, "style": style}
+        own, positions = made_piece("door", parameters, int(rng.integers(2**31))), {"leaf": AJAR}
+    else:
+        parameters = {"width": gate[0], "height": gate[1], "depth": depth, "style": style}
+        own, positions = made_piece("double_door", parameters, int(rng.integers(2**31))), {"left": AJAR, "right": AJAR}
     key = f"{name}_{door.id}_door"
-    put_asset(found, key, own, _in_wall(found, storey, door), motion="static", positions={"leaf": AJAR})
+    put_asset(found, key, own, _in_wall(found, storey, door), motion="static", positions=positions)
     found.supports(f"{key}_set", f"{name}_floor{suffix(storey.number)}", key)
 
 

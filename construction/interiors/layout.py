@@ -16,12 +16,29 @@ from .plans import OUTSIDE, STEPS, UPPER, Need, Plan, solve_plans
 from .programs import KINDS
 from .walls import CORNER, Doorway, Opening, doors_of, passages_of, windows_of
 
-__all__ = ["DOOR_HEIGHT", "GOING", "JAMB", "RISER", "SILL", "STRIP", "Storey", "room_of", "storeys_of", "well_stairs"]
+__all__ = [
+    "DOOR_HEIGHT",
+    "GOING",
+    "JAMB",
+    "RISER",
+    "SILL",
+    "STRIP",
+    "Storey",
+    "gate_of",
+    "height_of",
+    "room_of",
+    "storeys_of",
+    "well_stairs",
+]
 
 JAMB = 0.045
 """[m] Thickness of the frames of doors and windows, see `assets/openings.py`."""
 DOOR_HEIGHT, SILL, WINDOW_HEAD = 2.03, 0.9, 2.1
 """[m] Clear height of doors (2.0 m of headroom: DIN 18101); lower and upper edge of windows in the wall (sill 0.9: SceneSmith)."""
+HIGH_WINDOW = 1.3
+"""[m] Own choice: height of windows under the ceiling."""
+LINTEL, GATE_WALL = 0.3, 0.12
+"""[m] Own choice: wall over a gate; thickness of the wall in which one hangs."""
 RISER, GOING = 0.16, 0.3
 """[m] Steps in corridors: gentle ones, 2 R + G = 0.62 m (UK Approved Document K: 0.55 to 0.70)."""
 STRIP = 1.1
@@ -78,15 +95,25 @@ def storeys_of(interior: Interior, rng: np.random.Generator) -> tuple[Storey, ..
         rise = RISER * max((interior.rooms[k].steps for k in stepped), default=0)
         levels = dict.fromkeys(plan.raised, rise)
         parts = [p for k in stepped for p in ((k, f"{k}_{STEPS}"), (f"{k}_{STEPS}", f"{k}_{UPPER}"))]
-        height = interior.height + rise
+        height = height_of(interior) + rise
         passages = passages_of(plan, parts, wall=interior.wall, head=height)
         doorways = [_doorway(interior, a, b, levels) for a, b in plan.doors]
         doors = doors_of(plan, doorways, wall=interior.wall, rng=rng)
-        lit = {k: _lit(levels.get(k, 0.0)) for k in plan.rooms if k in needs and needs[k].daylight}
+        lit = {k: _lit(interior, k, levels.get(k, 0.0)) for k in plan.rooms if k in needs and needs[k].daylight}
         windows = windows_of(plan, lit, doors, wall=interior.wall)
         found.append(Storey(number, plan, z, height, levels, tuple(doors), tuple(passages), tuple(windows)))
         z += height + SLAB
     return tuple(found)
+
+
+def height_of(interior: Interior) -> float:
+    """From floor to ceiling [m]."""
+    return interior.height or max(KINDS[r.kind].height for r in interior.rooms.values())
+
+
+def gate_of(interior: Interior, a: str, b: str) -> tuple[float, float] | None:
+    """Clear width and height of a door with two leaves between two rooms [m]; None for a door with one."""
+    return KINDS[room_of(interior, a)[1].kind].gate if b == OUTSIDE else None
 
 
 def _check_names(interior: Interior) -> None:
@@ -106,22 +133,30 @@ def _check_names(interior: Interior) -> None:
 
 
 def _doorway(interior: Interior, a: str, b: str, levels: Mapping[str, float]) -> Doorway:
-    """A door opens into the room, not into the corridor or stairwell."""
+    """A door opens into the room, not into the corridor or stairwell.
+
+    Raises:
+        InputError: the walls are too low or thin for a gate.
+    """
     if b != OUTSIDE and room_of(interior, a)[1].kind in ("corridor", "stairs"):
         a, b = b, a
-    return Doorway(
-        a,
-        b,
-        interior.door + 2 * JAMB + 2 * LOOSE,
-        DOOR_HEIGHT + JAMB + LOOSE,
-        levels.get(a, 0.0),
-        interior.entrance if b == OUTSIDE else None,
-    )
+    gate = gate_of(interior, a, b)
+    width, height = gate or (interior.door, DOOR_HEIGHT)
+    if gate is not None and (height_of(interior) < height + LINTEL or interior.wall < GATE_WALL):
+        raise InputError(
+            f"the gate of room {a!r} is {height:g} m high: walls of {height_of(interior):g} m, {interior.wall:g} m thick, do not hold it; "
+            f"give height >= {height + LINTEL:g} m and wall >= {GATE_WALL:g} m"
+        )
+    side = interior.entrance if b == OUTSIDE else None
+    return Doorway(a, b, width + 2 * JAMB + 2 * LOOSE, height + JAMB + LOOSE, levels.get(a, 0.0), side)
 
 
-def _lit(level: float) -> tuple[float, float]:
+def _lit(interior: Interior, name: str, level: float) -> tuple[float, float]:
     """Lower and upper edge of the windows of a room over the floor of the storey [m]."""
-    return level + SILL, level + WINDOW_HEAD
+    if not KINDS[room_of(interior, name)[1].kind].high:
+        return level + SILL, level + WINDOW_HEAD
+    head = level + height_of(interior) - 0.3
+    return max(level + SILL, head - HIGH_WINDOW), head
 
 
 def _needs(interior: Interior) -> dict[str, Need]:
@@ -161,7 +196,7 @@ def _joined(interior: Interior, name: str, room: Room) -> tuple[int, ...]:
 def _rise(interior: Interior, storey: int) -> float:
     """From the floor of a storey to the next one [m]."""
     steps = max((r.steps for r in interior.rooms.values() if r.storey == storey), default=0)
-    return interior.height + RISER * steps + SLAB
+    return height_of(interior) + RISER * steps + SLAB
 
 
 def well_stairs(rise: float, width: float, landing: float = LANDING) -> WellStairsParameters:

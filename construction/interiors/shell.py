@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...worlds.arrays import RigidPose, euler_to_quaternion
+from ...worlds.errors import InputError
 from ...worlds.spec import Interior
+from ..assets.registry import generator
 from .built import LOOSE, SLAB, BuiltInterior, block_entity, put_asset, suffix
 from .layout import GOING, RISER, Storey, room_of, well_stairs
 from .pieces import made_piece
@@ -16,7 +18,7 @@ from .plans import STEPS, UPPER, Rect, Side
 from .programs import KINDS
 from .walls import Block, clear_rect, floor_blocks, slab_rect, wall_blocks
 
-__all__ = ["Well", "put_shell", "well_of"]
+__all__ = ["Well", "put_roof", "put_shell", "well_of"]
 
 GUARD = 0.95
 """[m] Height of the railing at the opening of a floor (homes: 0.9, UK Approved Document K)."""
@@ -82,7 +84,8 @@ def put_shell(found: BuiltInterior, name: str, interior: Interior, storeys: tupl
         grounds = {0.0, *storey.levels.values()}
         raised = [Block((*b.low[:2], b.low[2] + LOOSE), b.high) if b.low[2] in grounds else b for b in blocks]
         walls: dict[str, tuple[Block, str | None]] = {f"wall_{k + 1}": (b, None) for k, b in enumerate(raised)}
-        found.entities[f"{name}_walls{end}"] = block_entity("walls between the rooms", "gypsum_plaster", walls, origin)
+        material = interior.walls or KINDS[next(iter(interior.rooms.values())).kind].walls
+        found.entities[f"{name}_walls{end}"] = block_entity("walls between the rooms", material, walls, origin)
         found.supports(f"{name}_walls{end}_stand", f"{name}_floor{end}", f"{name}_walls{end}")
         _stairs(found, name, interior, storey, storeys)
     if interior.ceiling:
@@ -94,6 +97,32 @@ def put_shell(found: BuiltInterior, name: str, interior: Interior, storeys: tupl
         origin = found.place(0.0, 0.0, top.z)
         found.entities[f"{name}_ceiling"] = block_entity("ceiling of the rooms", "gypsum_plaster", slab, origin)
         found.supports(f"{name}_ceiling_lies", f"{name}_walls{suffix(top.number)}", f"{name}_ceiling")
+
+
+def put_roof(found: BuiltInterior, name: str, interior: Interior, top: Storey) -> None:
+    """A roof on the outer walls, its ridge along the longer side.
+
+    Raises:
+        InputError: the plan is larger than roofs are made.
+    """
+    if interior.roof == "none":
+        return
+    wide, deep = top.plan.width + interior.wall, top.plan.depth + interior.wall
+    length, width = max(wide, deep), min(wide, deep)
+    fields = generator(f"{interior.roof}_roof").model.model_json_schema()["properties"]
+    most = tuple(fields[side]["maximum"] for side in ("length", "width"))
+    if length > most[0] or width > most[1]:
+        raise InputError(
+            f"the building is {length:g} x {width:g} m, roofs reach over {most[0]:g} x {most[1]:g} m: give a smaller size, fewer rooms or "
+            "smaller areas, or roof 'none'"
+        )
+    own = made_piece(f"{interior.roof}_roof", {"length": round(length, 6), "width": round(width, 6)}, interior.seed)
+    under = top.height + (SLAB if interior.ceiling else 0.0) + LOOSE
+    place = found.place(top.plan.width / 2, top.plan.depth / 2, top.z + under)
+    yaw = 0.0 if wide >= deep else math.pi / 2
+    put_asset(found, f"{name}_roof", own, RigidPose(np.array(place), euler_to_quaternion((0.0, 0.0, yaw))), motion="static")
+    carrier = f"{name}_ceiling" if interior.ceiling else f"{name}_walls{suffix(top.number)}"
+    found.supports(f"{name}_roof_lies", carrier, f"{name}_roof")
 
 
 def _floor(interior: Interior, storey: Storey, storeys: tuple[Storey, ...]) -> dict[str, tuple[Block, str | None]]:

@@ -118,9 +118,10 @@ def _outer(plan: Plan, room: Rect, side: Side | None = None) -> list[_Edge]:
 def swing(opening: Opening, wall: float) -> Rect:
     """Floor on both sides of a door over which its leaf turns and one passes."""
     r = opening.plan(wall)
+    deep = max(BEFORE_DOOR, opening.width / 2 if opening.kind == "door" else 0.0)
     if opening.along == "x":
-        return Rect(r.x0 - CASING, r.y0 - BEFORE_DOOR, r.x1 + CASING, r.y1 + BEFORE_DOOR)
-    return Rect(r.x0 - BEFORE_DOOR, r.y0 - CASING, r.x1 + BEFORE_DOOR, r.y1 + CASING)
+        return Rect(r.x0 - CASING, r.y0 - deep, r.x1 + CASING, r.y1 + deep)
+    return Rect(r.x0 - deep, r.y0 - CASING, r.x1 + deep, r.y1 + CASING)
 
 
 def _meet(a: Rect, b: Rect) -> bool:

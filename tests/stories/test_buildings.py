@@ -144,3 +144,47 @@ def test_a_building_whose_floor_is_above_its_plinth_hangs_in_the_air(agent: Any)
         r["id"]: r["measured"] for r in agent.pages("rows", part="matrix") if r["status"] == "fail" and r["check"] == "support"
     }
     assert failed["support:b_floor_lies:b_floor"] == pytest.approx(0.2, abs=0.01), failed
+
+
+@pytest.mark.parametrize(
+    ("kind", "more"),
+    [("barn", {"roof": "gable", "density": 0.2}), ("museum", {"density": 0.2, "ceiling": True})],
+)
+def test_a_barn_and_a_museum_hall_pass_the_static_checks(agent: Any, kind: str, more: dict[str, Any]) -> None:
+    made = _built(agent, "A large building.", {"rooms": {"r": {"kind": kind, "doors": ["outside"]}}, **more})
+    assert made["rooms"]["r"]["things"] >= 10
+    assert made["rooms"]["r"]["generators"] >= 3
+
+
+STREET: dict[str, Any] = {
+    "extent": [120, 120],
+    "cell": 2,
+    "layers": {
+        "slope": {"kind": "ramp", "rise": 6, "direction_deg": 75, "order": 1},
+        "relief": {"kind": "noise", "amplitude": 0.4, "wavelength": 50, "octaves": 3, "order": 2},
+        "street": {"kind": "road", "line": [[-50, 0], [50, 0]], "width": 5, "falloff": 4, "order": 3},
+    },
+    "erosion": {"years": 500, "steps": 2},
+    "hydrology": {"rivers": 0, "streams": 0},
+    "vegetation": {"density": 0},
+}
+
+
+@pytest.mark.slow
+def test_houses_stand_along_a_street_on_a_landscape_and_one_walks_from_door_to_door(agent: Any) -> None:
+    soil = {"soil": {"density": 1800, "substance": "soil", "friction": 0.7}}
+    spec = {"materials": soil, "terrains": {"land": STREET}, "simulation": {"frames": 24}}
+    agent.call("edit_spec", world="w", prompt="Two houses stand along a street.", spec=spec)
+    agent.call("build_terrain", world="w", terrain="land", size=[50, 40], center=[0, 0], cells=50, material="soil", wait_s=240)
+    for name, at, side, roof in (("inn", [-8, 9, 0], "south", "gable"), ("shop", [4, -9, 0], "north", "hipped")):
+        house = {**HUT, "on": "ground", "at": at, "entrance": side, "roof": roof}
+        made = agent.call("build_interior", world="w", interior=name, plan=house, wait_s=240)
+        assert made["open_rows"] == []
+        assert made["ground"]["plinth"] > 0.2
+    way = {"kind": "connects", "a": "inn_hall", "b": "shop_hall", "width": 0.7, "headroom": 1.95}
+    agent.call("edit_spec", world="w", patch=[{"op": "add", "path": "/graph/relations/across", "value": way}])
+    agent.call("run_checks", world="w", scope="static")
+    assert {
+        _row(agent, f"navigability:{n}")["status"] for n in ("inn_hall_outside_to_hall", "shop_hall_outside_to_hall", "across")
+    } == {"pass"}
+    assert _row(agent, "terrain:land:ground:ground")["status"] == "pass"

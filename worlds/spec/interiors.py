@@ -10,7 +10,9 @@ from ..vocabulary import EntityRef, Id, Positive, SpecModel, Vec3
 
 __all__ = ["Interior", "Room"]
 
-RoomKindName = Literal["living", "kitchen", "bedroom", "bathroom", "hall", "study", "workshop", "store", "corridor", "stairs"]
+RoomKindName = Literal[
+    "living", "kitchen", "bedroom", "bathroom", "hall", "study", "workshop", "store", "corridor", "stairs", "barn", "museum"
+]
 
 
 class Room(SpecModel):
@@ -57,10 +59,18 @@ class Interior(SpecModel):
     entrance: Literal["west", "south", "east", "north"] | None = Field(
         default=None, description="side of the doors to the outside; default any"
     )
-    height: float = Field(default=2.6, ge=2.1, le=8.0, description="from floor to ceiling [m]")
+    height: Annotated[float, Field(ge=2.1, le=8.0)] | None = Field(
+        default=None, description="from floor to ceiling [m]; default 2.6, more for barns and museums"
+    )
     wall: float = Field(default=0.12, ge=0.09, le=0.5, description="thickness of walls [m]")
     door: float = Field(default=0.86, ge=0.62, le=1.2, description="clear width of doors [m]")
     ceiling: bool = Field(default=False, description="a slab over the highest rooms; without one pictures look in from above")
+    roof: Literal["none", "gable", "hipped"] = Field(
+        default="none", description="over the walls, the ridge along the longer side; at most 12 x 8 m"
+    )
+    walls: str | None = Field(
+        default=None, min_length=1, max_length=64, description="material of the walls; default plaster, of a barn larch"
+    )
     density: float = Field(default=0.7, ge=0.0, le=1.0, description="of small things: 0 none, 1 every surface full")
     seed: int = Field(default=0, ge=0, le=2**31 - 1, description="of plan and furniture")
     entities: Annotated[list[EntityRef], Field(max_length=5000)] = Field(

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "480aec3b146461021de28d15484bddca69063b75282e6b89d09ec155a13e9e15"
+SCHEMA = "7b80b223b1d52701517d0bc513dc36e0391efc6032159171793308659b43a171"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

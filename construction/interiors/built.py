@@ -37,7 +37,7 @@ class BuiltInterior:
     rooms: dict[str, dict[str, Any]] = field(default_factory=dict)
     """Per room: rectangle [m], things and generators."""
     site: dict[str, Any] = field(default_factory=dict)
-    """Of a building on the ground: height of its floor, greatest height of its plinth [m], and steps before its doors."""
+    """Height of the floor of a building on the ground, greatest height of its plinth [m], and steps before its doors."""
     lacking: list[str] = field(default_factory=list)
     """Sentences about what could not be placed."""
 

@@ -65,16 +65,16 @@ class Steps(NamedTuple):
     front: _Front
     number: int
     rise: float
-    """Of one step [m]; with no steps what remains from the ground to the floor."""
+    """Height of one step [m]; with no steps what remains from the ground to the floor."""
 
     @property
     def reach(self) -> float:
-        """How far they reach from the wall [m]."""
+        """Their length from the wall [m]."""
         return PLATFORM + (self.number - 1) * TREAD if self.number else 0.0
 
 
 class Site(NamedTuple):
-    """How a building stands on the ground."""
+    """A building's stand on the ground."""
 
     floor: float
     """Height of its lowest floor [m]."""

@@ -12,7 +12,8 @@ from ...worlds.errors import InputError
 from ...worlds.spec import Interior, Room
 from ..assets.stairwells import WellStairsParameters, well_run
 from .built import LOOSE, SLAB
-from .plans import OUTSIDE, STEPS, UPPER, Need, Plan, solve_plans
+from .planning import solve_plans
+from .plans import OUTSIDE, STEPS, UPPER, Need, Plan
 from .programs import KINDS
 from .walls import CORNER, Doorway, Opening, doors_of, passages_of, windows_of
 

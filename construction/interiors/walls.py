@@ -151,7 +151,7 @@ class Doorway(NamedTuple):
     level: float = 0.0
     """Floor of its rooms over that of the storey [m]."""
     side: Side | None = None
-    """Of the building, for a door to the outside; None for any."""
+    """Side of the building for a door to the outside; None for any."""
 
 
 def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.random.Generator) -> list[Opening]:

@@ -6,7 +6,8 @@ import itertools
 
 import numpy as np
 import pytest
-from worldagent.construction.interiors.plans import OUTSIDE, Need, Plan, Rect, solve_plans
+from worldagent.construction.interiors.planning import solve_plans
+from worldagent.construction.interiors.plans import OUTSIDE, Need, Plan, Rect
 from worldagent.construction.interiors.walls import Doorway, doors_of, floor_blocks, wall_blocks, windows_of
 from worldagent.geometry.booleans import union_volume
 from worldagent.worlds.arrays import F64

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ..geometry import Solid, clearance_series, signed_clearance
-from ..worlds.arrays import F64, RigidPose, quaternion_product, rotation_matrix
+from ..worlds.arrays import F64, I32, RigidPose, quaternion_product, rotation_matrix
 from ..worlds.built import TriangleMesh
 from .clearance_peers import compare
 
-__all__ = ["run"]
+__all__ = ["box_mesh", "run"]
 
 FRAMES = 240
 ROUNDS = 15
@@ -22,13 +22,18 @@ DOMINO = (0.012, 0.036, 0.07)
 """Thickness, width, height [m]."""
 
 
-def _box(size: tuple[float, float, float]) -> Solid:
+def box_mesh(size: tuple[float, float, float]) -> tuple[F64, I32]:
+    """Vertices and triangles of a box about the origin, edges `size` [m]."""
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * size
     faces = [
         *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
         *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
     ]
-    return Solid.from_mesh(TriangleMesh(corners, np.array(faces, dtype=np.int32)), closed=True)
+    return corners, np.array(faces, dtype=np.int32)
+
+
+def _box(size: tuple[float, float, float]) -> Solid:
+    return Solid.from_mesh(TriangleMesh(*box_mesh(size)), closed=True)
 
 
 def _frame(inner: float, outer: float, height: float) -> Solid:

@@ -97,9 +97,11 @@ class JobStore:
         *,
         limit: int = 50,
         offset: int = 0,
+        pump: bool = True,
     ) -> tuple[Job, ...]:
-        """Jobs in one of these states (default: any), the newest first."""
-        self.pump()
+        """Jobs in one of these states (default: any), the newest first; without `pump` none is started for the looking."""
+        if pump:
+            self.pump()
         return self._table.read_all(world=world, state=state, limit=limit, offset=offset)
 
     def latest(self, kind: str, world: str | None, key_start: str) -> Job | None:

@@ -13,7 +13,7 @@ from .inside import contains, distance_to_surface, winding_number
 from .kept import kept_solid
 from .motions import Motion, State, points_travel, relative_travel
 from .solids import Solid
-from .soup import Crossings, pierced, self_crossings
+from .soup import Crossings, mutual_crossings, pierced, self_crossings
 from .sweep import Lowest, Sweep, lowest_clearance, lowest_clearances
 from .triangles import Nearest
 from .walls import wall_thickness
@@ -48,6 +48,7 @@ __all__ = [
     "lowest_clearance",
     "lowest_clearances",
     "meetings",
+    "mutual_crossings",
     "pierced",
     "points_travel",
     "query_noise",

@@ -153,7 +153,8 @@ class Solid:
         step = max(1, CHUNK // len(self.vertices))
         # A few faces tell of most solids that are not convex.
         few = np.linspace(0, len(self.faces) - 1, min(FEW_FACES, len(self.faces))).astype(np.intp)
-        for rows in (few, *(slice(i, i + step) for i in range(0, len(self.faces), step))):
+        blocks: list[slice | NDArray[np.intp]] = [few, *(slice(i, i + step) for i in range(0, len(self.faces), step))]
+        for rows in blocks:
             height = self.face_normals[rows] @ self.vertices.T - offsets[rows, None]
             if height.max() > CONVEX_TOLERANCE * self.size:
                 return False

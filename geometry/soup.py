@@ -18,7 +18,7 @@ from ..worlds.arrays import F64, I32
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Crossings", "pierced", "self_crossings"]
+__all__ = ["Crossings", "mutual_crossings", "pierced", "self_crossings"]
 
 CELL = 2.0
 """Own choice: edge of a grid cell in mean triangle extents."""
@@ -75,6 +75,25 @@ def self_crossings(solid: Solid, *, noise: float) -> Crossings:
     pairs = np.concatenate([*found, crowded.pairs])
     kept = np.unique(pairs, axis=0, return_index=True)[1]
     return _sorted(pairs[kept], np.concatenate([*reach, crowded.reach])[kept])
+
+
+def mutual_crossings(one: F64, two: F64, *, noise: float) -> Crossings:
+    """Triangles of two surfaces that cross, or lie on each other and face the same way.
+
+    Args:
+        one: corners [m], shape (n, 3, 3).
+        two: corners of the other, shape (m, 3, 3); the second index of a pair counts from its first triangle.
+        noise: [m] up to which they touch and do not cross.
+    """
+    both = np.concatenate([one, two])
+    i, j = _near_pairs(both.min(axis=1) - noise, both.max(axis=1) + noise, split=len(one))
+    reach = np.zeros(len(i))
+    for s in range(0, len(i), CHUNK):
+        some = slice(s, s + CHUNK)
+        a, b = both[i[some]], both[j[some]]
+        reach[some] = np.maximum(_properly(a, b, noise), _coplanar(a, b, noise))
+    hit = reach > 0.0
+    return _sorted(np.stack([i[hit], j[hit] - len(one)], axis=1), reach[hit])
 
 
 def pierced(points: F64, edges: I32, faces: I32) -> I32:

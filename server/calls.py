@@ -20,6 +20,7 @@ from mcp.types import CallToolResult, ContentBlock, ImageContent, ResourceLink, 
 
 from ..workflow.answers import fitted
 from ..workflow.context import Link, ToolBinding, ToolContext, ToolReply
+from ..worlds.ablation import ablation, ablation_words
 from ..worlds.errors import EngineError, EvidenceError, InputError, LimitError, RefusedError, SpecError, WorldAgentError
 from ..worlds.quoting import shown, visible
 from ..worlds.storage import storage_failure
@@ -160,7 +161,8 @@ def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:
     """
     if reply.pictures and not binding.pictures:
         raise TypeError(f"tool {binding.name} returned pictures but is not declared to")
-    encoded = pydantic_core.to_json(shown(fitted(reply.data)), inf_nan_mode="null")
+    marks = {"ablation": ablation_words(name)} if (name := ablation()) else {}
+    encoded = pydantic_core.to_json(shown(fitted({**reply.data, **marks})), inf_nan_mode="null")
     content: list[ContentBlock] = [TextContent(type="text", text=encoded.decode())]
     content += [
         ImageContent(type="image", data=base64.b64encode(picture.data).decode(), mime_type=f"image/{picture.format}")

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
+from ..worlds.ablation import ablation
 from ..worlds.built import BuiltEntity
 from ..worlds.canonical import digest_of, source_changed, source_digest, spec_digest
 from ..worlds.folder import WorldFolder, write_atomically
@@ -52,7 +53,8 @@ def settings_hash(
     spec: WorldSpec, contents: Mapping[str, str], *, source: str | None = None, versions: Mapping[str, str] | None = None
 ) -> str:
     """The same from the digests of the geometry."""
-    return digest_of(motion_slice(spec), dict(contents), source or solver_source(), dict(versions or engine_versions()))
+    marks = [name] if (name := ablation()) else []  # what an evaluation without some checks probes is no freeze elsewhere
+    return digest_of(motion_slice(spec), dict(contents), source or solver_source(), dict(versions or engine_versions()), *marks)
 
 
 def open_freeze(
@@ -74,6 +76,7 @@ def open_freeze(
         "built": {name: [files[name], built[name].digest()] for name in sorted(built)},
         "versions": engine_versions(),
         "source": solver_source(),
+        **({"ablation": name} if (name := ablation()) else {}),
     }
     path = folder.candidate(freeze) / "candidate.json"
     write_atomically(path, json.dumps(record, sort_keys=True, indent=1).encode())

@@ -11,6 +11,7 @@ from ..workflow.arguments import RowDetail, WaitSeconds, WorldId
 from ..workflow.context import ToolContext, ToolReply
 from ..workflow.links import proof_links
 from ..workflow.rows import Detail
+from ..worlds.ablation import ABLATED
 from ..worlds.errors import InputError, RefusedError
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
     if "verdict" in data:
         text = f"{data.get('says', data['verdict'])}: {text}"
         then = call("render_shot", world=world, kind="final")
-        good = data["verdict"] == "accepted"
+        good = data["verdict"] in ("accepted", ABLATED)
     else:
         text = f"{data['scope']}: {text}"
         then = {

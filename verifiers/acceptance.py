@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..execution import Part, Tell
+from ..worlds.ablation import ABLATED, ablation
 from ..worlds.audits.audit import audit
 from ..worlds.audits.clauses import clauses_of
 from ..worlds.bake_plan import checkpoint_frames, groups_of
@@ -93,9 +94,12 @@ def acceptance_subject(spec: WorldSpec, freeze: str, digest: str) -> str:
 
 
 def verdict_of(rows: list[Row]) -> str:
-    """`accepted` if every mandatory row passes or is proven not applicable, and every check has judged."""
+    """`accepted` if every mandatory row passes or is proven not applicable, and every check has judged.
+
+    `ablated` instead where this process leaves checks out.
+    """
     ok = {r.check for r in rows} >= NEEDED and all(r.status in ("pass", "not_applicable") for r in rows if r.mandatory)
-    return "accepted" if ok else "incomplete"
+    return (ABLATED if ablation() else "accepted") if ok else "incomplete"
 
 
 def judge(
@@ -166,6 +170,7 @@ def _record(spec: WorldSpec, candidate: Candidate, freeze: str, rows: list[Row])
         "versions": engine_versions(),
         "environment": environment(),
         "verifier_source": source_digest(Path(__file__).parent),
+        **({"ablation": name} if (name := ablation()) else {}),
         "events": event_list(candidate),
     }
 

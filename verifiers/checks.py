@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from ..execution import Part, Tell
+from ..worlds.ablation import ablation, switched_off
 from ..worlds.candidate import Candidate, Stage
-from ..worlds.requirements import Row, fail_closed
+from ..worlds.requirements import Check, Row, fail_closed
 from ..worlds.spec import WorldSpec
 from .categories import check as category
 from .claims import check as claims
@@ -52,7 +53,7 @@ MOST_WORK = 4.0
 class CheckBinding:
     """One check: its name in rows, the function, and where it can judge."""
 
-    name: str
+    name: Check
     function: Callable[..., list[Row]]
     """Takes a candidate; one that reruns also takes `progress` and the id of a row that keeps it from simulating, or None."""
     stages: tuple[Stage, ...]
@@ -153,7 +154,7 @@ def run_checks(
         whole, began = max(sum(work), CHECK_WORK), time.monotonic()
         told = Part(progress or silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
         told(0, 1, f"checking {binding.name}")
-        found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _first_failure(rows))
+        found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _keeps(binding, rows))
         rows += diagnosed(candidate, found)
         took += time.monotonic() - began if binding.reruns is None else 0.0
     if seconds is not None:
@@ -164,6 +165,11 @@ def run_checks(
 def diagnosed(candidate: Candidate, rows: Iterable[Row]) -> list[Row]:
     """Rows of one check as the matrix has them: no pass over frames that are not there, and what past cases say of each that can help."""
     return [without_again(candidate, diagnose(only_seen(candidate, fail_closed(r)), candidate.spec)) for r in rows]
+
+
+def _keeps(binding: CheckBinding, rows: Iterable[Row]) -> str | None:
+    """What keeps a check from simulating: the first failure, or an evaluation that leaves it out."""
+    return f"ablation:{ablation()}" if switched_off(binding.name) else _first_failure(rows)
 
 
 def _first_failure(rows: Iterable[Row]) -> str | None:

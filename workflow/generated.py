@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..worlds.errors import InputError
 from .arrangements import AssetAsk
+from .lamps import lamp_operations
 
 if TYPE_CHECKING:
     from ..construction.assets.documents import AssetDocuments
@@ -132,7 +133,7 @@ def _operations(spec: WorldSpec, name: str, before: Entity | None, documents: As
             put(f"{collection}/{key}", document)
     for key, document in documents.relations.items():
         put(f"/graph/relations/{key}", document)
-    return edits + _memberships(spec, list(documents.entities))
+    return edits + _memberships(spec, list(documents.entities)) + lamp_operations(spec, documents.entities, old)
 
 
 def _left(spec: WorldSpec, body: str) -> list[dict[str, Any]]:

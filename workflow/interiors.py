@@ -12,6 +12,7 @@ from ..worlds.errors import InputError
 from ..worlds.folder import WorldFolder
 from ..worlds.limits import check_limits
 from ..worlds.patch import apply_patch
+from .lamps import lamp_operations
 from .rows import news, open_rows
 from .session import Session
 
@@ -122,7 +123,7 @@ def interior_operations(spec: WorldSpec, name: str, asked: Interior, made: Built
         _, outer, inner = path.split("/")
         kept = {k: v for k, v in document[outer][inner].items() if k not in rooms and not {*_ends(v)} & (old | rooms)}
         edits.append({"op": "add", "path": path, "value": _bare({**kept, **members})})
-    return edits + _membership(spec, old, list(made.entities))
+    return edits + _membership(spec, old, list(made.entities)) + lamp_operations(spec, made.entities, old)
 
 
 def _ends(member: Mapping[str, Any]) -> Iterator[str]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+from ..worlds.ablation import ENV_ABLATION, ablation, ablation_words
 from ..worlds.documents import text_of
 from ..worlds.errors import EngineError, EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, temporary_name, write_atomically
@@ -37,7 +38,7 @@ class OpenedWorld:
 
         Raises:
             InputError: there is no such world.
-            RefusedError: `world.json` was edited by hand since the last revision.
+            RefusedError: `world.json` was edited by hand since the last revision; or an evaluation without some checks made the world.
         """
         return cls.at(WorldFolder.of(workspace, world))
 
@@ -45,6 +46,7 @@ class OpenedWorld:
     def at(cls, folder: WorldFolder) -> Self:
         """Open the world of a folder; errors as `open`."""
         ledger = Ledger(folder.ledger_path)
+        _require_same_checks(folder, ledger)
         spec, revision, damage = _latest(folder, ledger)
         if spec is None:
             # Another client may stand between its world.json and its ledger entry; whoever holds the ledger meets none there.
@@ -104,6 +106,16 @@ def no_revision(folder: WorldFolder) -> str:
         f"the ledger of world {folder.id!r} holds no revision (ledger.sqlite is empty, cut off, or new): put back a copy of it, or "
         f"create another world with edit_spec from what the resource worldagent://worlds/{folder.id}/spec holds"
     )
+
+
+def _require_same_checks(folder: WorldFolder, ledger: Ledger) -> None:
+    """A world that was judged with checks switched off is no world of a whole server, nor the other way round."""
+    made, here = ledger.ablation(), ablation()
+    if made != here and ledger.revision():
+        what = f"is {ablation_words(made)}" if made else "was judged by every check"
+        raise RefusedError(
+            f"world {folder.id!r} {what}, and this server has {ENV_ABLATION}={here!r}; create another world with edit_spec"
+        )
 
 
 def _latest(folder: WorldFolder, ledger: Ledger) -> tuple[WorldSpec | None, int, str]:

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..worlds.ablation import ABLATED
 from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
 from ..worlds.verdicts import asked_words, prompt_told, unusual_told, verdict_words
@@ -145,7 +146,7 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
         "last_verdict": None if latest is None else {k: latest[k] for k in ("verdict", "revision")} | {"says": says},
         "jobs_running": jobs,
     }
-    accepted = latest is not None and latest["verdict"] == "accepted" and latest["revision"] == session.revision
+    accepted = latest is not None and latest["verdict"] in ("accepted", ABLATED) and latest["revision"] == session.revision
     if jobs:
         then = call("job", action="wait", job_id=jobs[0])
     elif accepted and not left:

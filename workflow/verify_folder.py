@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import secrets
+import shutil
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from ..worlds.errors import InputError, WorldAgentError
+from ..worlds.ablation import ablation_words, require_whole
+from ..worlds.errors import EvidenceError, InputError, RefusedError, WorldAgentError
 from ..worlds.folder import WorldFolder
 from ..worlds.ledger import Ledger
 from ..worlds.patch import parse_spec
@@ -64,13 +70,14 @@ def verify_folder(
 
     Raises:
         InputError: there is no such folder or bundle.
-        RefusedError: no candidate holds the folder's specification, or its bake is incomplete.
+        RefusedError: no candidate holds the folder's specification, its bake is incomplete, or an evaluation without some checks made it.
         EvidenceError: something recorded is missing or damaged.
     """
     from ..verifiers.acceptance import REPLAY_INTERVALS, judge_fresh
     from .matrix_report import write_report
     from .verify_bundle import verify_bundle
 
+    require_whole("verify")
     drawn = secrets.randbelow(2**31) if seed is None else seed
     many = REPLAY_INTERVALS if intervals is None else intervals
     if folder.is_file():
@@ -78,6 +85,7 @@ def verify_folder(
     if not (folder / "world.json").is_file():
         raise InputError(f"{str(folder)!r} is neither a world folder (it has no world.json) nor a bundle")
     world = WorldFolder.at(folder)
+    _require_every_check(world)
     record = judge_fresh(world.root, replay=replay, seed=drawn, intervals=many)
     wrong = _untrue(world, record)
     found = {**_report(record), "seed": drawn, "problems": wrong, "differences": _recorded_otherwise(world, record)}
@@ -89,6 +97,35 @@ def verify_folder(
     return found
 
 
+def _require_every_check(world: WorldFolder) -> None:
+    """Refuse what a server made that left checks out: its candidates say so, and its ledger."""
+    made = next((name for path in sorted((world.root / "candidates").glob("*/candidate.json")) if (name := _told(world, path))), "")
+    if not made:
+        with suppress(sqlite3.Error, ValueError, WorldAgentError), _copied_ledger(world) as ledger:
+            made = "" if ledger is None else ledger.ablation()
+    if made:
+        raise RefusedError(f"{world.id!r} is {ablation_words(made)}; make the world anew with a server that judges everything")
+
+
+def _told(world: WorldFolder, path: Path) -> str:
+    """Name of the ablation in the record of a candidate; a damaged record is no candidate."""
+    try:
+        record = world.read_json(path)
+    except EvidenceError:
+        return ""
+    return str(record.get("ablation", "")) if isinstance(record, dict) else ""
+
+
+@contextmanager
+def _copied_ledger(world: WorldFolder) -> Iterator[Ledger | None]:
+    """A copy of the world's ledger, since opening one may write to it; None where there is none."""
+    if not world.ledger_path.is_file():
+        yield None
+        return
+    with tempfile.TemporaryDirectory(prefix="worldagent-") as temporary:
+        yield Ledger(Path(shutil.copy(world.ledger_path, temporary)))
+
+
 def _untrue(world: WorldFolder, record: dict[str, Any]) -> list[str]:
     """Built geometry that this installation does not get from the specification: its digest alone proves nothing."""
     known = world.read_json(world.candidate(record["freeze"]) / "candidate.json")
@@ -98,38 +135,24 @@ def _untrue(world: WorldFolder, record: dict[str, Any]) -> list[str]:
 
 def _reviews(world: WorldFolder, record: dict[str, Any]) -> list[dict[str, Any]]:
     """Reviews that the folder's own ledger holds, with what their digests say here; they decide nothing."""
-    import shutil
-    import sqlite3
-    import tempfile
-
     from .review.verdict import shown_reviews
 
-    if not world.ledger_path.is_file():
-        return []
     try:
-        with tempfile.TemporaryDirectory(prefix="worldagent-") as temporary:
-            return shown_reviews(world, Ledger(Path(shutil.copy(world.ledger_path, temporary))), record["freeze"])
+        with _copied_ledger(world) as ledger:
+            return [] if ledger is None else shown_reviews(world, ledger, record["freeze"])
     except (sqlite3.Error, ValueError, TypeError, WorldAgentError) as error:
         return [{"ledger": f"cannot be read: {error}"}]
 
 
 def _recorded_otherwise(world: WorldFolder, record: dict[str, Any]) -> list[dict[str, Any]]:
     """Rows that the folder's own ledger tells otherwise; the ledger is no evidence, so that these decide nothing."""
-    import shutil
-    import sqlite3
-    import tempfile
-
     from ..verifiers.checks import rerun_ids
     from ..verifiers.delivery.bundle import compare_rows
     from .review.verdict import not_of_reviews
 
-    if not world.ledger_path.is_file():
-        return []
     try:
-        with tempfile.TemporaryDirectory(prefix="worldagent-") as temporary:
-            # Opening a ledger may write to it.
-            copy = Path(shutil.copy(world.ledger_path, temporary))
-            known = Ledger(copy).acceptance(record["subject"])
+        with _copied_ledger(world) as ledger:
+            known = None if ledger is None else ledger.acceptance(record["subject"])
     except (sqlite3.Error, ValueError) as error:
         return [{"ledger": f"cannot be read: {error}"}]
     if known is None:

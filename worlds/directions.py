@@ -110,6 +110,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/shots/*", "intent", "shots", "none", "words"),
     *parameters("/look", ". width height samples sky sun_elevation_deg sun_azimuth_deg exposure", "look", "none", "light and format of pictures"),
     *parameters("/look/lights", ". * */position */target */size */power */color", "look", "none", "light and format of pictures"),
+    *parameters("/look/lamps", ". * */entity */part */lumens */kelvin", "look", "none", "light and format of pictures"),
     # simulation
     *parameters("/simulation", ".", "interval", "repair", "whole; its fields are compared"),
     *parameters("/simulation", "fps", "interval", "harder_up", "rows ask at written frames: fewer of them see less; more of them in a shorter time ask for less"),

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from .ablation import marked
 from .baked import refuted_texts
 from .ledger_file import check_seal, matrix_texts, put_seal
 from .requirements import Attempt, Outcome, Row, fail_closed, outcome_of
@@ -113,7 +114,7 @@ class Ledger(ReviewLedger):
         """
         changed: list[Row] = []
         now = time.time()
-        closed = [fail_closed(r) for r in rows]
+        closed = [marked(fail_closed(r)) for r in rows]
         kept = {r.id for r in closed} | set(keep)
         with self._write() as db:
             for check in checks:

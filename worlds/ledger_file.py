@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from .ablation import ablation
 from .errors import EvidenceError
 from .storage import storage_failure
 
@@ -75,6 +76,8 @@ class LedgerFile:
             return
         with self._told():
             db = self._begun("BEGIN IMMEDIATE")
+            if name := ablation():
+                db.execute("INSERT OR REPLACE INTO meta VALUES ('ablation', ?)", (name,))
         self._held.db = db
         try:
             yield
@@ -86,6 +89,12 @@ class LedgerFile:
         finally:
             del self._held.db
             db.close()  # what was not committed is undone
+
+    def ablation(self) -> str:
+        """Name of the ablation of the server that made this world; empty for every other world."""
+        with self._open() as db:
+            row = db.execute("SELECT value FROM meta WHERE key='ablation'").fetchone()
+        return "" if row is None else str(row["value"])
 
     @contextmanager
     def looking(self) -> Iterator[None]:

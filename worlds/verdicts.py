@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
 
+from .ablation import ABLATED, ablation_words
+
 __all__ = ["READ_BY", "ReadBy", "asked_words", "prompt_told", "reader_words", "unusual_told", "verdict_words"]
 
 ReadBy = Literal["nobody", "client", "model", "person"]
@@ -29,6 +31,8 @@ def verdict_words(record: Mapping[str, Any]) -> str:
 
     Worlds of version 1, and records without an account of the prompt, are judged by clauses.
     """
+    if record.get("verdict") == ABLATED:
+        return ablation_words(str(record.get("ablation")))
     if record.get("verdict") != "accepted":
         return str(record.get("verdict"))
     prompt = record.get("prompt")

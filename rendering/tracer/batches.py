@@ -23,6 +23,9 @@ from .textures import Tile
 
 __all__ = ["Batch", "Kind", "batches_of"]
 
+FAR = 1e5
+"""[m] Where lamps are that do not exist at a frame: their light is 1e-8 of that at 10 m."""
+
 
 class Kind(NamedTuple):
     """Properties that all parts of a batch share."""
@@ -35,12 +38,15 @@ class Kind(NamedTuple):
     """A liquid ever wets them."""
     tone: float
     """Factor by which they are lighter than the material."""
+    lamp: str = ""
+    """Lamp of the look that they are; empty for all that does not shine."""
 
     @property
     def name(self) -> str:
         """Name of the mesh in the scene."""
         tone = f"-{round(100 * self.tone)}" if self.tone != 1.0 else ""
-        return f"{'moving' if self.moving else 'static'}-{self.material}-{self.layer}{'-wet' if self.wets else ''}{tone}"
+        lamp = f"-lamp-{self.lamp}" if self.lamp else ""
+        return f"{'moving' if self.moving else 'static'}-{self.material}-{self.layer}{'-wet' if self.wets else ''}{tone}{lamp}"
 
 
 @dataclass(frozen=True)
@@ -57,6 +63,7 @@ class Batch:
     """Number of vertices of each wetted part and where its film comes from, in the order of their vertices; empty where nothing gets wet."""
     soft: tuple[SoftPart, ...] = ()
     """Parts that deform."""
+    shines: bool = False
 
     def film(self, wetness: Wetness, frame: int, known: dict[str, F64]) -> F32:
         """Share of the film of a liquid at every vertex, shape (v,)."""
@@ -68,12 +75,17 @@ class Batch:
         return frozenset(entity for entity, _ in self.bodies)
 
     def placed(self, candidate: Candidate, frame: int, without: str | None = None) -> tuple[F32, F32]:
-        """World positions and normals at a frame; entities that do not exist then, and one left out, shrink to a point."""
+        """World positions and normals at a frame; entities that do not exist then, and one left out, shrink to a point.
+
+        Lamps go far away instead: what shines must have an area.
+        """
         poses = [candidate.pose(entity, frame, body) for entity, body in self.bodies]
         turns = rotation_matrix(np.stack([p.quaternion for p in poses]))
         there = {e: e != without and active(candidate, e, frame) for e in self.entities}
-        shown = np.array([there[entity] for entity, _ in self.bodies], dtype=np.float64)
+        shown = np.array([there[entity] or self.shines for entity, _ in self.bodies], dtype=np.float64)
         shifts = np.stack([p.position for p in poses])
+        if self.shines:
+            shifts -= np.array([[0.0, 0.0, 0.0 if there[entity] else FAR] for entity, _ in self.bodies])
         local = self.surface.positions * shown[self.owner, None]
         positions = np.einsum("nij,nj->ni", turns[self.owner], local) + shifts[self.owner]
         normals = np.einsum("nij,nj->ni", turns[self.owner], self.surface.normals)
@@ -107,6 +119,7 @@ def _pieces(
 ) -> Iterator[tuple[Kind, _Piece]]:
     """Surfaces of all bodies but the grounds of landscapes, which are drawn with their land."""
     wet, scenery = wetness.entities(), landscapes_of(candidate)
+    lamps = {(lamp.entity, lamp.part): name for name, lamp in sorted(candidate.spec.look.lamps.items())}
     for layer, entity, part in layers.parts:
         if cut_from(candidate, entity) in scenery:
             continue
@@ -121,11 +134,12 @@ def _pieces(
             frame=part_frame(candidate, entity, part),
             key=f"{entity}/{part.part}",
         )
-        wets = entity in wet and look.transmission < PANE and not layer.bends(entity)
+        lamp = lamps.get((entity, part.part), "")
+        wets = entity in wet and look.transmission < PANE and not layer.bends(entity) and not lamp
         tone = layer.tone(entity, part.part)
         for side, surface in surfaces.items():
             fine = wetness.refined(entity, part.body, part.part, surface) if wets else surface
-            yield Kind(part.material, side, changing, wets, tone), _Piece(layer, entity, part, fine)
+            yield Kind(part.material, side, changing, wets, tone, lamp), _Piece(layer, entity, part, fine)
 
 
 def batches_of(candidate: Candidate, layers: Layers, tiles: dict[str, dict[str, Tile]], wetness: Wetness) -> dict[Kind, Batch]:
@@ -151,4 +165,5 @@ def _batch(kind: Kind, pieces: list[_Piece], wetness: Wetness) -> Batch:
         _joined([p.surface for p in pieces]),
         tuple(zip(counts, links, strict=False)),
         tuple(s for s in soft if s is not None),
+        bool(kind.lamp),
     )

@@ -1,7 +1,8 @@
 """Light of a world as Mitsuba dictionaries: sky, ground where none reaches the horizon, studio and area lights.
 
 Radiometry is scaled so that clear sky with the sun at 40 deg gives about 700 W/m^2 on the ground, overcast 150 and
-the studio 60; area lights keep their declared watts beside them. Exposure is metered afterwards.
+the studio 60; area lights keep their declared watts beside them, lamps give their lumens at the efficacy of daylight. A night has the light
+of a full moon. Exposure is metered afterwards.
 """
 
 from __future__ import annotations
@@ -12,12 +13,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...worlds.arrays import F32
 from ...worlds.candidate import Candidate
-from ...worlds.spec import AreaLight, Look
+from ...worlds.spec import AreaLight, Lamp, Look
+from ..glow import glow
 from ..views import Bounds, focus_bounds
+from .meshes import mesh_of, rgb
+from .surfaces import Surface
 from .textures import pattern_tiles
 
-__all__ = ["ground_level", "light_dicts", "reaches_horizon"]
+__all__ = ["ground_level", "lamp_shape", "light_dicts", "reaches_horizon"]
 
 SUN_SKY_SCALE = 700.0
 """Mitsuba's sunsky with turbidity 3 gives 1.0 on the ground at 40 deg (measured); this makes it W/m^2."""
@@ -36,6 +41,13 @@ SUN_IRRADIANCE = (
 )
 """Irradiance across the sun's direction by elevation [deg], of `sunsky` at turbidity 3 (measured with and without its sun)."""
 OVERCAST_IRRADIANCE = 150.0
+NIGHT_IRRADIANCE = 0.0023
+"""[W/m^2] Full moon: 0.25 lx (Kyba, Mohar & Posch 2017, doi:10.1093/astrogeo/atx025) at the efficacy of daylight."""
+DAYLIGHT_EFFICACY = 110.0
+"""[lm/W] Sun and sky together (Littlefair 1985, doi:10.1177/14771535850170040401: 93 to 115), so that lamps and daylight are as bright beside
+each other as they are."""
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Share of the three colours in luminance (ITU-R BT.709)."""
 STUDIO_IRRADIANCE = 60.0
 HORIZON_RATIO = 12.0
 """Static ground this many focus diagonals wide on either side counts as reaching the horizon; own choice."""
@@ -140,6 +152,17 @@ def _declared(mi: Any, light: AreaLight) -> dict[str, Any]:
     return _panel(mi, list(light.position), list(light.target), light.size, radiance)
 
 
+def lamp_shape(mi: Any, lamp: Lamp, name: str, surface: Surface, placed: tuple[F32, F32]) -> Any:
+    """A part that shines evenly over its surface, with the flux of its lamp and the colour of a black body."""
+    corners = surface.positions[surface.faces]
+    area = float(0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum())
+    color = glow(np.array(lamp.kelvin))
+    radiance = color / float(color @ LUMINANCE) * lamp.lumens / DAYLIGHT_EFFICACY / (math.pi * area)
+    emitter = mi.load_dict({"type": "area", "radiance": rgb(radiance)})
+    bsdf = mi.load_dict({"type": "diffuse", "reflectance": rgb((0.8, 0.8, 0.8))})
+    return mesh_of(mi, name, (placed[0], surface.faces), bsdf, normals=placed[1], uv=surface.uv, emitter=emitter)
+
+
 def _studio(mi: Any, look: Look) -> dict[str, Any]:
     """Key, fill and rim soft boxes at infinity, in a dome that fades like a photographer's backdrop."""
     # The horizon is as bright as the lit ground (0.45 x irradiance / pi), so that no line shows where they meet.
@@ -213,6 +236,11 @@ def light_dicts(mi: Any, candidate: Candidate) -> dict[str, Any]:
         rows = [(-90.0, (0.25, 0.25, 0.25)), (-1.0, (0.3, 0.3, 0.3)), (1.0, (0.62, 0.64, 0.67)), (90.0, (0.95, 0.98, 1.0))]
         found["sky"] = _dome(mi, rows, OVERCAST_IRRADIANCE)
         ground = (0.36, 0.36, 0.35)
+    elif look.sky == "night":
+        rows = [(-90.0, (0.2, 0.22, 0.28)), (-1.0, (0.25, 0.28, 0.36)), (1.0, (0.42, 0.52, 0.78)), (90.0, (0.22, 0.32, 0.62))]
+        moon = _Patch(look.sun_elevation_deg, look.sun_azimuth_deg, 3.0, 0.7 * NIGHT_IRRADIANCE, (0.92, 0.97, 1.0))
+        found["sky"] = _dome(mi, rows, 0.3 * NIGHT_IRRADIANCE, [moon])
+        ground = (0.30, 0.29, 0.265)
     else:
         found["sky"] = _studio(mi, look)
         ground = (0.45, 0.45, 0.45)

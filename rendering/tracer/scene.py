@@ -16,7 +16,7 @@ from ..categories.registry import layers_of
 from ..land.scenery import scenery_shapes
 from .batches import batches_of
 from .clear_path import clear_path
-from .lights import light_dicts
+from .lights import lamp_shape, light_dicts
 from .materials import FILM, PANE, bsdf_of, toned
 from .meshes import mesh_of
 from .textures import pattern_tiles
@@ -65,10 +65,14 @@ class SceneRenderer:
         self._moving = [batch for kind, batch in batches.items() if kind.moving]
         self._still = [batch for kind, batch in batches.items() if not kind.moving]
         self._wet = [batch for kind, batch in batches.items() if kind.wets]
-        self._panes = [batch.name for kind, batch in batches.items() if looks[kind.material].transmission >= PANE]
+        panes = {batch.name: kind.moving for kind, batch in batches.items() if looks[kind.material].transmission >= PANE and not kind.lamp}
+        self._panes, self._windows = list(panes), not all(panes.values())
         scene: dict[str, Any] = {"type": "scene", **(light_dicts(mi, candidate) if lights is None else lights)}
         bsdfs: dict[tuple[str, str, bool, float], Any] = {}
         for kind, batch in batches.items():
+            if kind.lamp:
+                scene[batch.name] = lamp_shape(mi, candidate.spec.look.lamps[kind.lamp], batch.name, batch.surface, batch.placed(candidate, frame))
+                continue
             key = (kind.material, kind.layer, kind.wets, kind.tone)
             if key not in bsdfs:
                 look, tile = toned(looks[kind.material], tiles[kind.material].get(kind.layer), kind.tone)
@@ -83,8 +87,8 @@ class SceneRenderer:
         scene |= scenery
         self._loose = layers.loose
         self._volumes = [layer for layer in self._loose if isinstance(layer, VolumeLayer)]
-        if self._loose:
-            # Shapes of loose matter are new in every frame; all the rest stays loaded.
+        if self._loose or self._windows:
+            # Shapes of loose matter are new in every frame; all the rest stays loaded, and panes are known by themselves.
             scene = {k: mi.load_dict(v) if isinstance(v, dict) else v for k, v in scene.items()}
         self._fixed = scene
         self._frame = frame
@@ -110,7 +114,7 @@ class SceneRenderer:
         behind_panes = self._panes and any(one.shapes.keys() - one.fogs for layer, one in made if not layer.opaque)
         if self._fogs:
             self._path = mi.load_dict({"type": "volpath", "max_depth": FOG_DEPTH, "rr_depth": FOG_ROULETTE})
-        elif not self._scalar and (clear or behind_panes):
+        elif not self._scalar and (clear or behind_panes or self._windows):
             faces, panes = [shapes[name] for name in clear], [self._fixed[name] for name in self._panes]
             self._path = clear_path(mi, faces, list(clear.values()), panes, depth)
         else:

@@ -78,6 +78,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("noon at dusk", NOON, "claim:time:*|audit:claims", "noon", changes={"/look/sun_elevation_deg": 3}),
         Case("mediodía de noche", NOON_ES, "claim:time:*|audit:claims", "mediodía", changes={"/look/sun_elevation_deg": 3}),
         Case("night in the sun", NOON, "claim:time:*|audit:claims", "night", marked=NOON.marked.replace("[At noon]", "[At night]")),
+        Case("noon in the night", NOON, "claim:time:*|audit:claims", "noon", changes={"/look/sky": "night"}),
         Case("noon without a sun", NOON, "claim:time:*|audit:claims", "noon", changes={"/look/sky": "studio"}),
     ),
     "weather": (

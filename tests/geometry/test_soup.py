@@ -7,7 +7,8 @@ import time
 import numpy as np
 import pytest
 import trimesh
-from worldagent.geometry import Solid, self_crossings
+from worldagent.geometry import Solid, mutual_crossings, self_crossings
+from worldagent.geometry.triangles import triangle_pair_segments
 from worldagent.worlds.built import TriangleMesh
 
 from .meshes import solid_of
@@ -100,3 +101,21 @@ def test_a_hundred_thousand_triangles_with_one_crossing_are_searched():
     assert time.process_time() - begin < 60.0
     assert 0 < len(found.pairs) < 200
     assert (found.pairs[:, 1] >= len(sheet.faces)).all() or (found.pairs[:, 0] < len(sheet.faces)).all()
+
+
+def test_mutual_crossings_are_those_that_edges_pierce_and_touching_is_none() -> None:
+    """By another route: an edge of one triangle goes through the other."""
+    rng = np.random.default_rng(3)
+    one, two = (rng.uniform(-1, 1, (n, 1, 3)) + rng.uniform(-0.3, 0.3, (n, 3, 3)) for n in (150, 200))
+    i, j = (k.ravel() for k in np.meshgrid(range(150), range(200), indexing="ij"))
+    pierced = ~np.isnan(triangle_pair_segments(one[i], two[j])).all(axis=(1, 2))
+    found = mutual_crossings(one, two, noise=1e-12).pairs
+    assert {tuple(p) for p in found.tolist()} == set(zip(i[pierced].tolist(), j[pierced].tolist(), strict=True))
+    assert len(found) > 50
+    flat = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], dtype=float)
+    standing = np.array([[[0.2, 0.2, 0], [0.2, 0.4, 0], [0.2, 0.3, 1]]])
+    aside = flat + np.array([0.1, 0.1, 0])
+    assert len(mutual_crossings(flat, standing, noise=1e-9).pairs) == 0
+    assert len(mutual_crossings(flat, standing - [0, 0, 1e-3], noise=1e-9).pairs) == 1
+    assert len(mutual_crossings(flat, aside, noise=1e-9).pairs) == 1  # coplanar, facing the same way
+    assert len(mutual_crossings(flat, aside[:, ::-1], noise=1e-9).pairs) == 0  # face to face

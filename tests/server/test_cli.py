@@ -14,8 +14,9 @@ from typing import Any
 import pytest
 from worldagent.bench.machine import run_benchmark
 from worldagent.server import doctor
+from worldagent.server.bench_commands import BENCHMARKS
 from worldagent.server.check import Check
-from worldagent.server.cli import BENCHMARKS, main
+from worldagent.server.cli import main
 from worldagent.server.default_workspace import default_workspace
 from worldagent.server.health import PROOFS
 from worldagent.worlds.errors import RefusedError

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from worldagent.bench.machine import run_benchmark
-from worldagent.server.cli import BENCHMARKS
+from worldagent.server.bench_commands import BENCHMARKS
 from worldagent.testing.defects import CHECKS, Mechanism, judge_one, suite_of
 from worldagent.testing.defects.judge import interval
 

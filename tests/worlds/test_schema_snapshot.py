@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "7b80b223b1d52701517d0bc513dc36e0391efc6032159171793308659b43a171"
+SCHEMA = "e3958a32308bd7df1e66c0e7556e2a194215d40690ec091380a854886f3d1487"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...worlds.ablation import ablation, switched_off
 from ...worlds.errors import EvidenceError
 from ...worlds.requirements import Row, fail_closed
 from .findings import Finding, judged, lacking
@@ -63,8 +64,7 @@ def row_of(
         recipe_entities: entities that the verdict depends on; default those concerned.
         artifact: what was inspected; default the candidate's caches.
     """
-    if not isinstance(found, Finding):
-        found = judged(found)
+    found = _answer(question, found)
     frames = (0, candidate.last_frame) if found.frames is None else found.frames
     measured, bound = _finite(found.measured), _finite(found.bound)
     numbers = [n is not None for n in (found.measured, found.bound)]
@@ -99,6 +99,13 @@ def row_of(
         recipe=candidate.recipe(question.check, concerned if recipe_entities is None else recipe_entities, depends),
     )
     return only_seen(candidate, fail_closed(row), found.needed) if found.needed else fail_closed(row)
+
+
+def _answer(question: Question, found: Finding | Callable[[], Finding]) -> Finding:
+    """The finding, from its judge where it is one; that nothing was judged where an evaluation leaves the check out."""
+    if switched_off(question.check):
+        return Finding("not_applicable", "not judged: switched off for an evaluation", evidence={"ablation": ablation()})
+    return found if isinstance(found, Finding) else judged(found)
 
 
 def rows_of(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ...worlds.ablation import ABLATED
 from ...worlds.errors import EvidenceError
 from ...worlds.requirements import Row
 from ...worlds.reviews import Review, summary
@@ -40,7 +41,7 @@ def reviewed(session: Session, built: Mapping[str, BuiltEntity], freeze: str, re
         record |= {"read_by": reader, "reviews": summary(reviews)}
         known = [r for r in known if r.digest != found.questions.digest]
         record["rows"] = [r.model_dump(mode="json") for r in rows]
-        if record["verdict"] == "accepted":
+        if record["verdict"] in ("accepted", ABLATED):
             record["verdict"] = verdict_of(rows)
     # Of other pictures, motions or words: who edits until a reader is content leaves these behind.
     record["earlier_contradictions"] = sum(r.contradicts for r in known)

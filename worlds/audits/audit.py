@@ -156,6 +156,12 @@ class _Audit:
             near = closest(value, known[target])
             text = f"unknown {target} {value!r}" + (f"; did you mean {near!r}?" if near else "; declare it first")
             problems.append(Problem(place, text, replaced(place, near) if near else None))
+        for name, lamp in self.spec.look.lamps.items():
+            entity = self.spec.entities.get(lamp.entity)
+            if entity is not None and lamp.part not in entity.parts:
+                near = closest(lamp.part, set(entity.parts))
+                text = f"{lamp.entity!r} has no part {lamp.part!r}" + (f"; did you mean {near!r}?" if near else "")
+                problems.append(Problem(f"/look/lamps/{name}/part", text, replaced(f"/look/lamps/{name}/part", near) if near else None))
         self.add("references", "every referenced entity, region, beat, solver, driver, joint and material exists", problems)
 
     # ---------------------------------------------------------------- ownership

@@ -94,7 +94,7 @@ from .story import (
     Story,
     Supports,
 )
-from .world import AreaLight, Clause, Look, WorldSpec, prompt_digest
+from .world import AreaLight, Clause, Lamp, Look, WorldSpec, prompt_digest
 
 __all__ = [
     "CLAIM_TYPES",
@@ -159,6 +159,7 @@ __all__ = [
     "Interacts",
     "Interior",
     "Joint",
+    "Lamp",
     "Limits",
     "LiquidInstance",
     "LiquidPhysics",

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, model_serializer, model_validator
 
-from ..vocabulary import Id, NonNegative, Positive, SpecModel, Text, Vec3
+from ..vocabulary import EntityRef, Id, NonNegative, Positive, SpecModel, Text, Vec3
 from .claims import Claim
 from .entities import Entity, Material
 from .interiors import Interior
@@ -15,7 +15,7 @@ from .simulation import SimulationPlan
 from .story import SceneGraph, Shot, Story
 from .terrain import Terrain
 
-__all__ = ["AreaLight", "Clause", "Look", "WorldSpec", "prompt_digest"]
+__all__ = ["AreaLight", "Clause", "Lamp", "Look", "WorldSpec", "prompt_digest"]
 
 
 class Clause(SpecModel):
@@ -38,17 +38,27 @@ class AreaLight(SpecModel):
     color: tuple[NonNegative, NonNegative, NonNegative] = (1.0, 1.0, 1.0)
 
 
+class Lamp(SpecModel):
+    """A part that shines, and moves with its body."""
+
+    entity: EntityRef
+    part: Id
+    lumens: Positive = Field(default=806.0, le=1e6, description="luminous flux [lm]; 806 is a bulb of 60 W")
+    kelvin: float = Field(default=2700.0, ge=1000.0, le=20000.0, description="colour temperature [K]")
+
+
 class Look(SpecModel):
     """Light and picture format; no influence on physics."""
 
     width: int = Field(default=640, ge=64, le=1920)
     height: int = Field(default=360, ge=64, le=1080)
     samples: int = Field(default=16, ge=1, le=1024, description="samples per pixel of the final sequence")
-    sky: Literal["sunsky", "overcast", "studio"] = "sunsky"
+    sky: Literal["sunsky", "overcast", "night", "studio"] = "sunsky"
     sun_elevation_deg: float = Field(default=40.0, ge=2, le=90)
     sun_azimuth_deg: float = Field(default=-60.0, ge=-360, le=360, description="from +x towards +y")
     exposure: float = Field(default=0.0, ge=-10, le=10, description="stops")
     lights: Annotated[dict[Id, AreaLight], Field(max_length=16)] = {}
+    lamps: Annotated[dict[Id, Lamp], Field(max_length=200)] = {}
 
 
 class WorldSpec(SpecModel):

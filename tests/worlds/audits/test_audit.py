@@ -31,6 +31,8 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an unknown material": ([("/entities/ball/material", "stele")], "references", "did you mean 'steel'"),
     "an unknown part material": ([("/entities/ball/parts/body/material", "unobtainium")], "references", "/parts/body/material"),
     "an unknown support": ([("/graph/relations/on_shelf_b1/a", "table")], "references", "unknown entity 'table'"),
+    "a lamp in no part": ([("/look/lamps", {"l": {"entity": "ball", "part": "bodi"}})], "references", "did you mean 'body'"),
+    "a lamp of nobody": ([("/look/lamps", {"l": {"entity": "bal", "part": "body"}})], "references", "did you mean 'ball'"),
     "an unknown region end": ([("/graph/relations/way", {"kind": "connects", "a": "r1", "b": "r2"})], "references", "unknown region 'r1'"),
     "an unknown owner": ([("/story/beats/roll/owner", "fluid")], "references", "unknown owner 'fluid'"),
     "an unknown cause": ([("/story/beats/fall/causes", ["bang"])], "references", "unknown beat 'bang'"),

@@ -1,7 +1,6 @@
 """Words of the time of day against the height of the sun in `look` (`claim:time:<claim>`). Durations are quantities.
 
-The sun of a film stands at 2 to 90 degrees, and is seen in the sky `sunsky` alone: night has no light of its own in this build, so that a claim of
-it fails until it is waived.
+The sun of a film stands at 2 to 90 degrees, and is seen in the sky `sunsky` alone; the sky `night` has the moon's light, and no other time of day.
 
 - *dawn*, *dusk*: up to 6 degrees above the horizon, as far as civil twilight reaches below it (U.S. Naval Observatory, Astronomical Almanac).
 - *noon*: from 30 degrees. Own choice: the sun of noon is lower in the winter of the middle latitudes; there say so by an elevation as a quantity.
@@ -48,13 +47,11 @@ def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
         height = look.sun_elevation_deg
         east = math.cos(math.radians(look.sun_azimuth_deg)) * COMPASS.get(word.term, 0)
         bound = low if height < low else high
-        if look.sky != "sunsky":
+        if word.term == "night":
+            ok = look.sky == "night"
+            text = f"the sky is {look.sky}" + ("" if ok else f", which is no night as {word.text!r} has it: take sky night")
+        elif look.sky != "sunsky":
             ok, text = False, f"the sky is {look.sky}, which shows no sun: take sky sunsky, or waive the word"
-        elif word.term == "night":
-            ok, text = (
-                False,
-                "this build has no light of the night: the sun of `look` stands above the horizon; waive the word with this reason",
-            )
         elif spec.terrains and east < -ALONG:
             side = "east" if COMPASS[word.term] > 0 else "west"
             ok, text = (

@@ -215,7 +215,13 @@ def test_a_time_of_day_is_the_height_of_the_sun(quote: str, height: float, statu
     row = judged(tmp_path, spec, f"The ball lies there on the floor and {quote}.", quote, "time", ["/look/sun_elevation_deg"])
     assert (row.id, row.status) == ("claim:time:it", status), row.evidence
     if "night" in quote:
-        assert "waive the word" in row.evidence["explanation"]
+        assert "take sky night" in row.evidence["explanation"]
+
+
+@pytest.mark.parametrize(("quote", "status"), [("at night", "pass"), ("at noon", "fail"), ("at dusk", "fail")])
+def test_the_sky_of_the_night_is_night_and_no_other_time(quote: str, status: str, tmp_path: Path) -> None:
+    spec = scene({"ball": ball(0.1, at=(0, 0, 0.1))}, look=Look(sky="night", sun_elevation_deg=40))
+    assert judged(tmp_path, spec, f"The ball lies there on the floor {quote}.", quote, "time", ["/look/sky"]).status == status
 
 
 def test_no_sun_is_seen_in_another_sky(tmp_path: Path) -> None:

@@ -1,0 +1,1 @@
+"""Agents of the harness, as solvers of Inspect."""

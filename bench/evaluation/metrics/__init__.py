@@ -1,0 +1,1 @@
+"""The seven metrics of AgenticSimBench, and the server's own figures beside them."""

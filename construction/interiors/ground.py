@@ -193,7 +193,7 @@ def put_ground(found: BuiltInterior, name: str, interior: Interior, plan: Plan, 
 
 
 def _depth(blocks: dict[str, tuple[Block, str | None]], site: Site) -> float:
-    """How deep blocks stand in the ground at most [m]."""
+    """Greatest depth of blocks in the ground [m]."""
     depths = [float(site.heights(_lattice(Rect(*b.low[:2], *b.high[:2]))).max()) - b.low[2] for b, _ in blocks.values()]
     return max(0.0, *depths)
 

@@ -168,7 +168,7 @@ def diagnosed(candidate: Candidate, rows: Iterable[Row]) -> list[Row]:
 
 
 def _keeps(binding: CheckBinding, rows: Iterable[Row]) -> str | None:
-    """What keeps a check from simulating: the first failure, or an evaluation that leaves it out."""
+    """The reason for which a check does not simulate: the first failure, or an evaluation that leaves it out."""
     return f"ablation:{ablation()}" if switched_off(binding.name) else _first_failure(rows)
 
 

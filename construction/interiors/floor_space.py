@@ -11,7 +11,7 @@ import numpy as np
 from .plans import Rect
 from .walls import Opening, swing
 
-__all__ = ["FloorSpace", "Spot", "turned_size"]
+__all__ = ["FloorSpace", "Spot", "in_rows", "turned_size"]
 
 GRID = 0.05
 """[m] Own choice: cells in which ways are looked for."""
@@ -49,6 +49,24 @@ def turned_size(box: Rect, quarter: int) -> tuple[float, float]:
     """Extents x, y of a rectangle after so many quarter turns [m]."""
     size = (box.x1 - box.x0, box.y1 - box.y0)
     return size if quarter % 2 == 0 else (size[1], size[0])
+
+
+def in_rows(room: Rect, foot: Rect, number: int, count: int, rows: int) -> Spot:
+    """Place of a thing of several that stand in one or two rows along a room.
+
+    Args:
+        room: between its walls [m].
+        foot: of the thing in its own frame [m].
+        number: of the thing among the others, from 0.
+        count: of things.
+        rows: 1 in the middle of the room, 2 at a quarter of its width from either wall.
+    """
+    wide, deep = room.x1 - room.x0, room.y1 - room.y0
+    along = (number // rows + 0.5) / math.ceil(count / rows)
+    across = 0.5 if rows == 1 else (0.25, 0.75)[number % 2]
+    u, v = (along, across) if wide >= deep else (across, along)
+    x, y = room.x0 + u * wide, room.y0 + v * deep
+    return Spot(x - (foot.x0 + foot.x1) / 2, y - (foot.y0 + foot.y1) / 2, 0)
 
 
 def _meet(a: Rect, b: Rect, gap: float = 0.0) -> bool:

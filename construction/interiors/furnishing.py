@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .floor_space import APART, FloorSpace, Spot, turned_size
+from .floor_space import APART, FloorSpace, Spot, in_rows, turned_size
 from .pieces import Piece, Stock
 from .plans import Rect
 from .programs import RoomKind, Wish
@@ -125,7 +125,9 @@ def furnished(
 
 def _grant(room: _Room, wish: Wish, number: int, *, needed: bool) -> None:
     name = str(room.rng.choice(wish.generators))
-    own = room.stock.take(name, wish.parameters)
+    own = room.stock.take(
+        name, {**wish.parameters, "height": round(room.frame.height - wish.under, 3)} if wish.under else wish.parameters
+    )
     why = _hang(room, wish, own) if wish.rule == "hung" else _stand(room, wish, own, number)
     if why is not None and needed:
         room.lacking.append(f"{room.frame.id}: a {name} found no place: {why} stood in the way")
@@ -177,6 +179,8 @@ def _spots(room: _Room, wish: Wish, own: Piece, number: int) -> Iterator[Spot]:
         yield from _along_walls(room, own)
     elif wish.rule in ("free", "flat"):
         yield from _anywhere(room, own)
+    elif wish.rule in ("pairs", "line"):
+        yield in_rows(room.space.room, own.foot, number, wish.count[1], 2 if wish.rule == "pairs" else 1)
     else:
         for index, other in enumerate(room.standing):
             if other.piece.generator == wish.to and index in room.spots:

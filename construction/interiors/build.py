@@ -51,6 +51,8 @@ class BuiltInterior:
     """Per room: rectangle [m], things and generators."""
     lacking: list[str] = field(default_factory=list)
     """Sentences about what could not be placed."""
+    left_out: list[str] = field(default_factory=list)
+    """Sentences about furniture that rooms are too small for, so that it was not asked for."""
 
 
 def build_interior(name: str, interior: Interior, *, gap: float) -> BuiltInterior:
@@ -214,8 +216,12 @@ def _furnish(found: BuiltInterior, frame: Frame, asked: Room, space: FloorSpace,
     standing: list[Standing] = []
     if asked.furniture:
         kind = KINDS[asked.kind]
-        standing, lacking = furnished(frame, kind, space, supply.stock, density=supply.density, rng=supply.rng)
-        found.lacking += lacking
+        filled = furnished(
+            frame, kind, space, supply.stock, density=supply.density, rng=supply.rng, things=asked.things
+        )
+        standing = filled.standing
+        found.lacking += filled.lacking
+        found.left_out += filled.left_out
     for thing in standing:
         pose = RigidPose(np.array([x0 + thing.x, y0 + thing.y, z0 + thing.z]), euler_to_quaternion((0.0, 0.0, thing.yaw)))
         _asset(found, thing.id, thing.piece, pose, motion="static" if thing.still else generator(thing.piece.generator).motion)

@@ -12,7 +12,7 @@ import numpy as np
 from ...worlds.errors import InputError
 from .plans import OUTSIDE, Plan, Rect
 
-__all__ = ["CORNER", "Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "swing", "wall_blocks", "windows_of"]
+__all__ = ["CORNER", "Block", "Opening", "clear_rect", "common_area", "doors_of", "floor_blocks", "free_wall", "swing", "wall_blocks", "windows_of"]
 
 CORNER = 0.12
 """[m] Own choice: wall that is left between an opening and the corner of a room."""
@@ -23,6 +23,10 @@ CASING = 0.08
 MOST_WINDOW = 1.6
 """[m] Own choice: width of a window at most; longer walls get several."""
 LEAST_WINDOW = 0.5
+STRIP = 0.35
+"""[m] Own choice: depth before a wall that has to be free for furniture along it."""
+LEAST_WALL = 0.45
+"""[m] Own choice: shorter pieces of wall are of no use to furniture."""
 PIER = 0.5
 """[m] Own choice: wall between a window and the next, or a corner."""
 
@@ -136,7 +140,8 @@ def doors_of(
         options = [Opening(f"{a}_{b}", "door", e.along, e.at(where), width, 0.0, head, (a, b)) for e, where in order]
         # Leaves of two doors of a corner would meet.
         free = [o for o in options if not any(_meet(swing(o, wall), swing(d, wall)) for d in found)]
-        found.append((free or options)[0])
+        sides = [clear_rect(plan.rooms[n], wall) for n in (a, b) if n != OUTSIDE]
+        found.append(max(free or options, key=lambda o: sum(free_wall(r, [swing(d, wall) for d in (*found, o)]) for r in sides)))
     return found
 
 
@@ -242,3 +247,26 @@ def floor_blocks(plan: Plan, *, wall: float, thickness: float) -> dict[str, Bloc
         y0, y1 = (r.y0 - (wall / 2 if r.y0 <= 1e-9 else 0.0), r.y1 + (wall / 2 if r.y1 >= plan.depth - 1e-9 else 0.0))
         found[name] = Block((x0, y0, -thickness), (x1, y1, 0.0))
     return found
+
+
+def common_area(a: Rect, b: Rect) -> float:
+    """Area of what two rectangles have in common [m^2]."""
+    return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.y1, b.y1) - max(a.y0, b.y0))
+
+
+def free_wall(r: Rect, taken: Sequence[Rect]) -> float:
+    """Length of the walls of a room of clear size `r` before which nothing is, in pieces that furniture fits [m]."""
+    strips = [
+        (Rect(r.x0, r.y0 - STRIP, r.x1, r.y0 + STRIP), True),
+        (Rect(r.x0, r.y1 - STRIP, r.x1, r.y1 + STRIP), True),
+        (Rect(r.x0 - STRIP, r.y0, r.x0 + STRIP, r.y1), False),
+        (Rect(r.x1 - STRIP, r.y0, r.x1 + STRIP, r.y1), False),
+    ]
+    total = 0.0
+    for strip, level in strips:
+        start, end = (strip.x0, strip.x1) if level else (strip.y0, strip.y1)
+        cuts = sorted((t.x0, t.x1) if level else (t.y0, t.y1) for t in taken if common_area(t, strip) > 0)
+        for low, high in [*cuts, (end, end)]:
+            total += max(0.0, low - start) if low - start >= LEAST_WALL else 0.0
+            start = max(start, high)
+    return total

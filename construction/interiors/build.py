@@ -216,9 +216,7 @@ def _furnish(found: BuiltInterior, frame: Frame, asked: Room, space: FloorSpace,
     standing: list[Standing] = []
     if asked.furniture:
         kind = KINDS[asked.kind]
-        filled = furnished(
-            frame, kind, space, supply.stock, density=supply.density, rng=supply.rng, things=asked.things
-        )
+        filled = furnished(frame, kind, space, supply.stock, density=supply.density, rng=supply.rng, things=asked.things)
         standing = filled.standing
         found.lacking += filled.lacking
         found.left_out += filled.left_out

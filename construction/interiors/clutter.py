@@ -24,7 +24,7 @@ TRIES = 12
 TURNS = 4
 """Turns of a small thing that are tried."""
 KINDS_TRIED = 6
-"""Things that are tried for a surface before it counts as full."""
+"""Things of which one is chosen that is not too large for a surface."""
 EDGE = 0.012
 """[m] Own choice: how far small things stay from the edge of what they lie on."""
 SPACING = 0.008
@@ -78,12 +78,23 @@ def fill(room: Arrangement, wanted: Wanted) -> None:
         while len(room.standing) < wanted.things and (open_ones := [s for s in own if not s.full]):
             # The emptiest for its size first, so that all fill evenly.
             surface = min(open_ones, key=lambda s: (len(s.taken) + 1) / s.count)
-            if len(surface.taken) >= CROWDED or not any(_add(room, wanted.stock, surface, used) for _ in range(KINDS_TRIED)):
-                surface.full = True
+            surface.full = len(surface.taken) >= CROWDED or not _add_any(room, wanted.stock, surface, used)
+
+
+def _add_any(room: Arrangement, stock: Stock, surface: _Surface, used: Counter[str]) -> bool:
+    """Put one more thing on a surface: of any of its kinds where a first choice does not fit, rare ones first."""
+    if _add(room, stock, surface, used):
+        return True
+    names = sorted(set(surface.names), key=lambda name: (used[name], name))
+    return any(_add(room, stock, surface, used, name) for name in names)
 
 
 def _closed(surface: _Surface) -> bool:
-    return surface.clearance < CLOSED and surface.place.clearance < CLOSED and surface.carrier.piece.generator not in ("bookcase", "wall_shelf")
+    return (
+        surface.clearance < CLOSED
+        and surface.place.clearance < CLOSED
+        and surface.carrier.piece.generator not in ("bookcase", "wall_shelf")
+    )
 
 
 def _surfaces(room: Arrangement, wanted: Wanted) -> list[_Surface]:
@@ -113,7 +124,11 @@ def _clearance(room: Arrangement, carrier: Standing, place: Place) -> float:
     """Free height over a place: its own, under what hangs there, and under the ceiling [m]."""
     z = carrier.z + float(place.center[2])
     mine = _corners(carrier, (float(place.center[0]), float(place.center[1])), (place.size[0] / 2, place.size[1] / 2))
-    hung = [h.low - z for h in room.hung if h.low > z and h.foot.x0 < mine.x1 and mine.x0 < h.foot.x1 and h.foot.y0 < mine.y1 and mine.y0 < h.foot.y1]
+    hung = [
+        h.low - z
+        for h in room.hung
+        if h.low > z and h.foot.x0 < mine.x1 and mine.x0 < h.foot.x1 and h.foot.y0 < mine.y1 and mine.y0 < h.foot.y1
+    ]
     return min([place.clearance, room.frame.height - z, *hung])
 
 
@@ -134,9 +149,9 @@ def _turned(own: Piece, yaw: float) -> tuple[tuple[float, float], tuple[float, f
     return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
 
-def _add(room: Arrangement, stock: Stock, surface: _Surface, used: Counter[str]) -> bool:
-    """Put one more thing on a surface, of kinds of which the room has few; says whether there was place."""
-    own = _small(room, stock, surface, used)
+def _add(room: Arrangement, stock: Stock, surface: _Surface, used: Counter[str], name: str = "") -> bool:
+    """Put one more thing on a surface, of a kind or of one of which the room has few; says whether there was place."""
+    own = _small(room, stock, surface, used, [name] if name else surface.names)
     where = None if own is None else _free(room, own, surface)
     if own is None or where is None:
         return False
@@ -146,17 +161,19 @@ def _add(room: Arrangement, stock: Stock, surface: _Surface, used: Counter[str])
     c, s = math.cos(carrier.yaw), math.sin(carrier.yaw)
     px, py = float(place.center[0]) + x, float(place.center[1]) + y
     z = carrier.z + float(place.center[2]) + room.frame.gap
-    room.lay(Standing(own, carrier.x + c * px - s * py, carrier.y + s * px + c * py, z, carrier.yaw + yaw, carrier.id, place.body))
+    room.lay(
+        Standing(own, carrier.x + c * px - s * py, carrier.y + s * px + c * py, z, carrier.yaw + yaw, carrier.id, place.body)
+    )
     used[own.generator] += 1
     return True
 
 
-def _small(room: Arrangement, stock: Stock, surface: _Surface, used: Counter[str]) -> Piece | None:
+def _small(room: Arrangement, stock: Stock, surface: _Surface, used: Counter[str], names: Sequence[str]) -> Piece | None:
     """A small thing that fits between a surface and what is above it; rare ones are more likely."""
     across = min(surface.place.size)
-    share = np.array([1.0 / (1.0 + used[name]) for name in surface.names])
-    for _ in range(KINDS_TRIED):
-        own = stock.small(str(room.rng.choice(surface.names, p=share / share.sum())))
+    share = np.array([1.0 / (1.0 + used[name]) for name in names])
+    for _ in range(KINDS_TRIED if len(names) > 1 else 1):
+        own = stock.small(str(room.rng.choice(names, p=share / share.sum())))
         least = min(own.foot.x1 - own.foot.x0, own.foot.y1 - own.foot.y0)
         if own.height + 2 * room.frame.gap + 0.005 < surface.clearance and least + 2 * EDGE < across:
             return own

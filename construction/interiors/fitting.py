@@ -17,15 +17,13 @@ from .pieces import Piece, Stock
 from .walls import common_area, free_wall
 from .wishes import RoomKind, Wish
 
-__all__ = ["Fitted", "Item", "fitted"]
+__all__ = ["Fitted", "Item", "everything", "fitted"]
 
-FLOOR_SHARE = 0.55
-"""Own choice: share of the floor apart from doors that furniture takes, at most."""
 USE_SHARE = 0.2
 """Own choice: share of the floor from which a thing is used that counts; ways and other things use it too."""
-WALL_SHARE = 0.85
+WALL_SHARE = 0.8
 """Own choice: share of the length of walls beside doors along which furniture stands, at most."""
-TALL_SHARE = 0.8
+TALL_SHARE = 0.76
 """Own choice: the same of walls beside doors and windows, for what is higher than a sill or hangs there."""
 RUG_SHARE = 0.25
 """Own choice: share of the floor that is left which a rug covers, at most."""
@@ -33,6 +31,8 @@ BETWEEN = 0.05
 """[m] Own choice: wall that a thing takes beyond its width."""
 HIGH = 0.905
 """[m] Own choice: what is higher stands in front of windows."""
+MOST = {"above": 1, "on": 1, "before": 1, "facing": 1, "beside": 2}
+"""Companions of a thing by rule, at most."""
 GROUND = ("wall", "row", "free", "around", "before", "facing", "beside")
 ALONG_WALLS = ("wall", "row", "facing")
 
@@ -92,7 +92,7 @@ class _Budget:
 
 def fitted(frame: Frame, kind: RoomKind, space: FloorSpace, stock: Stock, rng: np.random.Generator) -> Fitted:
     """Choose what a room asks for: first all in their least sizes as long as the budgets last, then larger ones with what is left."""
-    budget = _budget(space)
+    budget = _budget(space, kind.floor_share)
     items: list[Item] = []
     extras: list[Item] = []
     left_out: list[str] = []
@@ -100,14 +100,14 @@ def fitted(frame: Frame, kind: RoomKind, space: FloorSpace, stock: Stock, rng: n
         low, high = wish.count
         for number in range(low + int(rng.integers(high - low + 1))):
             name = str(rng.choice(wish.generators))
-            pieces = [stock.take(name, parameters) for parameters in wish.parameter_sets()]
+            pieces = [stock.take(of or name, parameters) for of, parameters in wish.parameter_sets()]
             item = Item(wish, pieces, len(pieces) - 1)
-            anchors = [i for i in _all(items) if i.name == wish.to and i.wish.rule != "above"]
+            anchors = [i for i in everything(items) if i.name == wish.to and i.wish.rule != "above" and _free_for(i, wish)]
             cost = _cost(item)
             if number >= low:
                 extras.append(item)
             elif wish.to and not anchors:
-                left_out.append(f"{frame.id}: no {name}, as there is no {wish.to}")
+                left_out.append(f"{frame.id}: no {name}, as there is no {wish.to} for it")
             elif not budget.allows(cost):
                 left_out.append(f"{frame.id}: no {name}, as the room has too little {budget.short_of(cost)} left for it")
             else:
@@ -116,14 +116,19 @@ def fitted(frame: Frame, kind: RoomKind, space: FloorSpace, stock: Stock, rng: n
                     min(anchors, key=lambda a: len(a.companions)).companions.append(item)
                 else:
                     items.append(item)
-    for item in _all(items):
+    for item in everything(items):
         _enlarge(item, budget)
     return Fitted(items, extras, left_out)
 
 
-def _all(items: list[Item]) -> list[Item]:
-    """Items and their companions, and those of them."""
-    return [j for i in items for j in (i, *_all(i.companions))]
+def everything(items: list[Item]) -> list[Item]:
+    """Items and their companions, and those of these."""
+    return [j for i in items for j in (i, *everything(i.companions))]
+
+
+def _free_for(anchor: Item, wish: Wish) -> bool:
+    """True if a thing has not as many companions of a rule as there is place for."""
+    return sum(c.wish.rule == wish.rule for c in anchor.companions) < MOST.get(wish.rule, len(anchor.companions) + 1)
 
 
 def _enlarge(item: Item, budget: _Budget) -> None:
@@ -154,10 +159,10 @@ def _cost(item: Item) -> tuple[float, float, float]:
     return _floor(wish, piece), along, high
 
 
-def _budget(space: FloorSpace) -> _Budget:
+def _budget(space: FloorSpace, floor_share: float) -> _Budget:
     r = space.room
     area = (r.x1 - r.x0) * (r.y1 - r.y0) - sum(common_area(d, r) for d in space.doors)
     windows = [rect for rect, _ in space.windows]
     return _Budget(
-        FLOOR_SHARE * area, WALL_SHARE * free_wall(r, space.doors), TALL_SHARE * free_wall(r, [*space.doors, *windows])
+        floor_share * area, WALL_SHARE * free_wall(r, space.doors), TALL_SHARE * free_wall(r, [*space.doors, *windows])
     )

@@ -16,7 +16,7 @@ import numpy as np
 from ..assets.made import Place
 from .arrangement import Arrangement, Frame, Standing, over, within
 from .clutter import Wanted, fill
-from .fitting import Fitted, Item, fitted
+from .fitting import Fitted, Item, everything, fitted
 from .floor_space import FloorSpace, Spot
 from .hanging import ROOM_ABOVE, hang
 from .pieces import Piece, Stock
@@ -26,8 +26,10 @@ from .wishes import RoomKind, Wish
 
 __all__ = ["Frame", "Furnished", "Standing", "furnished"]
 
-ROUNDS = 16
+ROUNDS = 40
 """Own choice: times that a room is furnished anew at most."""
+SHRINK = 4
+"""Own choice: rounds after which things are tried in their next smaller sizes."""
 GROUP_TRIES = 30
 """Own choice: places of a thing at which its companions are tried."""
 URGENCY = 1.5
@@ -102,6 +104,9 @@ def _best_round(room: Arrangement, asked: Fitted) -> list[tuple[str, str]]:
             break
         for item, _ in failed:
             urgency[id(item)] += 1
+        if number % SHRINK == SHRINK - 1:
+            for item in everything(asked.items):
+                item.size = min(item.size + 1, len(item.pieces) - 1)
         room.back(start)
     assert best is not None
     told, kept = best

@@ -92,11 +92,17 @@ def _barred(room: Arrangement, own: Piece, foot: Rect, z: float, *, close: bool)
         return "a door or window"
     if thick > BESIDE and any(over(near, d) for d in room.space.doors):
         return "the free space of a door"
-    if any(over(near, h.foot) and z < h.high + 0.03 and z + tall + ROOM_ABOVE * bool(own.made.places) > h.low - 0.03 for h in room.hung):
+    if any(
+        over(near, h.foot) and z < h.high + 0.03 and z + tall + ROOM_ABOVE * bool(own.made.places) > h.low - 0.03
+        for h in room.hung
+    ):
         return "what hangs there"
     if z + tall > room.frame.height - UNDER_CEILING or z < UNDER_CEILING:
         return "the ceiling"
     free = CLOSE if close else ROOM_ABOVE
-    if any(over(near, rect) and z < s.z + s.piece.height + (free if over(foot, rect, 0.0) else ROOM_ABOVE) for s, rect in room.on_floor()):
+    if any(
+        over(near, rect) and z < s.z + s.piece.height + (free if over(foot, rect, 0.0) else ROOM_ABOVE)
+        for s, rect in room.on_floor()
+    ):
         return "furniture"
     return None

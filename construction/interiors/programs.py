@@ -46,7 +46,12 @@ def _widths(*values: float) -> tuple[dict[str, float], ...]:
 
 
 def _pictures(count: int, most: int = 0) -> Wish:
-    sizes = ({}, {"width": 0.4, "height": 0.5}, {"width": 0.24, "height": 0.32}, {"width": 0.2, "height": 0.2})
+    sizes: tuple[dict[str, float], ...] = (
+        {},
+        {"width": 0.4, "height": 0.5},
+        {"width": 0.24, "height": 0.32},
+        {"width": 0.2, "height": 0.2},
+    )
     return _w("picture_frame", rule="hung", count=(count, max(count, most)), height=1.6, sizes=sizes)
 
 
@@ -56,11 +61,20 @@ def _shelf(count: int, most: int = 0, *, height: float = 1.35) -> Wish:
 
 def _upper(count: int = 1, most: int = 0) -> Wish:
     """Shelves over other shelves."""
-    return _w("wall_shelf", rule="above", to="wall_shelf", count=(count, max(count, most)), height=1.95, sizes=_widths(0.8, 0.6, 0.45, 0.3))
+    return _w(
+        "wall_shelf",
+        rule="above",
+        to="wall_shelf",
+        count=(count, max(count, most)),
+        height=1.95,
+        sizes=_widths(0.8, 0.6, 0.45, 0.3),
+    )
 
 
 def _bookcase(count: int = 1, most: int = 0, *, depth: float = 0.28, use: float = 0.45) -> Wish:
-    return _w("bookcase", count=(count, max(count, most)), use=use, parameters={"depth": depth}, sizes=_widths(0.9, 0.7, 0.55, 0.4))
+    return _w(
+        "bookcase", count=(count, max(count, most)), use=use, parameters={"depth": depth}, sizes=_widths(0.9, 0.7, 0.55, 0.4)
+    )
 
 
 def _rug(*sizes: tuple[float, float]) -> Wish:
@@ -72,6 +86,7 @@ MIRROR = _w("wall_mirror", rule="hung", height=1.5, sizes=({}, {"width": 0.4, "h
 CLOCK = _w("wall_clock", rule="hung", height=1.95)
 CHAIRS = _w("chair", rule="around", to="table", count=(2, 4), seat=True)
 CHEST = _w("chest_of_drawers", use=0.5, sizes=_widths(0.9, 0.7, 0.6))
+SHOWER = {"of": "shower_tray", "width": 0.75, "depth": 0.75}
 CUPBOARD = _w("cupboard", use=0.5, sizes=({}, {"width": 0.7}, {"width": 0.5, "depth": 0.32}))
 BOOKS = (
     "book", "row_of_books", "pile_of_books", "vase", "chest", "jar", "flower_pot", "toy_duck", "lantern", "bowl", "candlestick", "candle", "mug",
@@ -183,21 +198,23 @@ KINDS: Mapping[str, RoomKind] = {
     "bathroom": RoomKind(
         6.5, 1.8, 2.2, False, "porcelain",
         (
-            _w("bathtub", use=0.4, sizes=({}, {"length": 1.5, "width": 0.7}, {"length": 1.4, "width": 0.68})),
             _w("washbasin", use=0.5),
             _w("toilet", use=0.5),
+            _w("bathtub", use=0.4, sizes=({}, {"length": 1.5, "width": 0.7}, {"length": 1.4, "width": 0.68}, SHOWER)),
             _w("wall_mirror", rule="above", to="washbasin", height=1.5, sizes=({"width": 0.4, "height": 0.6}, {"width": 0.4, "height": 0.5})),
             _bookcase(depth=0.24, use=0.4),
             _shelf(2),
-            _upper(),
+            _upper(2),
             _w("cupboard", use=0.4, parameters={"depth": 0.3, "height": 0.9}, sizes=_widths(0.7, 0.5)),
             _w("wall_cabinet", rule="hung", height=1.65, parameters={"depth": 0.25}, sizes=_widths(0.6, 0.45, 0.35)),
-            _shelf(1),
             _w("stool", seat=True),
+            _shelf(1, 2),
+            _upper(),
             _rug((0.9, 0.6), (0.7, 0.5)),
         ),
         {"stool": ("towels",), "bathtub": ("toy_duck", "toy_duck", "bottle"), "": WASH},
         ("bucket", "basket"),
+        floor_share=0.58,
     ),
     "hall": RoomKind(
         9.5, 1.3, 6.0, False, "limestone",
@@ -212,8 +229,10 @@ KINDS: Mapping[str, RoomKind] = {
             _upper(),
             _w("barrel", parameters={"height": 0.5, "diameter": 0.26, "open": True}),
             _w("table", use=0.3, parameters={"depth": 0.4, "height": 0.8, "leg": 0.04}, sizes=_widths(0.8, 0.6, 0.5)),
-            _pictures(1, 3),
+            _pictures(2, 3),
             _w("stool", seat=True),
+            _shelf(1),
+            _upper(),
             CLOCK,
             _rug((1.8, 0.6), (1.3, 0.55), (0.9, 0.5), (0.7, 0.5)),
             _bookcase(0, 1, depth=0.24, use=0.3),
@@ -253,7 +272,7 @@ KINDS: Mapping[str, RoomKind] = {
             "desk": ("table_lamp", "book", "mug", "chest", "jar", "apple", "pile_of_books", "glass"),
             "": ("book", "vase", "chest", "mug", "jar", "lantern", "flower_pot", "pile_of_books"),
         },
-        ("basket", "suitcase", "cardboard_box"),
+        ("basket", "suitcase", "flower_pot"),
     ),
     "workshop": RoomKind(
         18.0, 3.0, 2.0, True, "concrete_c30",
@@ -277,7 +296,7 @@ KINDS: Mapping[str, RoomKind] = {
         6.0, 1.6, 3.0, False, "concrete_c30",
         (
             _bookcase(2, use=0.5),
-            _w("cupboard", use=0.5, sizes=({}, {"width": 0.7}, {"width": 0.5, "depth": 0.32})),
+            CUPBOARD,
             _shelf(1),
             _bookcase(1, 2, use=0.5),
             _w("barrel", count=(0, 2), sizes=({}, {"height": 0.6, "diameter": 0.42})),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from .arrangement import Arrangement, Standing
+from .arrangement import Arrangement, Standing, over
 from .floor_space import APART, Spot, turned_size
 from .pieces import Piece
 from .plans import Rect
@@ -33,8 +33,10 @@ def spots(room: Arrangement, wish: Wish, own: Piece, anchor: Standing | None) ->
         yield from along_walls(room, own)
     elif wish.rule == "row":
         yield from _in_row(room, own)
-    elif wish.rule in ("free", "flat"):
+    elif wish.rule == "free":
         yield from _anywhere(room, own)
+    elif wish.rule == "flat":
+        yield from sorted(_anywhere(room, own), key=lambda s: _out_of_place(room, s.rect(own.foot)))
     else:
         others = [anchor] if anchor is not None else [s for s in room.standing if s.piece.generator == wish.to]
         for other in others:
@@ -95,6 +97,13 @@ def _anywhere(room: Arrangement, own: Piece) -> Iterator[Spot]:
             continue
         low = (room.rng.uniform(r.x0 + APART, r.x1 - wide - APART), room.rng.uniform(r.y0 + APART, r.y1 - deep - APART))
         yield at_corner(own, quarter, (float(low[0]), float(low[1])))
+
+
+def _out_of_place(room: Arrangement, foot: Rect) -> tuple[bool, bool]:
+    """Faults of a place for a rug: it lies before a door, or across the room."""
+    r = room.space.room
+    across = (r.x1 - r.x0 > r.y1 - r.y0) != (foot.x1 - foot.x0 > foot.y1 - foot.y0)
+    return any(over(foot, d, 0.0) for d in room.space.doors), across
 
 
 def _relative(room: Arrangement, rule: str, own: Piece, other: Standing, spot: Spot) -> Iterator[Spot]:

@@ -12,7 +12,19 @@ import numpy as np
 from ...worlds.errors import InputError
 from .plans import OUTSIDE, Plan, Rect
 
-__all__ = ["CORNER", "Block", "Opening", "clear_rect", "common_area", "doors_of", "floor_blocks", "free_wall", "swing", "wall_blocks", "windows_of"]
+__all__ = [
+    "CORNER",
+    "Block",
+    "Opening",
+    "clear_rect",
+    "common_area",
+    "doors_of",
+    "floor_blocks",
+    "free_wall",
+    "swing",
+    "wall_blocks",
+    "windows_of",
+]
 
 CORNER = 0.12
 """[m] Own choice: wall that is left between an opening and the corner of a room."""

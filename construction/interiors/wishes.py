@@ -32,11 +32,11 @@ class Wish:
     """Height above the floor of the middle of what hangs on a wall [m]."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
     sizes: tuple[Mapping[str, Any], ...] = ({},)
-    """Further parameters, the most welcome first: the next are for smaller rooms."""
+    """Further parameters, the most welcome first: the next are for smaller rooms. With `of` it is a thing of that generator instead."""
 
-    def parameter_sets(self) -> tuple[dict[str, Any], ...]:
-        """All parameters of each size."""
-        return tuple({**self.parameters, **size} for size in self.sizes)
+    def parameter_sets(self) -> tuple[tuple[str, dict[str, Any]], ...]:
+        """Other generator, if any, and all parameters of each size."""
+        return tuple((str(s.get("of", "")), {**self.parameters, **{k: v for k, v in s.items() if k != "of"}}) for s in self.sizes)
 
 
 @dataclass(frozen=True)
@@ -56,3 +56,5 @@ class RoomKind:
     """Small things by the generator of what they lie on; "" for all other furniture with surfaces."""
     loose: tuple[str, ...] = ()
     """Small things on the floor along the walls."""
+    floor_share: float = 0.5
+    """Own choice: share of the floor apart from doors that furniture takes, at most."""

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "480aec3b146461021de28d15484bddca69063b75282e6b89d09ec155a13e9e15"
+SCHEMA = "4cae11d35420762a4d8ab7621e58c736435dcfac0cffd8152bee18fb7af5550f"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -50,7 +50,7 @@ class Frame(NamedTuple):
 
 
 class Hung(NamedTuple):
-    """What hangs on a wall: from above, and from which height to which [m]."""
+    """A thing on a wall: from above, and from which height to which [m]."""
 
     foot: Rect
     low: float
@@ -58,7 +58,7 @@ class Hung(NamedTuple):
 
 
 class Mark(NamedTuple):
-    """How much stood in a room at some time."""
+    """Numbers of things that stood in a room at some time."""
 
     standing: int
     hung: int

@@ -1,4 +1,4 @@
-"""What lies on the surfaces of a room, by function of what it lies on, each where its box touches no other (R95)."""
+"""Small things on the surfaces of a room, by function of what it lies on, each where its box touches no other (R95)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a program a room has space for, decided before anything is placed (R95).
+"""The part of a program that a room has space for, decided before anything is placed (R95).
 
 Two budgets, floor and wall: a small room, or one whose walls are doors, asks for less furniture, the least important left out first, and
 for smaller sizes of it. All that is granted here has to find a place afterwards.
@@ -45,7 +45,7 @@ class Item:
     pieces: list[Piece]
     """Its sizes, the most welcome first."""
     size: int
-    """Of these, the first that is tried."""
+    """Index of the first of these that is tried."""
     companions: list[Item] = field(default_factory=list)
     """Things that belong to it and are placed with it."""
 
@@ -61,7 +61,7 @@ class Item:
 
 
 class Fitted(NamedTuple):
-    """What a room asks for after it was fitted to its size."""
+    """Things that a room asks for after its program was fitted to its size."""
 
     items: list[Item]
     """Needed, in order of importance; companions stand in theirs."""

@@ -1,4 +1,4 @@
-"""What hangs on the walls of a room: where no opening, no furniture and nothing else that hangs is in the way (R48, R95)."""
+"""Things on the walls of a room: where no opening, no furniture and nothing else that hangs is in the way (R48, R95)."""
 
 from __future__ import annotations
 

@@ -32,7 +32,6 @@ SMALL: Mapping[str, Mapping[str, Any]] = {
     "wooden_crate": {"width": 0.34, "depth": 0.22, "height": 0.16},
     "candlestick": {"candle": 0.0},
     "bottle": {"stopper": "none"},
-    "picture_frame": {"width": 0.18, "height": 0.24},
 }
 """Parameters of things where they lie on others."""
 
@@ -212,7 +211,7 @@ KINDS: Mapping[str, RoomKind] = {
             _upper(),
             _rug((0.9, 0.6), (0.7, 0.5)),
         ),
-        {"stool": ("towels",), "bathtub": ("toy_duck", "toy_duck", "bottle"), "": WASH},
+        {"stool": ("towels",), "": WASH},
         ("bucket", "basket"),
         floor_share=0.58,
     ),
@@ -245,7 +244,7 @@ KINDS: Mapping[str, RoomKind] = {
             "stool": ("basket", "towels", "book"),
             "": (
                 "vase", "bowl", "chest", "book", "lantern", "jar", "flower_pot", "basket", "jug", "candlestick", "pile_of_books", "towels", "mug",
-                "candle", "tin_can", "picture_frame",
+                "candle", "tin_can",
             ),
         },
         ("suitcase", "basket", "bucket"),

@@ -39,6 +39,8 @@ def test_all_things_that_rooms_ask_for_have_generators() -> None:
             | set(kind.loose)
         )
         assert wanted <= set(GENERATORS), wanted - set(GENERATORS)
+        small = {g for c in kind.clutter.values() for g in c} | set(kind.loose)
+        assert {g for g in small if not GENERATORS[g].stands} == set(), "what lies on others stands by itself"
         made = {g for wish in kind.wishes for g in wish.generators}
         assert {w.to for w in kind.wishes if w.to} <= made
 

@@ -18,7 +18,7 @@ from .furnishing import Frame, Standing, furnished
 from .pieces import Piece, Stock, made_piece
 from .plans import OUTSIDE, Need, Plan, Rect, solve_plan
 from .programs import KINDS
-from .walls import CORNER, Block, Opening, clear_rect, doors_of, floor_blocks, wall_blocks, windows_of
+from .walls import CORNER, Block, Opening, clear_rect, doors_of, floor_blocks, hinge, wall_blocks, windows_of
 
 __all__ = ["BuiltInterior", "build_interior"]
 
@@ -84,7 +84,7 @@ def build_interior(name: str, interior: Interior, *, gap: float) -> BuiltInterio
     stock = Stock(rng)
     for room, rect in plan.rooms.items():
         own = clear_rect(rect, wall)
-        space = FloorSpace(own, [o for o in (*doors, *windows) if _beside(o, own, wall)], wall)
+        space = FloorSpace(own, [o for o in (*doors, *windows) if _beside(o, own, wall)], wall, name=room)
         frame = Frame(f"{name}_{room}", interior.height, gap)
         _furnish(found, frame, interior.rooms[room], space, _Supply(stock, interior.density, rng), name)
     _routes(found, name, interior, pairs)
@@ -162,7 +162,7 @@ def _hang_door(found: BuiltInterior, name: str, interior: Interior, door: Openin
     """A door in its opening, ajar into the room that it belongs to."""
     parameters = {
         "width": interior.door, "height": DOOR_HEIGHT, "depth": round(interior.wall + 2 * LOOSE, 6),
-        "hinged": str(rng.choice(["left", "right"])), "style": "panelled" if door.rooms[1] != OUTSIDE else "planks",
+        "hinged": hinge(door, found.plan.rooms[door.rooms[0]]), "style": "panelled" if door.rooms[1] != OUTSIDE else "planks",
     }  # fmt: skip
     own = made_piece("door", parameters, int(rng.integers(2**31)))
     _asset(

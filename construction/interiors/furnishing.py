@@ -9,7 +9,7 @@ doi:10.1613/jair.561), and the best of a few such rounds stays.
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -116,7 +116,7 @@ def _best_round(room: Arrangement, asked: Fitted) -> list[tuple[str, str]]:
 
 
 def _copy(room: Arrangement) -> Arrangement:
-    space = FloorSpace(room.space.room, room.space.openings, room.space.wall, [*room.space.solid], [*room.space.access])
+    space = replace(room.space, solid=[*room.space.solid], access=[*room.space.access])
     return Arrangement(room.frame, space, room.rng, [*room.standing], [*room.hung], [*room.flat])
 
 

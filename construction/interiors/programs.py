@@ -216,7 +216,7 @@ KINDS: Mapping[str, RoomKind] = {
         floor_share=0.58,
     ),
     "hall": RoomKind(
-        9.5, 1.3, 6.0, False, "limestone",
+        9.5, 1.55, 5.0, False, "limestone",
         (
             _bookcase(depth=0.26, use=0.3),
             _w("coat_rack", sizes=({}, {"reach": 0.24})),

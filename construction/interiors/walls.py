@@ -21,6 +21,8 @@ __all__ = [
     "doors_of",
     "floor_blocks",
     "free_wall",
+    "hinge",
+    "leaf",
     "swing",
     "wall_blocks",
     "windows_of",
@@ -35,6 +37,8 @@ CASING = 0.08
 MOST_WINDOW = 1.6
 """[m] Own choice: width of a window at most; longer walls get several."""
 LEAST_WINDOW = 0.5
+LEAF_REACH, LEAF_ACROSS = 0.955, 0.26
+"""Reach of an open leaf (80 degrees) into its room, and its extent along the wall less a cell of ways, over the width of the opening."""
 STRIP = 0.35
 """[m] Own choice: depth before a wall that has to be free for furniture along it."""
 LEAST_WALL = 0.45
@@ -259,6 +263,29 @@ def floor_blocks(plan: Plan, *, wall: float, thickness: float) -> dict[str, Bloc
         y0, y1 = (r.y0 - (wall / 2 if r.y0 <= 1e-9 else 0.0), r.y1 + (wall / 2 if r.y1 >= plan.depth - 1e-9 else 0.0))
         found[name] = Block((x0, y0, -thickness), (x1, y1, 0.0))
     return found
+
+
+def hinge(opening: Opening, room: Rect) -> Literal["left", "right"]:
+    """Side of a door's hinges seen from the room into which it opens, so that its leaf stands towards the nearer wall."""
+    x, y = opening.center
+    if opening.along == "x":
+        near_low, left_is_low = 2 * x < room.x0 + room.x1, y > (room.y0 + room.y1) / 2
+    else:
+        near_low, left_is_low = 2 * y < room.y0 + room.y1, x < (room.x0 + room.x1) / 2
+    return "left" if near_low == left_is_low else "right"
+
+
+def leaf(opening: Opening, room: Rect) -> Rect:
+    """Floor under the open leaf of a door that opens into a room, hinged as `hinge` says."""
+    (x, y), half = opening.center, opening.width / 2
+    along, (start, end) = (x, (room.x0, room.x1)) if opening.along == "x" else (y, (room.y0, room.y1))
+    low = along - half if 2 * along < start + end else along + half - LEAF_ACROSS * opening.width
+    high = low + LEAF_ACROSS * opening.width
+    if opening.along == "x":
+        far = y - LEAF_REACH * opening.width if y > (room.y0 + room.y1) / 2 else y + LEAF_REACH * opening.width
+        return Rect(low, min(y, far), high, max(y, far))
+    far = x - LEAF_REACH * opening.width if x > (room.x0 + room.x1) / 2 else x + LEAF_REACH * opening.width
+    return Rect(min(x, far), low, max(x, far), high)
 
 
 def common_area(a: Rect, b: Rect) -> float:

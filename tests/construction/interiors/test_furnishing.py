@@ -14,7 +14,7 @@ from worldagent.construction.interiors.furnishing import Frame, Furnished, Stand
 from worldagent.construction.interiors.pieces import Stock
 from worldagent.construction.interiors.plans import Rect
 from worldagent.construction.interiors.programs import KINDS
-from worldagent.construction.interiors.walls import Opening
+from worldagent.construction.interiors.walls import Opening, clear_rect, leaf
 from worldagent.construction.interiors.wishes import RoomKind, Wish
 from worldagent.worlds.spec import Interior
 
@@ -219,3 +219,22 @@ def test_an_interior_is_a_specification_with_regions_routes_and_supports() -> No
     assert again.entities == made.entities
     other = build_interior("house", asked.model_copy(update={"seed": 4}), gap=GAP)
     assert other.entities != made.entities
+
+
+def test_open_leaves_stand_where_ways_keep_clear_of_them() -> None:
+    """Law: the leaf of the built door is where the floor says, towards the nearer wall of the room into which it opens."""
+    asked = Interior.model_validate(
+        {"rooms": {"hall": {"kind": "hall", "doors": ["outside"]}, "study": {"kind": "study", "doors": ["hall"]}}, "density": 0.0}
+    )
+    for seed in range(3):
+        made = build_interior("house", asked.model_copy(update={"seed": seed}), gap=GAP)
+        for room, door in (("hall", "hall_outside"), ("study", "study_hall")):
+            frame, stands = made.entities[f"house_{door}_door"]["pose"], made.entities[f"house_{door}_door_leaf"]["pose"]
+            own = made.plan.rooms[room]
+            x, y = (float(frame["position"][k]) - made.corner[k] for k in (0, 1))
+            along = "x" if min(abs(y - own.y0), abs(y - own.y1)) < 1e-6 else "y"
+            opening = Opening(door, "door", along, (x, y), 0.9502, 0.0, 2.07, (room, ""))
+            under = leaf(opening, clear_rect(own, WALL))
+            at = [float(stands["position"][k]) - made.corner[k] for k in (0, 1)]
+            assert under.x0 - 0.06 <= at[0] <= under.x1 + 0.06, (seed, door)
+            assert under.y0 - 0.06 <= at[1] <= under.y1 + 0.06, (seed, door)

@@ -36,7 +36,7 @@ MOST_ON_SURFACE = 9
 CROWDED = 16
 """Own choice: small things on one surface at most, where a number of things is asked for."""
 BULKY = 5e-3
-"""[m^3] Own choice: what is larger (a chest, no jar) does not stand where a window's sash swings; smaller things it pushes away."""
+"""[m^3] Own choice: what is larger (a crate, no jar) does not stand where a window's sash swings; smaller things it pushes away."""
 CLOSED = 0.3
 """[m] Own choice: drawers and shelves with less free height than this are filled last; what lies in drawers is not seen."""
 

@@ -125,7 +125,8 @@ def _round(room: Arrangement, items: list[Item], urgency: Counter[int], number: 
     failed = []
 
     def when(item: Item) -> tuple[int, float]:
-        late = {"hung": 1, "above": 1, "flat": 2}.get(item.wish.rule, 0)
+        # What stands in rows has one place each.
+        late = {"pairs": -1, "line": -1, "hung": 1, "above": 1, "flat": 2}.get(item.wish.rule, 0)
         # What is urgent hangs before furniture is in the way.
         late = 0 if late == 1 and urgency[id(item)] >= 2 else late
         noise = 1.0 + 0.25 * float(room.rng.random()) * min(number, 2)

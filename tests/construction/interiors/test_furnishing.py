@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from worldagent.construction.assets.registry import GENERATORS
+from worldagent.construction.interiors.arrangement import within
 from worldagent.construction.interiors.build import build_interior
 from worldagent.construction.interiors.fitting import everything, fitted
 from worldagent.construction.interiors.floor_space import FloorSpace, Spot
@@ -14,7 +15,7 @@ from worldagent.construction.interiors.furnishing import Frame, Furnished, Stand
 from worldagent.construction.interiors.pieces import Stock
 from worldagent.construction.interiors.plans import Rect
 from worldagent.construction.interiors.programs import KINDS
-from worldagent.construction.interiors.walls import Opening, clear_rect, leaf
+from worldagent.construction.interiors.walls import Opening, clear_rect, leaves
 from worldagent.construction.interiors.wishes import RoomKind, Wish
 from worldagent.worlds.spec import Interior
 
@@ -236,7 +237,60 @@ def test_open_leaves_stand_where_ways_keep_clear_of_them() -> None:
             x, y = (float(frame["position"][k]) - made.corner[k] for k in (0, 1))
             along = "x" if min(abs(y - own.y0), abs(y - own.y1)) < 1e-6 else "y"
             opening = Opening(door, "door", along, (x, y), 0.9502, 0.0, 2.07, (room, ""))
-            under = leaf(opening, clear_rect(own, WALL))
+            (under,) = leaves(opening, clear_rect(own, WALL))
             at = [float(stands["position"][k]) - made.corner[k] for k in (0, 1)]
             assert under.x0 - 0.06 <= at[0] <= under.x1 + 0.06, (seed, door)
             assert under.y0 - 0.06 <= at[1] <= under.y1 + 0.06, (seed, door)
+
+
+def test_a_gate_has_two_leaves_that_stand_open_at_both_sides_of_the_way_in() -> None:
+    gate = Opening("gate", "door", "x", (2.5, -WALL / 2), 2.0, 0.0, 2.6, ("room", "outside"))
+    left, right = leaves(gate, ROOM)
+    assert (left.x0, right.x1) == pytest.approx((1.5, 3.5))
+    assert right.x0 - left.x1 > 1.2
+    assert 0.8 < left.y1 == right.y1 < 1.0
+    space = FloorSpace(ROOM, [gate], WALL, name="room")
+    assert (space.leaves, space.entries[0][0]) == ([left, right], 2.5)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_drawers_come_out_over_free_floor(seed: int) -> None:
+    """Law: before every thing with drawers the floor is free for their whole travel, but for the chair of a desk."""
+    for kind in ("study", "bedroom"):
+        things = _furnished(KINDS[kind], seed=seed).standing
+        ground = [t for t in things if t.carrier == "floor" and t.piece.height > 0.03]
+        with_drawers = 0
+        for thing in ground:
+            travels = [j.range[1] for j in thing.piece.made.joints.values() if j.kind == "slide" and j.range is not None]
+            if travels and thing.spot is not None:
+                with_drawers += 1
+                foot = thing.piece.foot
+                drawn = thing.spot.rect(Rect(foot.x0, foot.y0 - max(travels), foot.x1, foot.y0))
+                assert within(drawn, Rect(ROOM.x0 - 1e-9, ROOM.y0 - 1e-9, ROOM.x1 + 1e-9, ROOM.y1 + 1e-9)), thing.id
+                met = {o.piece.generator for o in ground if o is not thing and _meet(drawn, _foot(o))}
+                assert met <= {"chair"}, (thing.id, met)
+        assert with_drawers >= 1
+
+
+def test_nothing_bulky_lies_where_a_sash_swings() -> None:
+    tables = RoomKind(
+        9.0, 2.0, 3.0, False, "oak", (Wish(("table",), rule="free", count=(4, 4)),), {"table": ("wooden_crate",)}, floor_share=1.0
+    )
+    wide = Opening("window", "window", "y", (5.0 + WALL / 2, 2.25), 4.0, 0.7, 2.1, ("room", "outside"))
+    near = []
+    for openings in ([], [wide]):
+        found = [_furnished(tables, space=FloorSpace(ROOM, openings, WALL), things=30, seed=s).standing for s in range(4)]
+        near.append(sum(t.piece.generator == "wooden_crate" and t.x > 4.6 for things in found for t in things))
+    assert near[0] > 0, "without a window they lie there"
+    assert near[1] == 0
+
+
+def test_nothing_stands_on_a_rug_where_a_door_turns() -> None:
+    rugs = RoomKind(
+        9.0, 2.0, 3.0, False, "oak", (Wish(("rug",), rule="flat", parameters={"width": 4.6, "depth": 4.2}),), {"rug": ("basket",)}, floor_share=1.0
+    )  # fmt: skip
+    space = _space()
+    things = [t for s in range(4) for t in _furnished(rugs, space=space, things=12, seed=s).standing]
+    baskets = [t for t in things if t.piece.generator == "basket"]
+    assert len(baskets) > 20
+    assert not any(space.before_door(Rect(t.x - 0.1, t.y - 0.1, t.x + 0.1, t.y + 0.1)) for t in baskets)

@@ -287,9 +287,9 @@ def test_nothing_bulky_lies_where_a_sash_swings() -> None:
 
 def test_nothing_stands_on_a_rug_where_a_door_turns() -> None:
     rugs = RoomKind(
-        9.0, 2.0, 3.0, False, "oak", (Wish(("rug",), rule="flat", parameters={"width": 4.6, "depth": 4.2}),), {"rug": ("basket",)}, floor_share=1.0
+        9.0, 2.0, 3.0, False, "oak", (Wish(("rug",), rule="flat", parameters={"width": 3.2, "depth": 2.4}),), {"rug": ("basket",)}, floor_share=1.0
     )  # fmt: skip
-    space = _space()
+    space = FloorSpace(Rect(0.0, 0.0, 3.6, 2.6), [DOOR], WALL)
     things = [t for s in range(4) for t in _furnished(rugs, space=space, things=12, seed=s).standing]
     baskets = [t for t in things if t.piece.generator == "basket"]
     assert len(baskets) > 20

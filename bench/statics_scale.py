@@ -2,7 +2,7 @@
 
     worldagent bench statics-scale
 
-Three furnished flats side by side (`bench/interiors.py`, seeds 0, 1, 2) in one world. Counted: reading what was built, and every row of the
+Three furnished flats side by side (`ROOMS`, seeds 0, 1, 2) in one world. Counted: reading what was built, and every row of the
 checks `interpenetration` and `support`; not counted: making the things, and loading the kernels, which happens once per process. The peer
 is the collision manager of trimesh (fcl), which gets the same meshes at the same places and says which of them touch; it measures no
 distance, so that it has less to do.
@@ -28,11 +28,19 @@ from ..worlds.built import BuiltEntity
 from ..worlds.candidate import Candidate
 from ..worlds.patch import apply_patch
 from ..worlds.spec import Interior, WorldSpec
-from .interiors import GAP, ROOMS
+from .interiors import GAP
 
 __all__ = ["run"]
 
 FLATS = 3
+ROOMS: dict[str, dict[str, Any]] = {
+    "hall": {"kind": "hall", "doors": ["outside"]},
+    "living": {"kind": "living", "doors": ["hall"]},
+    "kitchen": {"kind": "kitchen", "doors": ["hall", "living"]},
+    "bedroom": {"kind": "bedroom", "doors": ["hall"]},
+    "study": {"kind": "study", "doors": ["hall"]},
+    "bath": {"kind": "bathroom", "doors": ["hall"]},
+}
 APART = 25.0
 """[m] From the middle of a flat to that of the next."""
 CHECKS = ("interpenetration", "support")
@@ -104,7 +112,9 @@ def _trimesh(spec: WorldSpec, built: dict[str, BuiltEntity]) -> tuple[float, int
         manager.add_object(name, mesh)
     _, names = manager.in_collision_internal(return_names=True)
     took = time.perf_counter() - began
-    return took, len({tuple(sorted((a.split("\n")[0], b.split("\n")[0]))) for a, b in names if a.split("\n")[0] != b.split("\n")[0]})
+    return took, len(
+        {tuple(sorted((a.split("\n")[0], b.split("\n")[0]))) for a, b in names if a.split("\n")[0] != b.split("\n")[0]}
+    )
 
 
 if __name__ == "__main__":

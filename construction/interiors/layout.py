@@ -178,7 +178,8 @@ def _need(interior: Interior, name: str, room: Room) -> Need:
         flight = room.steps * GOING
         area = room.area or width * max(2 * width, length + flight)
         return Need(area, width, own.aspect, doors, daylight, (room.storey,), False, True, flight)
-    return Need(room.area or own.area, own.width, own.aspect, doors, daylight, (room.storey,), room.area is not None)
+    width = own.width if room.furniture or own.bare_width is None else own.bare_width
+    return Need(room.area or own.area, width, own.aspect, doors, daylight, (room.storey,), room.area is not None)
 
 
 def _joined(interior: Interior, name: str, room: Room) -> tuple[int, ...]:

@@ -249,6 +249,7 @@ KINDS: Mapping[str, RoomKind] = {
             ),
         },
         ("suitcase", "basket", "bucket"),
+        bare_width=1.3,
     ),
     "study": RoomKind(
         11.0, 2.4, 2.0, True, "oak",

@@ -71,3 +71,5 @@ class RoomKind:
     """Clear width and height of its doors to the outside, with two leaves [m]; None for doors as asked for."""
     high: bool = False
     """Its windows are under the ceiling."""
+    bare_width: float | None = None
+    """Least clear side without furniture [m]; None: the same as with it."""

@@ -58,6 +58,9 @@ def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     if made.lacking:
         data["not_placed"] = made.lacking[:SHOWN]
         data["not_placed_total"] = len(made.lacking)
+    if made.left_out:
+        data["left_out"] = made.left_out[:SHOWN]
+        data["left_out_total"] = len(made.left_out)
     outcome = session.commit(after, patch=operations, hypothesis=payload.get("hypothesis", ""), follows=follows)
     data |= {k: v for k, v in outcome.items() if k not in ("changed", "stale")}
     report = session.audit()

@@ -101,10 +101,12 @@ def _room(found: BuiltInterior, name: str, interior: Interior, storey: Storey, p
     standing: list[Standing] = []
     if asked.furniture and asked.kind != "stairs":
         openings = [replace(o, sill=o.sill - level, head=o.head - level) for o in storey.openings if _beside(o, rect, wall)]
-        space = FloorSpace(rect, openings, wall)
+        space = FloorSpace(rect, openings, wall, name=part)
         kind = KINDS[asked.kind]
-        standing, lacking = furnished(frame, kind, space, supply.stock, density=supply.density, rng=supply.rng)
-        found.lacking += lacking
+        filled = furnished(frame, kind, space, supply.stock, density=supply.density, rng=supply.rng, things=asked.things)
+        standing = filled.standing
+        found.lacking += filled.lacking
+        found.left_out += filled.left_out
     for thing in standing:
         _stand(found, name, storey, thing, level)
     found.rooms[part + suffix(storey.number) if asked.kind == "stairs" else part] = {

@@ -40,6 +40,8 @@ class BuiltInterior:
     """Height of the floor of a building on the ground, greatest height of its plinth [m], and steps before its doors."""
     lacking: list[str] = field(default_factory=list)
     """Sentences about what could not be placed."""
+    left_out: list[str] = field(default_factory=list)
+    """Sentences about furniture that rooms are too small for, so that it was not asked for."""
 
     def place(self, x: float, y: float, z: float) -> tuple[float, float, float]:
         """World position of a point of the plan [m]."""

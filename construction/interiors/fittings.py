@@ -12,7 +12,7 @@ from .built import LOOSE, BuiltInterior, put_asset, suffix
 from .layout import DOOR_HEIGHT, JAMB, Storey, gate_of
 from .pieces import made_piece
 from .plans import OUTSIDE
-from .walls import Opening
+from .walls import Opening, hinge
 
 __all__ = ["hang_door", "set_window"]
 
@@ -27,7 +27,7 @@ def hang_door(
     gate = gate_of(interior, *door.rooms)
     style = "panelled" if door.rooms[1] != OUTSIDE else "planks"
     depth = round(interior.wall + 2 * LOOSE, 6)
-    hinged = str(rng.choice(["left", "right"]))
+    hinged = hinge(door, storey.plan.rooms[door.rooms[0]])
     if gate is None:
         parameters = {"width": interior.door, "height": DOOR_HEIGHT, "depth": depth, "hinged": hinged, "style": style}
         own, positions = made_piece("door", parameters, int(rng.integers(2**31))), {"leaf": AJAR}

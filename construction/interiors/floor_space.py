@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .plans import Rect
-from .walls import Opening, swing
+from .walls import WIDE, Opening, leaves, swing
 
 __all__ = ["FloorSpace", "Spot", "in_rows", "turned_size"]
 
@@ -21,6 +21,8 @@ SASH = 0.12
 """[m] Own choice: how far boards and knuckles of windows stand into the room, see `assets/openings.py`."""
 SWING = 0.6
 """[m] Own choice: how far sashes swing into the room: half of a window of 1.2 m."""
+BESIDE_LEAF = 0.2
+"""[m] From the middle of a door away from its hinges, where one enters beside the open leaf."""
 APART = 0.01
 """[m] Own choice: gap between things on the floor."""
 
@@ -90,16 +92,30 @@ class FloorSpace:
     """Floor from which things are used; free of other things."""
     drawn: list[Rect] = field(default_factory=list)
     """Floor over which drawers come out; free of other furniture than what belongs to their thing."""
+    name: str = ""
+    """Room of the plan; doors that belong to it open into it."""
 
     def __post_init__(self) -> None:
         self.doors = [swing(o, self.wall) for o in self.openings if o.kind == "door"]
+        self.leaves = [r for o in self._own_doors() for r in leaves(o, self.room)]
         self.entries = [self._entry(o) for o in self.openings if o.kind == "door"]
+        if not self._walkable():
+            # A way that the leaf alone bars is none that furniture could leave free.
+            self.leaves = []
         self.windows = [(o.plan(self.wall), o.sill) for o in self.openings if o.kind == "window"]
 
+    def _own_doors(self) -> list[Opening]:
+        return [o for o in self.openings if o.kind == "door" and o.rooms[0] == self.name]
+
     def _entry(self, opening: Opening) -> tuple[float, float]:
-        """Point just inside of a door."""
+        """Point just inside of a door, beside its leaf."""
         x, y = opening.center
         reach = self.wall / 2 + WALKER / 2 + GRID
+        if opening in self._own_doors() and opening.width <= WIDE:
+            if opening.along == "x":
+                x += BESIDE_LEAF if 2 * x < self.room.x0 + self.room.x1 else -BESIDE_LEAF
+            else:
+                y += BESIDE_LEAF if 2 * y < self.room.y0 + self.room.y1 else -BESIDE_LEAF
         if opening.along == "x":
             return (x, y + (reach if y < (self.room.y0 + self.room.y1) / 2 else -reach))
         return (x + (reach if x < (self.room.x0 + self.room.x1) / 2 else -reach), y)
@@ -167,7 +183,7 @@ class FloorSpace:
         nx, ny = math.ceil((room.x1 - room.x0) / GRID), math.ceil((room.y1 - room.y0) / GRID)
         free = np.zeros((nx + 2, ny + 2), dtype=bool)
         free[1:-1, 1:-1] = True
-        for s in self.solid:
+        for s in (*self.solid, *self.leaves):
             i0, j0 = (math.floor((s.x0 - room.x0) / GRID), math.floor((s.y0 - room.y0) / GRID))
             i1, j1 = (math.ceil((s.x1 - room.x0) / GRID), math.ceil((s.y1 - room.y0) / GRID))
             free[max(0, i0) + 1 : i1 + 1, max(0, j0) + 1 : j1 + 1] = False

@@ -14,12 +14,17 @@ from .plans import OUTSIDE, Plan, Rect, Side
 
 __all__ = [
     "CORNER",
+    "WIDE",
     "Block",
     "Doorway",
     "Opening",
     "clear_rect",
+    "common_area",
     "doors_of",
     "floor_blocks",
+    "free_wall",
+    "hinge",
+    "leaves",
     "passages_of",
     "slab_rect",
     "swing",
@@ -36,10 +41,16 @@ CASING = 0.08
 MOST_WINDOW = 1.6
 """[m] Own choice: width of a window at most; longer walls get several."""
 LEAST_WINDOW = 0.5
+LEAF_REACH, LEAF_ACROSS = 0.955, 0.26
+"""Reach of an open leaf (80 degrees) into its room, and its extent along the wall less a cell of ways, over the width of the opening."""
+STRIP = 0.35
+"""[m] Own choice: depth before a wall that has to be free for furniture along it."""
+LEAST_WALL = 0.45
+"""[m] Own choice: shorter pieces of wall are of no use to furniture."""
 PIER = 0.5
 """[m] Own choice: wall between a window and the next, or a corner."""
 WIDE = 1.3
-"""[m] Own choice: wider doors stand in the middle of their wall."""
+"""[m] Own choice: wider doors have two leaves and stand in the middle of their wall."""
 
 
 class Block(NamedTuple):
@@ -178,7 +189,8 @@ def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.ra
         options = [Opening(f"{a}_{b}", "door", e.along, e.at(where), width, level, level + head, (a, b)) for e, where in order]
         # Leaves of two doors of a corner would meet.
         free = [o for o in options if not any(_meet(swing(o, wall), swing(d, wall)) for d in found)]
-        found.append((free or options)[0])
+        sides = [clear_rect(plan.rooms[n], wall) for n in (a, b) if n != OUTSIDE]
+        found.append(max(free or options, key=lambda o: sum(free_wall(r, [swing(d, wall) for d in (*found, o)]) for r in sides)))
     return found
 
 
@@ -322,3 +334,52 @@ def floor_blocks(plan: Plan, *, wall: float, thickness: float, levels: Mapping[s
         r = slab_rect(plan, name, wall)
         found[name] = Block((r.x0, r.y0, -thickness), (r.x1, r.y1, (levels or {}).get(name, 0.0)))
     return found
+
+
+def hinge(opening: Opening, room: Rect) -> Literal["left", "right"]:
+    """Side of a door's hinges seen from the room into which it opens, so that its leaf stands towards the nearer wall."""
+    x, y = opening.center
+    if opening.along == "x":
+        near_low, left_is_low = 2 * x < room.x0 + room.x1, y > (room.y0 + room.y1) / 2
+    else:
+        near_low, left_is_low = 2 * y < room.y0 + room.y1, x < (room.x0 + room.x1) / 2
+    return "left" if near_low == left_is_low else "right"
+
+
+def leaves(opening: Opening, room: Rect) -> list[Rect]:
+    """Floor under the open leaves of a door that opens into a room: one hinged as `hinge` says, or two of a wide door."""
+    (x, y), half = opening.center, opening.width / 2
+    along, (start, end) = (x, (room.x0, room.x1)) if opening.along == "x" else (y, (room.y0, room.y1))
+    width = opening.width if opening.width <= WIDE else half
+    across, reach = LEAF_ACROSS * width, LEAF_REACH * width
+    lows = [along - half, along + half - across]
+    if opening.width <= WIDE:
+        lows = lows[:1] if 2 * along < start + end else lows[1:]
+    if opening.along == "x":
+        far = y - reach if y > (room.y0 + room.y1) / 2 else y + reach
+        return [Rect(low, min(y, far), low + across, max(y, far)) for low in lows]
+    far = x - reach if x > (room.x0 + room.x1) / 2 else x + reach
+    return [Rect(min(x, far), low, max(x, far), low + across) for low in lows]
+
+
+def common_area(a: Rect, b: Rect) -> float:
+    """Area of what two rectangles have in common [m^2]."""
+    return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.y1, b.y1) - max(a.y0, b.y0))
+
+
+def free_wall(r: Rect, taken: Sequence[Rect]) -> float:
+    """Length of the walls of a room of clear size `r` before which nothing is, in pieces that furniture fits [m]."""
+    strips = [
+        (Rect(r.x0, r.y0 - STRIP, r.x1, r.y0 + STRIP), True),
+        (Rect(r.x0, r.y1 - STRIP, r.x1, r.y1 + STRIP), True),
+        (Rect(r.x0 - STRIP, r.y0, r.x0 + STRIP, r.y1), False),
+        (Rect(r.x1 - STRIP, r.y0, r.x1 + STRIP, r.y1), False),
+    ]
+    total = 0.0
+    for strip, level in strips:
+        start, end = (strip.x0, strip.x1) if level else (strip.y0, strip.y1)
+        cuts = sorted((t.x0, t.x1) if level else (t.y0, t.y1) for t in taken if common_area(t, strip) > 0)
+        for low, high in [*cuts, (end, end)]:
+            total += max(0.0, low - start) if low - start >= LEAST_WALL else 0.0
+            start = max(start, high)
+    return total

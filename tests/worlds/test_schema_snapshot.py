@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "e3958a32308bd7df1e66c0e7556e2a194215d40690ec091380a854886f3d1487"
+SCHEMA = "de54cbf085c3c28fe46fb986db7045ecd9184512b17b121ebb49c8f34f9d970f"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -29,6 +29,9 @@ class Room(SpecModel):
     doors: Annotated[list[Id], Field(max_length=12)] = Field(default=[], description="rooms to which a door leads, or `outside`")
     windows: bool | None = Field(default=None, description="windows in its outer walls; default by kind")
     furniture: bool = True
+    things: Annotated[int, Field(ge=0, le=300)] | None = Field(
+        default=None, description="fill surfaces evenly up to so many things in the room; default by density"
+    )
     width: Annotated[float, Field(ge=0.9, le=4.0)] | None = Field(
         default=None, description="clear width of a corridor [m]; default 1.6"
     )

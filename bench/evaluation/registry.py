@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from inspect_ai import Task
+from inspect_ai.scorer import Scorer
 from inspect_ai.solver import Solver
 
 from .agents.clis import claude_code, codex_cli
@@ -59,4 +60,5 @@ AGENTS: Mapping[str, Callable[..., Solver]] = {
 """Solvers by the name that `worldagent eval run --agent` takes."""
 MODELS = ("react", "claude_code", "codex_cli")
 """Agents that need a model."""
-SCORERS = {"verified": verified, **METRICS}
+SCORERS: Mapping[str, Callable[..., Scorer]] = {"verified": verified, **METRICS}
+"""Scorers by the name that `inspect score --scorer worldagent/NAME` takes."""

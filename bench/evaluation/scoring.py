@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import reduce
 from operator import add
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from .figures import scored_value
 from .metrics.forecast import Forecast, forecast
 from .metrics.questions import JUDGED
 from .metrics.sample import sample_output
-from .metrics.scorers import SCORERS
+from .metrics.scorers import METRIC_SCORERS
 from .prompts.reading import BenchPrompt
 
 if TYPE_CHECKING:
@@ -24,10 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["METRICS", "forecast_films", "forecast_prompts", "metric_names", "metric_scorers", "need_judge", "score_log"]
 
-METRICS: dict[str, Callable[..., Scorer]] = dict(
-    zip(("pen", "caus", "qual", "comp", "align", "imag", "prod"), SCORERS, strict=True)
-)
-"""Scorers by the name of the metric, in the order of the paper's table."""
+METRICS = METRIC_SCORERS
 FILM_FPS, FILM_SIZE = 24.0, (1080, 1920)
 """Of a film that is still to be made, for a forecast: frames per second, height and width [pixels]."""
 

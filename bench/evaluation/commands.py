@@ -66,6 +66,9 @@ def _add_run(run: argparse.ArgumentParser, *, task: str | None = None) -> None:
     run.add_argument("--calls", type=int, metavar="N", help="tool calls per sample")
     run.add_argument("--device-s", type=float, metavar="S", help="seconds of jobs per sample")
     run.add_argument("--ablation", default="", choices=("", *ABLATIONS), help="leave these checks out; nothing of it is an acceptance")
+    run.add_argument("--executor", choices=("", "local", "ray"), default="", help="spread samples over processes, or over a Ray cluster")
+    run.add_argument("--workers", type=int, default=2, metavar="N", help="of the executor (default: %(default)s)")
+    run.add_argument("--cluster", default="local", metavar="ADDRESS", help="of Ray; `local` starts one here (default)")
     run.add_argument("--agent-arg", action="append", default=[], metavar="NAME=VALUE", help="argument of the agent, as replay's recording")
     run.add_argument("--metrics", default="", metavar="NAME,NAME", help="pen, caus, qual, comp, align, imag, prod, or all: scored beside the verdict")
     add_judge(run)
@@ -99,6 +102,17 @@ def _run(options: argparse.Namespace) -> int:
     return 1 if log.status != "success" or any(r.outcome == "error" for r in results) else 0
 
 
+def _spread(options: argparse.Namespace, chosen: list[str] | None, asked: dict[str, Any]) -> Any:
+    from .executors import executor_of
+    from .shards import run_spread
+    from .tasks import DEFAULT_ROOT, sample_ids
+
+    ids = chosen or sample_ids(options.task, options.prompts or "")[: options.limit]
+    executor = executor_of(options.executor, options.workers, options.cluster)
+    root = (options.root or Path(DEFAULT_ROOT)).absolute()
+    return run_spread(executor, options.task, options.agent, ids, root=root, log_dir=options.log_dir, **asked)
+
+
 def _skills(options: argparse.Namespace) -> int:
     from .skill_states import compare_states, differing_texts, server_of_tree, this_server, tree_of
 
@@ -123,23 +137,25 @@ def _run_with(options: argparse.Namespace, judge: Any) -> Any:
     arguments = {k: v for k, v in given.items() if v not in (None, "")}
     if options.metrics:
         arguments["metrics"] = options.metrics
-    return run_task(
-        options.task,
-        options.agent,
-        root=options.root,
-        log_dir=options.log_dir,
-        model=options.model,
-        task_args=arguments,
-        agent_args=pairs_of(options.agent_arg),
-        model_args=pairs_of(options.model_arg),
-        limit=options.limit,
-        sample_id=options.samples.split(",") if options.samples else None,
-        epochs=options.epochs,
-        max_samples=options.max_samples,
-        retry_on_error=options.retries,
-        model_roles=None if judge is None else {"grader": judge},
-        **{k: v for k, v in (("time_limit", options.time), ("token_limit", options.tokens)) if v is not None},
-    )
+    chosen = options.samples.split(",") if options.samples else None
+    asked = {
+        "model": options.model,
+        "task_args": arguments,
+        "agent_args": pairs_of(options.agent_arg),
+        "model_args": pairs_of(options.model_arg),
+        "epochs": options.epochs,
+        "retry_on_error": options.retries,
+        "time_limit": options.time,
+        "token_limit": options.tokens,
+    }
+    asked = {k: v for k, v in asked.items() if v is not None}
+    if options.executor:
+        if judge is not None:
+            raise InputError("metrics that ask a judge are taken after a run that is spread: worldagent eval score RUN --metrics ... --judge ...")
+        return _spread(options, chosen, asked)
+    more = {"limit": options.limit, "sample_id": chosen, "max_samples": options.max_samples}
+    roles = None if judge is None else {"grader": judge}
+    return run_task(options.task, options.agent, root=options.root, log_dir=options.log_dir, model_roles=roles, **more, **asked)
 
 
 def _metrics_before(options: argparse.Namespace, *, runs: int = 1) -> Any:

@@ -13,6 +13,7 @@ from .agents.random_calls import random_calls
 from .agents.react import react_agent
 from .agents.replay import replay
 from .agents.scripted import scripted
+from .metrics.scorers import alignment, caus, comp, imag, pen, prod, qual
 from .models import ScriptedModel
 from .scorers import verified
 from .scoring import METRICS
@@ -26,9 +27,16 @@ __all__ = [
     "TASKS",
     "ScriptedModel",
     "agenticsimbench",
+    "alignment",
+    "caus",
     "claude_code",
     "codex_cli",
+    "comp",
     "external",
+    "imag",
+    "pen",
+    "prod",
+    "qual",
     "random_calls",
     "react_agent",
     "replay",

@@ -25,7 +25,7 @@ from .scoring import metric_names, metric_scorers
 from .serving import preflight, server_command, server_environment
 from .workspace import new_run
 
-__all__ = ["TIME_LIMIT_S", "TOKEN_LIMIT", "agenticsimbench", "scene_samples", "small", "smoke", "task_of", "with_metrics"]
+__all__ = ["TIME_LIMIT_S", "TOKEN_LIMIT", "agenticsimbench", "sample_ids", "scene_samples", "small", "smoke", "task_of", "with_metrics"]
 
 DEFAULT_ROOT = "worldagent-eval"
 """Folder of runs, below the present one, where nobody names another."""
@@ -46,6 +46,16 @@ def scene_samples(scenes: Sequence[dict[str, Any]]) -> MemoryDataset:
         for k, scene in enumerate(scenes, start=1)
     ]
     return MemoryDataset(samples, name="scenes")
+
+
+def sample_ids(name: str, prompts: str = "") -> list[str]:
+    """Ids of the samples of a task, without making one.
+
+    Args:
+        name: of the task.
+        prompts: another set, by the path of its JSON file.
+    """
+    return list(SMOKE) if name == "smoke" else [prompt.id for prompt in load_set(prompts or name).prompts]
 
 
 @task

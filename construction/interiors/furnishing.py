@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .floor_space import APART, FloorSpace, Spot, turned_size
+from .floor_space import APART, FloorSpace, Spot, in_rows, turned_size
 from .pieces import Piece, Stock
 from .plans import Rect
 from .programs import RoomKind, Wish
@@ -37,6 +37,8 @@ MOST_ON_SURFACE = 9
 """Own choice: small things on one surface at density 1."""
 BESIDE = 0.08
 """[m] Own choice: wall that stays free about what hangs there; more than mouldings of openings take."""
+BULKY = 5e-3
+"""[m^3] Own choice: what is larger (a chest, no jar) does not stand where a window's sash swings; smaller things it pushes away."""
 SHALLOW = 0.1
 """[m] Own choice: what hangs on a wall and stands out further is in the way of people."""
 
@@ -123,7 +125,9 @@ def furnished(
 
 def _grant(room: _Room, wish: Wish, number: int, *, needed: bool) -> None:
     name = str(room.rng.choice(wish.generators))
-    own = room.stock.take(name, wish.parameters)
+    own = room.stock.take(
+        name, {**wish.parameters, "height": round(room.frame.height - wish.under, 3)} if wish.under else wish.parameters
+    )
     why = _hang(room, wish, own) if wish.rule == "hung" else _stand(room, wish, own, number)
     if why is not None and needed:
         room.lacking.append(f"{room.frame.id}: a {name} found no place: {why} stood in the way")
@@ -135,6 +139,8 @@ def _stand(room: _Room, wish: Wish, own: Piece, number: int) -> str | None:
     use = None
     if wish.use:
         use = Rect(own.foot.x0, own.foot.y0 - wish.use, own.foot.x1, own.foot.y0)
+    travel = max((j.range[1] for j in own.made.joints.values() if j.kind == "slide" and j.range is not None), default=0.0)
+    drawers = Rect(own.foot.x0, own.foot.y0 - travel, own.foot.x1, own.foot.y0) if travel > 0.0 else None
     for spot in _spots(room, wish, own, number):
         foot = spot.rect(own.foot)
         before = None if use is None else spot.rect(use)
@@ -145,12 +151,15 @@ def _stand(room: _Room, wish: Wish, own: Piece, number: int) -> str | None:
             room.flat.append(foot)
             room.put(own, spot, room.frame.gap, "floor")
             return None
-        why = room.space.fits(foot, before, own.height)
+        drawn = None if drawers is None else spot.rect(drawers)
+        why = room.space.fits(foot, before, own.height, drawn=drawn, belongs=bool(wish.to))
         if why is None and any(_over(foot, f) for f in room.flat):
             why = "a rug"
         if why is None and not room.space.add(foot, before):
             why = "a way that has to stay free"
         if why is None:
+            if drawn is not None:
+                room.space.drawn.append(drawn)
             room.put(own, spot, room.frame.gap, "floor")
             return None
         reasons[why] += 1
@@ -170,6 +179,8 @@ def _spots(room: _Room, wish: Wish, own: Piece, number: int) -> Iterator[Spot]:
         yield from _along_walls(room, own)
     elif wish.rule in ("free", "flat"):
         yield from _anywhere(room, own)
+    elif wish.rule in ("pairs", "line"):
+        yield in_rows(room.space.room, own.foot, number, wish.count[1], 2 if wish.rule == "pairs" else 1)
     else:
         for index, other in enumerate(room.standing):
             if other.piece.generator == wish.to and index in room.spots:
@@ -320,15 +331,19 @@ def _fill(room: _Room, carrier: Standing, density: float) -> None:
             if own is None or where is None:
                 continue
             x, y, yaw, rect = where
-            taken.append(rect)
             c, s = math.cos(carrier.yaw), math.sin(carrier.yaw)
             px, py = float(place.center[0]) + x, float(place.center[1]) + y
+            at = (carrier.x + c * px - s * py, carrier.y + s * px + c * py, carrier.z + float(place.center[2]) + room.frame.gap)
+            half = math.hypot(own.foot.x1 - own.foot.x0, own.foot.y1 - own.foot.y0) / 2
+            around = Rect(at[0] - half, at[1] - half, at[0] + half, at[1] + half)
+            before_sash = half * half * own.height > BULKY and room.space.before_sash(around, at[2] + own.height)
+            if before_sash or room.space.before_door(around):
+                continue
+            taken.append(rect)
             room.standing.append(
                 Standing(
                     own,
-                    carrier.x + c * px - s * py,
-                    carrier.y + s * px + c * py,
-                    carrier.z + float(place.center[2]) + room.frame.gap,
+                    *at,
                     carrier.yaw + yaw,
                     carrier.id,
                     place.body,

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 __all__ = ["KINDS", "RoomKind", "Wish"]
 
-Rule = Literal["wall", "free", "around", "before", "facing", "beside", "flat", "hung"]
+Rule = Literal["wall", "free", "around", "before", "facing", "beside", "flat", "hung", "pairs", "line"]
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Wish:
     """One of these."""
     rule: Rule = "wall"
     """wall: back to a wall; free: in the room; around, before, facing, beside: relative to `to`; flat: on the floor, walked over; hung: on a
-    wall."""
+    wall; pairs, line: in two rows along the room, or one in the middle."""
     count: tuple[int, int] = (1, 1)
     to: str = ""
     """Generator of the thing that it belongs to."""
@@ -31,6 +31,8 @@ class Wish:
     height: float = 0.0
     """Height above the floor of the middle of what hangs on a wall [m]."""
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    under: float = 0.0
+    """It is as high as the room less this [m]; 0 for things of their own height."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,14 @@ class RoomKind:
     """Small things by the generator of what they lie on; "" for any."""
     loose: tuple[str, ...] = ()
     """Small things on the floor along the walls."""
+    height: float = 2.6
+    """From floor to ceiling where nothing is asked for [m]."""
+    walls: str = "gypsum_plaster"
+    """Material of its walls."""
+    gate: tuple[float, float] | None = None
+    """Clear width and height of its doors to the outside, with two leaves [m]; None for doors as asked for."""
+    high: bool = False
+    """Its windows are under the ceiling."""
 
 
 def _w(*generators: str, **more: Any) -> Wish:
@@ -205,6 +215,7 @@ KINDS: Mapping[str, RoomKind] = {
             "bookcase": BOOKS,
             "wall_shelf": BOOKS,
             "desk": ("table_lamp", "book", "mug", "chest", "jar", "apple"),
+            "chair": (),
             "": ("book", "vase", "chest", "mug", "jar", "lantern", "flower_pot"),
         },
         ("cardboard_box", "basket", "suitcase", "wooden_crate"),
@@ -230,5 +241,40 @@ KINDS: Mapping[str, RoomKind] = {
         (_w("bookcase", count=(2, 4), use=0.6), _w("cupboard", count=(1, 2), use=0.6), _w("barrel", count=(0, 2))),
         {"": ("tin_can", "jar", "chest", "bucket", "basket", "jug", "cooking_pot", "wooden_crate", "lantern", "flower_pot", "rope_coil", "bowl")},
         ("wooden_crate", "cardboard_box", "bucket", "basket"),
+    ),
+    "corridor": RoomKind(
+        12.0, 1.6, 40.0, False, "limestone",
+        (PICTURES, _w("wall_mirror", rule="hung", count=(0, 1), height=1.5), _w("wall_clock", rule="hung", count=(0, 1), height=1.8)),
+        {},
+        ("flower_pot",),
+    ),
+    "stairs": RoomKind(9.0, 1.9, 9.0, False, "limestone", (), {}),
+    "barn": RoomKind(
+        54.0, 5.0, 1.8, False, "concrete_c30",
+        (
+            _w("hopper", count=(0, 1), use=0.6),
+            _w("trough", count=(1, 2), use=0.6),
+            _w("workbench", use=0.9),
+            _w("log_pile", count=(1, 2)),
+            _w("barrel", count=(3, 5)),
+            _w("firewood_stack", count=(1, 2)),
+            _w("wall_shelf", rule="hung", count=(1, 2), height=1.6),
+        ),
+        {"": ("bucket", "lantern", "hammer", "rope_coil", "axe", "saw", "wooden_crate"), "trough": (), "hopper": ()},
+        ("wooden_crate", "bucket", "basket", "wooden_crate", "watering_can", "pumpkin"),
+        3.4, "larch", (2.6, 2.6), True,
+    ),
+    "museum": RoomKind(
+        84.0, 6.5, 2.2, True, "marble",
+        (
+            _w("column", rule="pairs", count=(6, 6), under=0.02, parameters={"material": "limestone"}),
+            _w("display_case", rule="line", count=(3, 3), use=0.8, parameters={"stand": "plinth"}),
+            _w("display_case", rule="wall", count=(3, 5), use=0.8, parameters={"stand": "plinth"}),
+            _w("bench", rule="wall", count=(2, 3), use=0.5),
+            _w("picture_frame", rule="hung", count=(5, 8), height=1.6),
+        ),
+        {"display_case": ("vase", "jug", "bowl", "jar", "toy_duck", "candlestick", "wine_glass", "anvil"), "bench": ()},
+        (),
+        4.4, "gypsum_plaster", (1.9, 2.5), True,
     ),
 }  # fmt: skip

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "b20c6806434bedadcc9929fecec8db380b1071ab792ca3417a72e99847d3b378"
+SCHEMA = "e3958a32308bd7df1e66c0e7556e2a194215d40690ec091380a854886f3d1487"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

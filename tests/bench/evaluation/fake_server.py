@@ -34,6 +34,11 @@ def acted(do: str, arguments: dict[str, Any]) -> dict[str, Any]:
         os._exit(7)
     if do == "hang":
         time.sleep(600)
+    if do == "wait":
+        gate = Path(arguments["marker"])
+        gate.with_suffix(".there").touch()
+        while not gate.exists():
+            time.sleep(0.01)
     if do == "flood_bytes":
         sys.stdout.write('{"x": "' + "y" * int(arguments["count"]) + '"}\n')
         sys.stdout.flush()

@@ -39,11 +39,11 @@ def idle() -> Solver:
     return solve
 
 
-def run(tmp_path: Path, metadata: dict[str, Any], *chosen: Any, grader: Any = None) -> tuple[dict[str, Score], Any]:
+def run(tmp_path: Path, metadata: dict[str, Any], *chosen: Any, grader: Any = None, agent: Any = None) -> tuple[dict[str, Score], Any]:
     """Scores of one sample by scorer, and the log."""
     task = Task(MemoryDataset([Sample(input="x", metadata=metadata)]), solver=idle(), scorer=list(chosen))
     roles = {"grader": grader} if grader is not None else {}
-    (log,) = run_eval(task, model=get_model("mockllm/model"), model_roles=roles, log_dir=str(tmp_path / "logs"), display="none")
+    (log,) = run_eval(task, model=agent or get_model("mockllm/model"), model_roles=roles, log_dir=str(tmp_path / "logs"), display="none")
     assert log.status == "success", log.error
     (sample,) = log.samples or []
     return dict(sample.scores or {}), log

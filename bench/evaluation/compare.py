@@ -7,9 +7,9 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ...worlds.errors import RefusedError
-from .figures import FIGURES, RunFigures, identity_of, run_figures
+from .figures import FIGURES, Figure, RunFigures, identity_of, run_figures
 from .runs import run_name
-from .statistics import RESAMPLES, paired_bootstrap
+from .statistics import LEAST_PROMPTS, RESAMPLES, paired_bootstrap
 
 if TYPE_CHECKING:
     from inspect_ai.log import EvalLog
@@ -88,9 +88,18 @@ def told_difference(name: str, told: dict[str, Any]) -> str:
     values = {k: f"{told[k]:.{figure.digits}f}" for k in ("first", "second")}
     spread = f"{told['difference']:+.{figure.digits}f}, 95 % from {told['low']:+.{figure.digits}f} to {told['high']:+.{figure.digits}f}"
     same = "" if told["same_sign"] is None else f"; {100 * told['same_sign']:.0f} % of resamples have its sign"
-    better = {"higher": told["difference"] > 0, "lower": told["difference"] < 0}.get(figure.better)
-    word = "no movement seen" if not told["moved"] else "moved" if better is None else "better" if better else "worse"
-    return f"{figure.title}: {word}: {values['first']} -> {values['second']} ({spread}{same}; {told['prompts']} prompts)"
+    return f"{figure.title}: {_moved(figure, told)}: {values['first']} -> {values['second']} ({spread}{same}; {told['prompts']} prompts)"
+
+
+def _moved(figure: Figure, told: dict[str, Any]) -> str:
+    """One word for a difference, or why there is none."""
+    if told["prompts"] < LEAST_PROMPTS:
+        return "too few prompts to tell"
+    if not told["moved"]:
+        return "no movement seen"
+    if not figure.better:
+        return "moved"
+    return "better" if (told["difference"] > 0) == (figure.better == "higher") else "worse"
 
 
 def _told(log: EvalLog, identity: dict[str, Any]) -> dict[str, Any]:

@@ -39,7 +39,7 @@ class Figure:
     better: Literal["higher", "lower", ""]
     """Empty where neither is."""
     group: str = ""
-    """Of the paper's table."""
+    """Heading above it in the paper's table."""
     digits: int = 4
 
 
@@ -87,7 +87,7 @@ class Summary:
     average: float | None
     """Macro average (R140); None where a prompt has none."""
     interval: Interval | None
-    """Of the macro average, over the repeats."""
+    """Bounds of the macro average, over the repeats."""
 
     @property
     def scored(self) -> int:
@@ -155,7 +155,7 @@ def _summary(name: str, by_prompt: Mapping[str, list[float | None]]) -> Summary:
 
 
 def _interval(name: str, repeats: list[list[float]]) -> Interval | None:
-    """Of a share of yes and no, Wilson's, which repeats that agree do not make empty; else by their variance."""
+    """Wilson's for a share of yes and no, since it is not empty where repeats agree; for all else by their variance."""
     if any(len(group) < 2 for group in repeats):
         return None
     if name == "accepted":
@@ -164,7 +164,7 @@ def _interval(name: str, repeats: list[list[float]]) -> Interval | None:
 
 
 def identity_of(log: EvalLog) -> dict[str, Any]:
-    """What a run rests on: set of prompts, template, server, packages and whoever scored it, with versions and hashes."""
+    """All that a run rests on: set of prompts, template, server, packages and whoever scored it, with versions and hashes."""
     told = log.eval.metadata or {}
     samples = log.samples or []
     flights = [s.metadata["preflight"] for s in samples if s.metadata.get("preflight")]

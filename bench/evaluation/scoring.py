@@ -26,7 +26,7 @@ __all__ = ["METRICS", "forecast_films", "forecast_prompts", "metric_names", "met
 
 METRICS = METRIC_SCORERS
 FILM_FPS, FILM_SIZE = 24.0, (1080, 1920)
-"""Of a film that is still to be made, for a forecast: frames per second, height and width [pixels]."""
+"""Rate and size of a film that is still to be made, for a forecast: frames per second, height and width [pixels]."""
 
 
 def metric_names(text: str) -> tuple[str, ...]:
@@ -98,7 +98,7 @@ def _nothing(prices: tuple[float, float] | None) -> Forecast:
 def _forecast(
     prompt: BenchPrompt, film: tuple[int, float, tuple[int, int]], name: str, prices: tuple[float, float] | None
 ) -> Forecast:
-    """Of one metric of one film; nothing where it can have no score, since no question is put then."""
+    """Forecast of one metric of one film; nothing where it can have no score, since no question is put then."""
     try:
         return forecast(prompt, *film, metrics=(name,), prices=prices)
     except (ValueError, WorldAgentError):

@@ -9,12 +9,12 @@ from statistics import fmean, variance
 
 import numpy as np
 
-__all__ = ["RESAMPLES", "Interval", "PairedDifference", "paired_bootstrap", "repeat_interval", "share_interval"]
+__all__ = ["LEAST_PROMPTS", "RESAMPLES", "Interval", "PairedDifference", "paired_bootstrap", "repeat_interval", "share_interval"]
 
 LEVEL = 0.95
-"""Of every interval."""
+"""Confidence of every interval."""
 RESAMPLES = 10_000
-"""Of every bootstrap: the ends of an interval move by less than a hundredth of its length from seed to seed."""
+"""Draws of a bootstrap: the standard error of an end is then 0.7 % of the interval's length."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,10 @@ class Interval:
 
     low: float
     high: float
+
+
+LEAST_PROMPTS = 6
+"""Prompts below which no movement is told: five that all go one way do so by chance in one of sixteen (two-sided sign test), yet their bootstrap is sure."""
 
 
 def repeat_interval(repeats: Sequence[Sequence[float]]) -> Interval | None:
@@ -78,8 +82,8 @@ class PairedDifference:
 
     @property
     def moved(self) -> bool:
-        """True where the interval leaves zero out."""
-        return self.low > 0.0 or self.high < 0.0
+        """True where the interval leaves zero out, and there are prompts enough to say so."""
+        return self.prompts >= LEAST_PROMPTS and (self.low > 0.0 or self.high < 0.0)
 
 
 def paired_bootstrap(

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 __all__ = ["BeatNotes", "beat_notes", "judged_beats", "report_document", "server_beats"]
 
 VERSION = 1
-"""Of the document; goes up when a field changes its meaning."""
+"""Version of the document; goes up when a field changes its meaning."""
 
 
 class BeatNotes(BaseModel):
-    """Of one prompt: which beats of the worlds made of it stand for its own, and what somebody found about disputed ones."""
+    """Notes on one prompt: which beats of the worlds made of it stand for its own, and what somebody found about disputed ones."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

@@ -1,4 +1,4 @@
-"""What a study found so far: means of participants' means (R153), strengths from pairs, and how far the raters are."""
+"""Findings of a study so far: means of participants' means (R153), strengths from pairs, and how far the raters are."""
 
 from __future__ import annotations
 

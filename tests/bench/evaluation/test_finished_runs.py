@@ -152,7 +152,7 @@ def test_a_comparison_has_the_known_answer_and_leaves_out_what_others_scored(run
     assert (caus["moved"], "pen" in found["figures"]) == (False, False)
     assert found["figures"]["calls"]["difference"] == 0.0
     assert told_difference("caus", caus).startswith(
-        "Caus: no movement seen: 0.3000 -> 0.3500 (+0.0500, 95 % from +0.0000 to +0.1000; 7"
+        "Caus: too few prompts to tell: 0.3000 -> 0.3500 (+0.0500, 95 % from +0.0000 to +0.1000; 7"
     )
     apart = compare_runs(first, other)
     assert apart["scored_differently"] == {"caus": {"first": [{"judge": "a"}], "second": [{"judge": "b"}]}}
@@ -263,7 +263,7 @@ def test_the_commands_write_a_report_and_compare_runs(run: EvalLog, tmp_path: Pa
     assert json.loads(Path(made["json"]).read_text())["made_with"]["prompts"]["name"] == "agenticsimbench"
     assert command_line(["eval", "compare", run.location, run.location]) == 0
     said = capsys.readouterr()
-    assert "refused calls: no movement seen: 1.0 -> 1.0" in said.err
+    assert "refused calls: too few prompts to tell: 1.0 -> 1.0" in said.err
     assert json.loads(said.out)["figures"]["refused_calls"]["prompts"] == 2
     notes.write_text("{}")
     assert command_line(["eval", "report", run.location, "--beats", str(notes)]) == 2

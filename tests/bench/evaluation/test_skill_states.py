@@ -33,17 +33,21 @@ def test_a_state_that_refuses_more_is_told_from_one_that_does_not(tmp_path: Path
 
     def run(name: str) -> Any:
         seen.append((name, os.environ[ENV_SERVER].rpartition(os.pathsep)[2]))
-        return run_task("small", "scripted", root=tmp_path / name, agent_args={"folder": str(folder)}, sample_id=list(PROMPTS))
+        log = run_task("small", "scripted", root=tmp_path / name, agent_args={"folder": str(folder)}, sample_id=list(PROMPTS))
+        log.samples = [
+            s.model_copy(update={"id": f"{s.id}_{k}"}) for s in log.samples or () for k in range(3)
+        ]  # six prompts at the price of two
+        return log
 
     found = compare_states(states("", "strict"), run)
     assert seen == [("before", ""), ("after", "strict")]
     assert ENV_SERVER not in os.environ
     assert found["moved"] == ["refused_calls"]
     refused = found["figures"]["refused_calls"]
-    assert (refused["first"], refused["second"], refused["low"], refused["high"], refused["prompts"]) == (0.0, 1.0, 1.0, 1.0, 2)
+    assert (refused["first"], refused["second"], refused["low"], refused["high"], refused["prompts"]) == (0.0, 1.0, 1.0, 1.0, 6)
     assert found["says"][0].startswith("accepted: no movement seen: 0.000 -> 0.000")
     assert found["says"][2].startswith("refused calls: worse: 0.0 -> 1.0")
-    assert found["states"]["after"]["outcomes"]["refused"] == 2
+    assert found["states"]["after"]["outcomes"]["refused"] == 6
 
 
 def test_a_state_whose_server_falls_over_gives_no_comparison(tmp_path: Path, documents: Callable[..., Path]) -> None:

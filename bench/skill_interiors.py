@@ -24,7 +24,9 @@ GAP = 1e-3
 def lacking(kind: str, area: float, seed: int, rule: dict[str, Any]) -> int:
     """Things of a room of a kind and area [m^2] that found no place."""
     room = {"kind": kind, "area": area, "doors": ["outside"], **rule}
-    return len(build_interior("house", Interior.model_validate({"rooms": {"room": room}, "seed": seed, "density": 0.0}), gap=GAP).lacking)
+    return len(
+        build_interior("house", Interior.model_validate({"rooms": {"room": room}, "seed": seed, "density": 0.0}), gap=GAP).lacking
+    )
 
 
 def measure(seeds: Sequence[int]) -> dict[str, Any]:

@@ -11,12 +11,15 @@ from collections.abc import Callable
 from typing import Any
 
 from . import (
+    skill_assets,
     skill_building,
     skill_cloth,
     skill_elastic,
     skill_fracture,
     skill_gas,
+    skill_interiors,
     skill_liquids,
+    skill_materials,
     skill_particles,
     skill_repair,
     skill_settings,
@@ -45,12 +48,15 @@ def run(*, variants: int | None = None, seed: int | None = None, checks: tuple[s
         flaws = tuple(random.Random(first).sample(sorted(skill_repair.cases()["flaws"]), FEW_FLAWS))
         arms = ("with", "without")
     evals: dict[str, Callable[[], dict[str, Any]]] = {
+        "assets": lambda: skill_assets.measure(seeds),
         "cloth": lambda: skill_cloth.measure(seeds),
         "fracture": lambda: skill_fracture.measure(seeds),
         "coupled-systems": lambda: skill_liquids.measure_floating(seeds),
         "elastic-bodies": lambda: skill_elastic.measure(seeds),
         "gas": lambda: skill_gas.measure(seeds),
+        "interiors": lambda: skill_interiors.measure(seeds),
         "liquids": lambda: skill_liquids.measure_resolution(seeds),
+        "materials": lambda: skill_materials.measure(seeds),
         "outdoor-terrain": lambda: skill_terrain.measure(seeds),
         "particles": lambda: skill_particles.measure(seeds),
         "repair": lambda: skill_repair.measure(seeds, flaws, arms),

@@ -11,7 +11,7 @@ from typing import Any
 from worldagent.worlds.materials import QUANTITIES, Figure, MaterialRow, material_table
 
 SKILLS = Path(__file__).parents[1] / "skills"
-PAGE = SKILLS / "world-building" / "reference" / "materials.md"
+PAGE = SKILLS / "materials" / "table.md"
 LIQUIDS = SKILLS / "liquids" / "liquids.json"
 RUBS = SKILLS / "rigid-bodies" / "SKILL.md"
 SUBSTANCES = SKILLS / "world-building" / "reference" / "specification.md"

@@ -36,6 +36,9 @@ def place_object(
     at: Annotated[
         tuple[float, float] | None, Field(description="World x, y of the entity's origin [m]; default where it is")
     ] = None,
+    height: Annotated[
+        float | None, Field(ge=-1e4, le=1e4, description="Instead of on: z of its origin [m]; what hangs on walls and ceilings")
+    ] = None,
     yaw_deg: Annotated[
         float | None, Field(ge=-360, le=360, description="Turn about z [degrees]; default keep the orientation")
     ] = None,
@@ -91,6 +94,7 @@ def place_object(
         "on": on,
         "surface": surface,
         "at": at,
+        "height": height,
         "yaw_deg": yaw_deg,
         "beside": beside,
         "river": river,
@@ -109,7 +113,7 @@ def place_object(
         }
         outcome = place(session, Asked(entity, **more), hypothesis=hypothesis)
     elif tilt or lay or group is not None or any(v is not None for v in where.values()):
-        raise InputError("on, at, yaw_deg and all else that says where need entity")
+        raise InputError("on, at, height, yaw_deg and all else that says where need entity")
     if asset is not None and not session.buildable(session.audit()):
         return _unjudged(session, outcome)
     rows, changed, fresh = session.check_static()

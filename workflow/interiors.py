@@ -146,5 +146,5 @@ def _membership(spec: WorldSpec, old: set[str], bodies: list[str]) -> list[dict[
     if not rigid:
         return [{"op": "add", "path": "/simulation/solvers/rigid", "value": {"engine": "mujoco", "members": bodies}}]
     first = min(rigid)
-    others = [m for m in rigid[first].members if m not in old]
+    others = [m for m in rigid[first].members if m not in old and m not in bodies]
     return [{"op": "add", "path": f"/simulation/solvers/{first}/members", "value": [*others, *bodies]}]

@@ -26,6 +26,7 @@ class Asked:
     on: str | None = None
     surface: str | None = None
     at: tuple[float, float] | None = None
+    height: float | None = None
     yaw_deg: float | None = None
     tilt: bool = False
     lay: bool = False
@@ -66,6 +67,9 @@ def check_asked(spec: WorldSpec, asked: Asked) -> None:
     given = [k for k in ("at", "beside", "river") if getattr(asked, k) is not None]
     if len(given) > 1:
         raise InputError(f"{' and '.join(given)} both say where; give one of them")
+    lowered = [k for k in ("on", "river", "afloat") if getattr(asked, k) is not None]
+    if asked.height is not None and lowered:
+        raise InputError(f"height and {lowered[0]} both say how high; give one of them")
     if asked.surface is not None and (asked.on is None or asked.tilt or asked.afloat is not None or asked.array is not None):
         raise InputError("surface names a place of the generated entity on: give on, and leave tilt, afloat and array out")
     if asked.tilt and asked.on is None:

@@ -51,6 +51,8 @@ def _first(session: Session, asked: Asked, scene: Scene, body: Body, told: dict[
         return _on_surface(asked, scene, body, pose)
     if asked.at is not None:
         pose = RigidPose(np.array([*asked.at, pose.position[2]]), pose.quaternion)
+    if asked.height is not None:
+        pose = RigidPose(np.array([*pose.position[:2], asked.height]), pose.quaternion)
     if asked.river is not None:
         pose = _in_river(session, asked, asked.river, pose, told)
     if asked.beside is not None:

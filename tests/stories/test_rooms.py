@@ -74,6 +74,21 @@ def test_things_are_found_by_words_made_put_onto_surfaces_and_made_anew(world: A
     assert _spec(world, "/entities/chair/pose/position") == pytest.approx(chair["pose"]["position"])
 
 
+def test_what_hangs_gets_its_height_with_its_bodies_and_joints(world: Any) -> None:
+    clock = {"generator": "wall_clock", "motion": "static"}
+    low = world.call("place_object", world="w", entity="clock", asset=clock, at=[0, 0], strict=False)
+    bodies = ["clock", *_spec(world, "/entities/clock/asset").get("bodies", [])]
+    before = {b: _spec(world, f"/entities/{b}/pose/position")[2] for b in bodies}
+    high = world.call(
+        "place_object", world="w", entity="clock", at=[0.5, 0.2], height=1.7, strict=False, hypothesis="it hangs higher"
+    )
+    assert high["pose"]["position"] == pytest.approx([0.5, 0.2, 1.7])
+    lift = 1.7 - low["pose"]["position"][2]
+    assert {b: _spec(world, f"/entities/{b}/pose/position")[2] for b in bodies} == pytest.approx(
+        {b: z + lift for b, z in before.items()}
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -82,6 +97,7 @@ def test_things_are_found_by_words_made_put_onto_surfaces_and_made_anew(world: A
         ({"entity": "t", "asset": {"generator": "table", "parameters": {"width": 9}}}, "'width' of table"),
         ({"entity": "t", "asset": {"generator": "table"}, "on": "floor", "surface": "top"}, "names no surfaces"),
         ({"entity": "t", "asset": {"generator": "table"}, "surface": "top"}, "give on"),
+        ({"entity": "t", "asset": {"generator": "table"}, "on": "floor", "height": 1.0}, "both say how high"),
     ],
 )
 def test_what_cannot_be_made_is_refused_and_nothing_is_lost(world: Any, arguments: dict[str, Any], said: str) -> None:
@@ -104,6 +120,10 @@ def test_rooms_are_made_checked_and_made_again(agent: Any, monkeypatch: pytest.M
     assert second != first
     members = _spec(agent, "/simulation/solvers/rigid/members")
     assert sorted(members) == sorted(second)
+    agent.call("edit_spec", world="w", patch=[{"op": "remove", "path": f"/entities/{max(second)}"}])
+    agent.call("build_interior", world="w", interior="house", plan={**ROOMS, "seed": 5, "density": 0.0}, wait_s=120)
+    members = _spec(agent, "/simulation/solvers/rigid/members")
+    assert sorted(members) == sorted(second), "what was taken out by hand is there again, and a member once"
     shut = agent.refused("build_interior", world="w", interior="hut", plan={"rooms": {"a": {"kind": "cellar"}}})
     assert "plan/rooms/a/kind" in shut
     assert "there is no interior 'hut'" in agent.refused("build_interior", world="w", interior="hut")

@@ -21,7 +21,9 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Begun:
     """A tank that stands has all its frames, and the water in it, which is to collapse, has none."""
     given = tank_spec(frames=2, spacing=0.05, crate_at=None, coupled=False)
     spreads = {"kind": "spreads", "entity": "water"}
-    given["story"] = {"beats": {"runs": {"text": "it runs", "owner": "water", "subject": "water", "frames": [0, 1], "predicate": spreads}}}
+    given["story"] = {
+        "beats": {"runs": {"text": "it runs", "owner": "water", "subject": "water", "frames": [0, 1], "predicate": spreads}}
+    }
     spec = parse_spec({**given, "prompt": PROMPT})
     folder = WorldFolder.of(tmp_path_factory.mktemp("turns"), "tank", create=True)
     built = {n: build_entity(spec, n, Path()) for n in spec.entities}

@@ -1,4 +1,4 @@
-"""Tool build_interior: rooms with walls, doors, windows, furniture and what lies on it."""
+"""Tool build_interior: rooms with walls, doors, windows, furniture and what lies on it, on storeys and on uneven ground."""
 
 from __future__ import annotations
 
@@ -33,8 +33,9 @@ def build_interior(
     hypothesis: Hypothesis = "",
     wait_s: Annotated[float, Field(ge=0, le=240, description="Seconds to wait before a job id is returned")] = 30.0,
 ) -> ToolReply:
-    """Make rooms with floor, walls, doors, windows, furniture by function and what lies on it, as one revision, and check them.
+    """Make a building of rooms with floors, walls, doors, windows, furniture by function and what lies on it, as one revision, and check it.
 
+    Corridors with steps, storeys joined by stairs, barn or museum hall, a roof, uneven ground (`on`: plinth, steps, floor at the entrance).
     Makes ordinary entities <interior>_<room>_<thing>, a region <interior>_<room>, a route through every door; tells what found no place and why.
     Repeating it replaces what it made. Not for: single things (place_object with asset). Next: place_object for what the prompt asks beyond that.
     """

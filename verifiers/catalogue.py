@@ -25,12 +25,14 @@ from .scene import questions as scene
 from .shots import questions as shots
 from .story import questions as story
 from .support import questions as support
+from .things import questions as things
 
 __all__ = ["QUESTIONS", "TABLES"]
 
 TABLES: tuple[ModuleType, ...] = (
     scene,
     support,
+    things,
     routes,
     land,
     contact,

@@ -27,6 +27,7 @@ from .shots import check as shots
 from .shots import seen
 from .story import beats, causal, counterfactual, phases, robustness, untold
 from .support import check as support
+from .things import joints, shapes, sizes
 
 __all__ = [
     "CHECKS",
@@ -66,10 +67,13 @@ class CheckBinding:
 CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("terrain", terrain.check, ("static", "full")),
     CheckBinding("scale", scale.check, ("static", "full")),
+    CheckBinding("scale", sizes.check, ("static", "full")),
+    CheckBinding("scale", shapes.check, ("static", "full")),
     CheckBinding("interpenetration", interpenetration.check, ("static", "full")),
     CheckBinding("relations", relations.check, ("static", "probe", "full")),
     CheckBinding("support", support.check, ("static", "probe", "full")),
     CheckBinding("navigability", navigability.check, ("static", "full")),
+    CheckBinding("navigability", joints.check, ("static", "full")),
     CheckBinding("shots", shots.check, ("static", "probe", "full")),
     CheckBinding("shots", seen.check, ("full",), plates=True),
     CheckBinding("numerical", category.check_numerical, ("probe", "full")),
@@ -168,7 +172,7 @@ def diagnosed(candidate: Candidate, rows: Iterable[Row]) -> list[Row]:
 
 
 def _keeps(binding: CheckBinding, rows: Iterable[Row]) -> str | None:
-    """What keeps a check from simulating: the first failure, or an evaluation that leaves it out."""
+    """The reason for which a check does not simulate: the first failure, or an evaluation that leaves it out."""
     return f"ablation:{ablation()}" if switched_off(binding.name) else _first_failure(rows)
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext
 from ..worlds.documents import document_of
+from ..worlds.errors import InputError
 from ..worlds.folder import WorldFolder
 from ..worlds.limits import check_limits
 from ..worlds.patch import apply_patch
@@ -17,12 +18,15 @@ from .session import Session
 
 if TYPE_CHECKING:
     from ..construction.interiors.build import BuiltInterior
+    from ..worlds.arrays import F64
     from ..worlds.spec import Interior, WorldSpec
 
 __all__ = ["interior"]
 
 SHOWN = 20
 """Things without a place that a reply names."""
+ENDS = ("", "_upper", "_outside", *(f"_{storey}" for storey in range(1, 6)))
+"""Ends of the ids of regions that a room has: of itself, of its part above steps, of the ground before its door, on upper storeys."""
 
 
 def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
@@ -34,7 +38,7 @@ def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     name, asked = payload["interior"], Interior.model_validate(payload["asked"])
     before = {row.id: row for row in session.ledger.rows()}
     context.progress(0.05, 1.0, "planning and furnishing")
-    made = build_interior(name, asked, gap=_gap(session.spec))
+    made = build_interior(name, asked, gap=_gap(session.spec), ground=_ground(session, asked))
     context.check()
     operations = interior_operations(session.spec, name, asked, made)
     after = apply_patch(session.spec, operations)
@@ -49,9 +53,14 @@ def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     follows |= {f"/materials/{m}" for m in after.materials if m not in session.spec.materials}
     follows |= {f"/entities/{e}/pose" for e in made.entities}
     data: dict[str, Any] = {"plan": [made.plan.width, made.plan.depth], "rooms": made.rooms, "entities": len(made.entities)}
+    if made.site:
+        data["ground"] = made.site
     if made.lacking:
         data["not_placed"] = made.lacking[:SHOWN]
         data["not_placed_total"] = len(made.lacking)
+    if made.left_out:
+        data["left_out"] = made.left_out[:SHOWN]
+        data["left_out_total"] = len(made.left_out)
     outcome = session.commit(after, patch=operations, hypothesis=payload.get("hypothesis", ""), follows=follows)
     data |= {k: v for k, v in outcome.items() if k not in ("changed", "stale")}
     report = session.audit()
@@ -63,6 +72,22 @@ def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     else:
         data["audit"] = {"passed": False, **news(report.rows, before)}
     return data
+
+
+def _ground(session: Session, asked: Interior) -> Callable[[F64], F64] | None:
+    """Height of the ground that an interior stands on, by points of the world; None where it stands on none."""
+    from ..construction.scenes import Scene, upper_heights
+
+    if asked.on is None:
+        return None
+    if asked.on not in session.spec.entities:
+        raise InputError(
+            f"on {asked.on!r} is no entity; the world has {sorted(session.spec.entities)[:20]}. Of a landscape, build_terrain(size=...) "
+            "cuts a ground"
+        )
+    scene = Scene(session.folder, session.spec)
+    body, pose = scene.body(asked.on), scene.pose(asked.on)
+    return lambda points: upper_heights(body, pose, points)
 
 
 def _gap(spec: WorldSpec) -> float:
@@ -91,7 +116,7 @@ def interior_operations(spec: WorldSpec, name: str, asked: Interior, made: Built
     whole = {"path": f"/interiors/{name}", "value": record} if spec.interiors else {"path": "/interiors", "value": {name: record}}
     edits.append({"op": "add", **whole})
     edits += [{"op": "add", "path": f"/entities/{k}", "value": v} for k, v in made.entities.items()]
-    rooms = {f"{name}_{room}" for room in spec.interiors[name].rooms} if name in spec.interiors else set()
+    rooms = {f"{name}_{room}{end}" for room in spec.interiors[name].rooms for end in ENDS} if name in spec.interiors else set()
     document = document_of(spec)
     for path, members in (
         ("/simulation/joints", made.joints),

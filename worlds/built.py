@@ -147,7 +147,7 @@ def _npy(array: Any) -> bytes:
 
 @lru_cache(maxsize=4096)
 def _npy_header(dtype: str, shape: tuple[int, ...]) -> bytes:
-    """What `numpy.save` writes before the elements."""
+    """The header that `numpy.save` writes before the elements."""
     raw = io.BytesIO()
     np.lib.format.write_array_header_1_0(raw, {"descr": dtype, "fortran_order": False, "shape": shape})
     return raw.getvalue()

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ import anyio
 import anyio.to_thread
 
 from ...execution import Job, JobStore
+from ...worlds.errors import WorldAgentError
 from .cleanup import cancel_jobs
 from .matrices import matrices
 from .records import Ending, Record
@@ -152,9 +153,12 @@ async def conduct(state: TaskState, work: Callable[[Attempt], Awaitable[Any]]) -
     attempt, failed = attempt_of(state), list[Exception]()
 
     async def watch(scope: anyio.CancelScope) -> None:
-        while attempt.ending() is None:
+        while True:
+            with suppress(WorldAgentError):  # the jobs' file is busy or new: the next look tells
+                if attempt.ending() is not None:
+                    scope.cancel()
+                    return
             await anyio.sleep(WATCH_S)
-        scope.cancel()
 
     async with anyio.create_task_group() as group:
         group.start_soon(watch, group.cancel_scope)

@@ -41,8 +41,9 @@ class Call:
     at: float
     """UNIX time of the request [s]."""
     seconds: float
-    ended: Literal["answered", "silent", "refused"]
-    """`silent`: no answer within the limit; `refused`: the budget was used up and the server never saw it."""
+    ended: Literal["answered", "silent", "refused", "lost"]
+    """`silent`: no answer within the limit; `refused`: the budget was used up and the server never saw it; `lost`: server or client
+    were gone before an answer."""
     error: bool
     data: Any = None
     """Structured content of the answer, or its text."""

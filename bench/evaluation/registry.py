@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from inspect_ai import Task
+from inspect_ai.scorer import Scorer
 from inspect_ai.solver import Solver
 
 from .agents.clis import claude_code, codex_cli
@@ -13,20 +14,30 @@ from .agents.random_calls import random_calls
 from .agents.react import react_agent
 from .agents.replay import replay
 from .agents.scripted import scripted
+from .metrics.scorers import alignment, caus, comp, imag, pen, prod, qual
 from .models import ScriptedModel
 from .scorers import verified
+from .scoring import METRICS
 from .tasks import agenticsimbench, small, smoke
 
 __all__ = [
     "AGENTS",
+    "METRICS",
     "MODELS",
     "SCORERS",
     "TASKS",
     "ScriptedModel",
     "agenticsimbench",
+    "alignment",
+    "caus",
     "claude_code",
     "codex_cli",
+    "comp",
     "external",
+    "imag",
+    "pen",
+    "prod",
+    "qual",
     "random_calls",
     "react_agent",
     "replay",
@@ -49,4 +60,5 @@ AGENTS: Mapping[str, Callable[..., Solver]] = {
 """Solvers by the name that `worldagent eval run --agent` takes."""
 MODELS = ("react", "claude_code", "codex_cli")
 """Agents that need a model."""
-SCORERS = {"verified": verified}
+SCORERS: Mapping[str, Callable[..., Scorer]] = {"verified": verified, **METRICS}
+"""Scorers by the name that `inspect score --scorer worldagent/NAME` takes."""

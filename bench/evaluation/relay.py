@@ -92,6 +92,8 @@ class _Relay:
             code = await self.child.wait()
             self.end("lost", "died", f"the server ended with code {code} while its client was there")
         self.leave()
+        for key in list(self.pending):
+            self.write(key, "lost", {"content": [{"type": "text", "text": "no answer"}], "isError": True})
         await self.child.wait()
         with contextlib.suppress(asyncio.TimeoutError, asyncio.CancelledError):
             await asyncio.wait_for(kept, 1.0)

@@ -80,7 +80,7 @@ def counts_of(results: list[SampleResult]) -> dict[str, int]:
 
 def _result(sample: EvalSample, agent: str, model: str) -> SampleResult:
     attempt = sample.metadata.get("attempt") or {}
-    score = next(iter((sample.scores or {}).values()), None)
+    score = (sample.scores or {}).get("verified")
     told: dict[str, Any] = {} if score is None else dict(score.metadata or {})
     value: dict[str, Any] = dict(score.value) if score is not None and isinstance(score.value, Mapping) else {}
     verdict = told.get("verdict") or {}

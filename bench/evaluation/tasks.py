@@ -21,10 +21,11 @@ from .attempts import Budget, begin, settle
 from .prompting import TEMPLATE_VERSION, prompt_digest, task_prompt
 from .prompts.reading import PromptSet, load_set
 from .scorers import verified
+from .scoring import metric_names, metric_scorers
 from .serving import preflight, server_command, server_environment
 from .workspace import new_run
 
-__all__ = ["TIME_LIMIT_S", "TOKEN_LIMIT", "agenticsimbench", "scene_samples", "small", "smoke", "task_of"]
+__all__ = ["TIME_LIMIT_S", "TOKEN_LIMIT", "agenticsimbench", "sample_ids", "scene_samples", "small", "smoke", "task_of", "with_metrics"]
 
 DEFAULT_ROOT = "worldagent-eval"
 """Folder of runs, below the present one, where nobody names another."""
@@ -47,6 +48,16 @@ def scene_samples(scenes: Sequence[dict[str, Any]]) -> MemoryDataset:
     return MemoryDataset(samples, name="scenes")
 
 
+def sample_ids(name: str, prompts: str = "") -> list[str]:
+    """Ids of the samples of a task, without making one.
+
+    Args:
+        name: of the task.
+        prompts: another set, by the path of its JSON file.
+    """
+    return list(SMOKE) if name == "smoke" else [prompt.id for prompt in load_set(prompts or name).prompts]
+
+
 @task
 def agenticsimbench(
     prompts: str = "agenticsimbench",
@@ -56,6 +67,7 @@ def agenticsimbench(
     device_s: float = 6 * 3600.0,
     film: bool = True,
     replay: bool = True,
+    metrics: str = "",
 ) -> Task:
     """The thirteen prompts of AgenticSimBench (ours: the paper's are unpublished).
 
@@ -67,9 +79,10 @@ def agenticsimbench(
         device_s: seconds of jobs per sample.
         film: ask for the final sequence too.
         replay: verify by simulating intervals again.
+        metrics: to score beside the verdict, with commas, or all; some need `--model-role grader=PROVIDER/MODEL`.
     """
-    found = load_set(prompts)
-    return task_of(found, Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay)
+    made = task_of(load_set(prompts), Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay)
+    return with_metrics(made, metrics)
 
 
 @task
@@ -81,10 +94,18 @@ def small(
     device_s: float = 1800.0,
     film: bool = False,
     replay: bool = True,
+    metrics: str = "",
 ) -> Task:
     """The short set: a small prompt per capability. Arguments as of `agenticsimbench`."""
-    found = load_set(prompts)
-    return task_of(found, Budget(calls, device_s), root=root, ablation=ablation, film=film, replay=replay, time_limit=3600)
+    budget = Budget(calls, device_s)
+    made = task_of(load_set(prompts), budget, root=root, ablation=ablation, film=film, replay=replay, time_limit=3600)
+    return with_metrics(made, metrics)
+
+
+def with_metrics(made: Task, metrics: str) -> Task:
+    """The task, whose samples are scored by these metrics beside the verdict."""
+    made.scorer = [*(made.scorer or ()), *metric_scorers(metric_names(metrics))]
+    return made
 
 
 @task
@@ -106,8 +127,6 @@ def smoke(
 def _shipped(name: str) -> dict[str, Any]:
     path = files("worldagent.skills") / "world-building" / "examples" / f"{name}.json"
     return {"id": name, "text": json.loads(path.read_text(encoding="utf-8"))["prompt"], "setting": "interior"}
-
-
 
 
 def task_of(

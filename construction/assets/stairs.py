@@ -16,7 +16,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 
-__all__ = ["GENERATORS"]
+__all__ = ["GENERATORS", "STRIDE", "Flight", "handrail"]
 
 FLIGHT = 18
 """Most steps without a landing."""
@@ -29,7 +29,7 @@ TREAD = 0.036
 Turn = Callable[[float, float, float], tuple[float, float, float]]
 
 
-class _Flight(NamedTuple):
+class Flight(NamedTuple):
     """Steps that climb along +y of their own frame from y = 0, z = 0; `turn` leads to the asset's frame."""
 
     steps: int
@@ -43,13 +43,16 @@ class _Flight(NamedTuple):
 
     @property
     def run(self) -> float:
+        """Its length in plan [m]."""
         return self.steps * self.going
 
     def box(self, body: Body, name: str, low: tuple[float, float, float], high: tuple[float, float, float]) -> None:
+        """Add an upright box of its own frame."""
         ends = np.array([self.turn(*low), self.turn(*high)])
         body.box(f"{self.name}{name}", ends.min(0), ends.max(0))
 
     def hull(self, body: Body, name: str, points: list[tuple[float, float, float]]) -> None:
+        """Add the hull of points of its own frame."""
         body.hull(f"{self.name}{name}", [self.turn(*p) for p in points])
 
 
@@ -63,7 +66,7 @@ def _going(rise: float, wanted: float) -> float:
     return max(0.22, min(max(wanted, STRIDE[0] - 2 * rise), STRIDE[1] - 2 * rise))
 
 
-def _solid(body: Body, f: _Flight, floor: float) -> None:
+def _solid(body: Body, f: Flight, floor: float) -> None:
     """Steps of stone on a solid base, with slabs that project."""
     half, slab = f.width / 2, min(0.045, 0.4 * f.rise)
     for k in range(f.steps):
@@ -73,7 +76,7 @@ def _solid(body: Body, f: _Flight, floor: float) -> None:
         f.box(body, f"tread_{k + 1}", (-half, front, z - slab), (half, y + f.going - NOSING * (k < f.steps - 1), z))
 
 
-def _wooden(body: Body, f: _Flight, floor: float, *, risers: bool) -> None:
+def _wooden(body: Body, f: Flight, floor: float, *, risers: bool) -> None:
     """Treads between two strings; posts under their upper end where the flight stands on the floor."""
     string, half = 0.045, f.width / 2
     inner, slope = half - string, f.rise / f.going
@@ -112,7 +115,7 @@ def _wooden(body: Body, f: _Flight, floor: float, *, risers: bool) -> None:
             f.box(body, f"riser_{k + 1}", (-inner, y, low), (inner, y + 0.018, z - TREAD))
 
 
-def _handrail(body: Body, f: _Flight, side: int, *, solid: bool, height: float = 0.92) -> None:
+def handrail(body: Body, f: Flight, side: int, *, solid: bool, height: float = 0.92) -> None:
     """Newel posts, a handrail parallel to the flight and upright balusters, on its left (-1) or right (1) side."""
     name, slope, half = "left" if side < 0 else "right", f.rise / f.going, f.width / 2
     x = side * (half - (0.05 if solid else 0.0225))
@@ -169,16 +172,16 @@ SIDES = {"none": (), "left": (-1,), "right": (1,), "both": (-1, 1)}
 Build = Literal["closed", "open", "stone"]
 
 
-def _flight(body: Body, f: _Flight, build: Build, railings: Railings, floor: float = 0.0) -> None:
+def _flight(body: Body, f: Flight, build: Build, railings: Railings, floor: float = 0.0) -> None:
     if build == "stone":
         _solid(body, f, floor)
     else:
         _wooden(body, f, floor, risers=build == "closed")
     for side in SIDES[railings]:
-        _handrail(body, f, side, solid=build == "stone")
+        handrail(body, f, side, solid=build == "stone")
 
 
-def _places(made: Made, f: _Flight) -> None:
+def _places(made: Made, f: Flight) -> None:
     for k in range(f.steps):
         low, high = f.turn(-f.width / 2 + 0.05, k * f.going, 0), f.turn(f.width / 2 - 0.05, (k + 1) * f.going - NOSING, 0)
         z = f.turn(0, 0, (k + 1) * f.rise)[2]
@@ -204,7 +207,7 @@ def _stairs(p: StairsParameters, rng: np.random.Generator) -> Made:
     rise = p.rise / steps
     going = _going(rise, p.going)
     run = steps * going
-    f = _Flight(steps, rise, going, p.width, lambda x, y, z: (x, y - run / 2, z))
+    f = Flight(steps, rise, going, p.width, lambda x, y, z: (x, y - run / 2, z))
     _flight(made.main, f, p.build, p.railing)
     _places(made, f)
     return made
@@ -295,8 +298,8 @@ def _landing_stairs(p: LandingStairsParameters, rng: np.random.Generator) -> Mad
     rails: Railings = "both" if p.railing else "none"
     low, high = one(-w / 2, run, 0), one(w / 2, run + w, 0)
     flights = [
-        _Flight(first, rise, going, w, one, "lower_", bars=steps > 10),
-        _Flight(steps - first, rise, going, w, two, "upper_", bars=steps > 10),
+        Flight(first, rise, going, w, one, "lower_", bars=steps > 10),
+        Flight(steps - first, rise, going, w, two, "upper_", bars=steps > 10),
     ]
     corner = np.array(high[:2])
     if p.turn == "half":

@@ -9,14 +9,20 @@ from typing import NamedTuple
 import numpy as np
 
 from .plans import Rect
-from .walls import Opening, swing
+from .walls import WIDE, Opening, leaves, swing
 
-__all__ = ["FloorSpace", "Spot", "turned_size"]
+__all__ = ["FloorSpace", "Spot", "in_rows", "turned_size"]
 
 GRID = 0.05
 """[m] Own choice: cells in which ways are looked for."""
 WALKER = 0.6
 """[m] Width of the way that stays between furniture: a person with something in the hands (Neufert); S4 asks for 0.51 m."""
+SASH = 0.12
+"""[m] Own choice: how far boards and knuckles of windows stand into the room, see `assets/openings.py`."""
+SWING = 0.6
+"""[m] Own choice: how far sashes swing into the room: half of a window of 1.2 m."""
+BESIDE_LEAF = 0.2
+"""[m] From the middle of a door away from its hinges, where one enters beside the open leaf."""
 APART = 0.01
 """[m] Own choice: gap between things on the floor."""
 
@@ -47,6 +53,24 @@ def turned_size(box: Rect, quarter: int) -> tuple[float, float]:
     return size if quarter % 2 == 0 else (size[1], size[0])
 
 
+def in_rows(room: Rect, foot: Rect, number: int, count: int, rows: int) -> Spot:
+    """Place of a thing of several that stand in one or two rows along a room.
+
+    Args:
+        room: between its walls [m].
+        foot: of the thing in its own frame [m].
+        number: of the thing among the others, from 0.
+        count: of things.
+        rows: 1 in the middle of the room, 2 at a quarter of its width from either wall.
+    """
+    wide, deep = room.x1 - room.x0, room.y1 - room.y0
+    along = (number // rows + 0.5) / math.ceil(count / rows)
+    across = 0.5 if rows == 1 else (0.25, 0.75)[number % 2]
+    u, v = (along, across) if wide >= deep else (across, along)
+    x, y = room.x0 + u * wide, room.y0 + v * deep
+    return Spot(x - (foot.x0 + foot.x1) / 2, y - (foot.y0 + foot.y1) / 2, 0)
+
+
 def _meet(a: Rect, b: Rect, gap: float = 0.0) -> bool:
     return a.x0 < b.x1 + gap and b.x0 < a.x1 + gap and a.y0 < b.y1 + gap and b.y0 < a.y1 + gap
 
@@ -66,22 +90,48 @@ class FloorSpace:
     """Footprints of what stands there."""
     access: list[Rect] = field(default_factory=list)
     """Floor from which things are used; free of other things."""
+    drawn: list[Rect] = field(default_factory=list)
+    """Floor over which drawers come out; free of other furniture than what belongs to their thing."""
+    name: str = ""
+    """Room of the plan; doors that belong to it open into it."""
 
     def __post_init__(self) -> None:
         self.doors = [swing(o, self.wall) for o in self.openings if o.kind == "door"]
+        self.leaves = [r for o in self._own_doors() for r in leaves(o, self.room)]
         self.entries = [self._entry(o) for o in self.openings if o.kind == "door"]
+        if not self._walkable():
+            # A way that the leaf alone bars is none that furniture could leave free.
+            self.leaves = []
         self.windows = [(o.plan(self.wall), o.sill) for o in self.openings if o.kind == "window"]
 
+    def _own_doors(self) -> list[Opening]:
+        return [o for o in self.openings if o.kind == "door" and o.rooms[0] == self.name]
+
     def _entry(self, opening: Opening) -> tuple[float, float]:
-        """Point just inside of a door."""
+        """Point just inside of a door, beside its leaf."""
         x, y = opening.center
         reach = self.wall / 2 + WALKER / 2 + GRID
+        if opening in self._own_doors() and opening.width <= WIDE:
+            if opening.along == "x":
+                x += BESIDE_LEAF if 2 * x < self.room.x0 + self.room.x1 else -BESIDE_LEAF
+            else:
+                y += BESIDE_LEAF if 2 * y < self.room.y0 + self.room.y1 else -BESIDE_LEAF
         if opening.along == "x":
             return (x, y + (reach if y < (self.room.y0 + self.room.y1) / 2 else -reach))
         return (x + (reach if x < (self.room.x0 + self.room.x1) / 2 else -reach), y)
 
-    def fits(self, foot: Rect, use: Rect | None, height: float) -> str | None:
-        """The constraint that stands in the way of a thing, in words; None where it fits, ways not asked yet."""
+    def fits(
+        self, foot: Rect, use: Rect | None, height: float, *, drawn: Rect | None = None, belongs: bool = False
+    ) -> str | None:
+        """The constraint that stands in the way of a thing, in words; None where it fits, ways not asked yet.
+
+        Args:
+            foot: its footprint.
+            use: floor from which it is used.
+            height: [m]
+            drawn: floor over which its drawers come out.
+            belongs: it stands at another thing on purpose, as a chair at its desk.
+        """
         if not _inside(foot, self.room):
             return "the walls"
         if any(_meet(foot, s, APART) for s in self.solid):
@@ -92,9 +142,26 @@ class FloorSpace:
             return "a window"
         if any(_meet(foot, a) for a in self.access):
             return "floor from which other furniture is used"
+        if not belongs and any(_meet(foot, d) for d in self.drawn):
+            return "a drawer of other furniture"
+        if drawn is not None and not self._comes_out(drawn, height):
+            return "too little room for its drawers"
         if use is not None and (not _inside(use, self.room) or any(_meet(use, s) for s in self.solid)):
             return "too little room before it"
         return None
+
+    def before_sash(self, foot: Rect, top: float) -> bool:
+        """True where a window's sash would swing against what is on a piece of the room and reaches up to a height [m]."""
+        return any(top > sill and _meet(foot, w, SWING) for w, sill in self.windows)
+
+    def before_door(self, foot: Rect) -> bool:
+        """True where a door's leaf would turn over a piece of the room."""
+        return any(_meet(foot, d) for d in self.doors)
+
+    def _comes_out(self, drawn: Rect, height: float) -> bool:
+        """True if drawers come out over a piece of floor: between the walls, before no furniture, beside no sill and sash."""
+        beside = any(height > sill and _meet(drawn, w, SASH) for w, sill in self.windows)
+        return _inside(drawn, self.room) and not any(_meet(drawn, s) for s in self.solid) and not beside
 
     def add(self, foot: Rect, use: Rect | None) -> bool:
         """Put a thing there if one can still walk from every door to every thing; says whether it stands."""
@@ -116,7 +183,7 @@ class FloorSpace:
         nx, ny = math.ceil((room.x1 - room.x0) / GRID), math.ceil((room.y1 - room.y0) / GRID)
         free = np.zeros((nx + 2, ny + 2), dtype=bool)
         free[1:-1, 1:-1] = True
-        for s in self.solid:
+        for s in (*self.solid, *self.leaves):
             i0, j0 = (math.floor((s.x0 - room.x0) / GRID), math.floor((s.y0 - room.y0) / GRID))
             i1, j1 = (math.ceil((s.x1 - room.x0) / GRID), math.ceil((s.y1 - room.y0) / GRID))
             free[max(0, i0) + 1 : i1 + 1, max(0, j0) + 1 : j1 + 1] = False

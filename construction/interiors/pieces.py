@@ -13,6 +13,7 @@ from ..assets.documents import body_boxes
 from ..assets.made import Made
 from ..assets.registry import generator
 from .plans import Rect
+from .programs import SMALL
 
 __all__ = ["Piece", "Stock", "made_piece"]
 
@@ -60,6 +61,10 @@ class Stock:
                     given[field] = str(choices[int(self._rng.integers(len(choices)))])
             self._made[key] = made_piece(name, given, int(self._rng.integers(2**31)))
         return self._made[key]
+
+    def small(self, name: str) -> Piece:
+        """A thing of a kind as it lies on others."""
+        return self.take(name, SMALL.get(name))
 
 
 def made_piece(name: str, parameters: Mapping[str, Any], seed: int) -> Piece:

@@ -3,16 +3,34 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ...worlds.errors import InputError
-from .plans import OUTSIDE, Plan, Rect
+from .plans import OUTSIDE, Plan, Rect, Side
 
-__all__ = ["CORNER", "Block", "Opening", "clear_rect", "doors_of", "floor_blocks", "swing", "wall_blocks", "windows_of"]
+__all__ = [
+    "CORNER",
+    "WIDE",
+    "Block",
+    "Doorway",
+    "Opening",
+    "clear_rect",
+    "common_area",
+    "doors_of",
+    "floor_blocks",
+    "free_wall",
+    "hinge",
+    "leaves",
+    "passages_of",
+    "slab_rect",
+    "swing",
+    "wall_blocks",
+    "windows_of",
+]
 
 CORNER = 0.12
 """[m] Own choice: wall that is left between an opening and the corner of a room."""
@@ -23,8 +41,16 @@ CASING = 0.08
 MOST_WINDOW = 1.6
 """[m] Own choice: width of a window at most; longer walls get several."""
 LEAST_WINDOW = 0.5
+LEAF_REACH, LEAF_ACROSS = 0.955, 0.26
+"""Reach of an open leaf (80 degrees) into its room, and its extent along the wall less a cell of ways, over the width of the opening."""
+STRIP = 0.35
+"""[m] Own choice: depth before a wall that has to be free for furniture along it."""
+LEAST_WALL = 0.45
+"""[m] Own choice: shorter pieces of wall are of no use to furniture."""
 PIER = 0.5
 """[m] Own choice: wall between a window and the next, or a corner."""
+WIDE = 1.3
+"""[m] Own choice: wider doors have two leaves and stand in the middle of their wall."""
 
 
 class Block(NamedTuple):
@@ -36,19 +62,19 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Opening:
-    """A door or window in a wall."""
+    """A door, a window, or a passage as wide as its corridor, in a wall."""
 
     id: str
-    kind: Literal["door", "window"]
+    kind: Literal["door", "window", "passage"]
     along: Literal["x", "y"]
     """Axis along which its wall runs."""
     center: tuple[float, float]
     """Middle in the plan [m]."""
     width: float
     sill: float
-    """Height of its lower edge [m]; 0 of a door."""
+    """Height of its lower edge over the floor of the storey [m]; that of the room of a door."""
     head: float
-    """Height of its upper edge [m]."""
+    """Height of its upper edge over the floor of the storey [m]."""
     rooms: tuple[str, str]
     """Room from which it is seen, and what is behind."""
 
@@ -89,40 +115,65 @@ def _shared(a: Rect, b: Rect) -> list[_Edge]:
     return found
 
 
-def _outer(plan: Plan, room: Rect) -> list[_Edge]:
-    """Pieces of a room's walls that are on the outside."""
-    sides = [
-        (room.x0 <= 1e-9, _Edge("y", room.x0, room.y0, room.y1)),
-        (room.x1 >= plan.width - 1e-9, _Edge("y", room.x1, room.y0, room.y1)),
-        (room.y0 <= 1e-9, _Edge("x", room.y0, room.x0, room.x1)),
-        (room.y1 >= plan.depth - 1e-9, _Edge("x", room.y1, room.x0, room.x1)),
+def _outer(plan: Plan, room: Rect, side: Side | None = None) -> list[_Edge]:
+    """Pieces of a room's walls that are on the outside, or on one side of it."""
+    sides: list[tuple[bool, Side, _Edge]] = [
+        (room.x0 <= 1e-9, "west", _Edge("y", room.x0, room.y0, room.y1)),
+        (room.x1 >= plan.width - 1e-9, "east", _Edge("y", room.x1, room.y0, room.y1)),
+        (room.y0 <= 1e-9, "south", _Edge("x", room.y0, room.x0, room.x1)),
+        (room.y1 >= plan.depth - 1e-9, "north", _Edge("x", room.y1, room.x0, room.x1)),
     ]
-    return [edge for there, edge in sides if there]
+    return [edge for there, name, edge in sides if there and side in (None, name)]
 
 
 def swing(opening: Opening, wall: float) -> Rect:
     """Floor on both sides of a door over which its leaf turns and one passes."""
     r = opening.plan(wall)
+    deep = max(BEFORE_DOOR, opening.width / 2 if opening.kind == "door" else 0.0)
     if opening.along == "x":
-        return Rect(r.x0 - CASING, r.y0 - BEFORE_DOOR, r.x1 + CASING, r.y1 + BEFORE_DOOR)
-    return Rect(r.x0 - BEFORE_DOOR, r.y0 - CASING, r.x1 + BEFORE_DOOR, r.y1 + CASING)
+        return Rect(r.x0 - CASING, r.y0 - deep, r.x1 + CASING, r.y1 + deep)
+    return Rect(r.x0 - deep, r.y0 - CASING, r.x1 + deep, r.y1 + CASING)
 
 
 def _meet(a: Rect, b: Rect) -> bool:
     return a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1
 
 
-def doors_of(
-    plan: Plan, pairs: Sequence[tuple[str, str]], *, wall: float, width: float, head: float, rng: np.random.Generator
-) -> list[Opening]:
+def passages_of(plan: Plan, parts: Sequence[tuple[str, str]], *, wall: float, head: float) -> list[Opening]:
+    """Openings between parts of corridors, as wide and high as these."""
+    found = []
+    for a, b in parts:
+        (edge,) = _shared(plan.rooms[a], plan.rooms[b])
+        width = edge.end - edge.start - wall
+        found.append(Opening(f"{a}_{b}", "passage", edge.along, edge.at((edge.start + edge.end) / 2), width, 0.0, head, (a, b)))
+    return found
+
+
+class Doorway(NamedTuple):
+    """A door that is asked for."""
+
+    a: str
+    """Room into which it opens."""
+    b: str
+    width: float
+    """Width of the opening [m]."""
+    head: float
+    """Height of the opening over the floor of its room [m]."""
+    level: float = 0.0
+    """Floor of its rooms over that of the storey [m]."""
+    side: Side | None = None
+    """Side of the building for a door to the outside; None for any."""
+
+
+def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.random.Generator) -> list[Opening]:
     """A door for each pair of rooms, near an end of the wall that they share, so that walls stay free for furniture.
 
     Raises:
         InputError: two rooms share no wall that is wide enough.
     """
     found: list[Opening] = []
-    for a, b in pairs:
-        edges = _outer(plan, plan.rooms[a]) if b == OUTSIDE else _shared(plan.rooms[a], plan.rooms[b])
+    for a, b, width, head, level, side in doorways:
+        edges = _outer(plan, plan.rooms[a], side) if b == OUTSIDE else _shared(plan.rooms[a], plan.rooms[b])
         margin = wall / 2 + CORNER + width / 2
         wide = [e for e in edges if e.end - e.start >= 2 * margin]
         if not wide:
@@ -132,20 +183,34 @@ def doors_of(
         if b == OUTSIDE:
             wide = [min(wide, key=lambda e: e.end - e.start)]
         places = [(e, where) for e in wide for where in (e.start + margin, e.end - margin)]
+        if width > WIDE:
+            places = [(e, (e.start + e.end) / 2) for e in wide]
         order = [places[k] for k in rng.permutation(len(places))]
-        options = [Opening(f"{a}_{b}", "door", e.along, e.at(where), width, 0.0, head, (a, b)) for e, where in order]
+        options = [Opening(f"{a}_{b}", "door", e.along, e.at(where), width, level, level + head, (a, b)) for e, where in order]
         # Leaves of two doors of a corner would meet.
         free = [o for o in options if not any(_meet(swing(o, wall), swing(d, wall)) for d in found)]
-        found.append((free or options)[0])
+        sides = [clear_rect(plan.rooms[n], wall) for n in (a, b) if n != OUTSIDE]
+        found.append(max(free or options, key=lambda o: sum(free_wall(r, [swing(d, wall) for d in (*found, o)]) for r in sides)))
     return found
 
 
 def windows_of(
-    plan: Plan, rooms: Sequence[str], doors: Sequence[Opening], *, wall: float, sill: float, head: float
+    plan: Plan,
+    rooms: Mapping[str, tuple[float, float]],
+    doors: Sequence[Opening],
+    *,
+    wall: float,
 ) -> list[Opening]:
-    """Windows in the outer walls of rooms, as many as there is room for with piers between them."""
+    """Windows in the outer walls of rooms, as many as there is room for with piers between them.
+
+    Args:
+        plan: of the storey.
+        rooms: lower and upper edge of the windows of each room over the floor of the storey [m].
+        doors: openings that are there already.
+        wall: thickness of walls [m].
+    """
     found: list[Opening] = []
-    for name in rooms:
+    for name, (sill, head) in rooms.items():
         for edge in _outer(plan, plan.rooms[name]):
             own = 1 if edge.along == "y" else 0
             taken = [d for d in doors if d.along == edge.along and abs(d.center[1 - own] - edge.across) < 1e-6]
@@ -170,21 +235,38 @@ def _in_span(room: str, edge: _Edge, start: float, end: float, first: int, sill:
     ]
 
 
-def wall_blocks(plan: Plan, openings: Sequence[Opening], *, wall: float, height: float) -> list[Block]:
-    """Boxes that fill all walls of a plan and leave its openings free."""
+def wall_blocks(
+    plan: Plan, openings: Sequence[Opening], *, wall: float, height: float, levels: Mapping[str, float] | None = None
+) -> list[Block]:
+    """Boxes that fill all walls of a plan and leave its openings free; they stand on the floors of the rooms beside them.
+
+    Args:
+        plan: of the storey.
+        openings: what is left free.
+        wall: thickness of walls [m].
+        height: of their upper side over the floor of the storey [m].
+        levels: floors of rooms over that of the storey [m]; default 0.
+    """
     strips = [strip for room in plan.rooms.values() for strip in _strips(room, wall)]
-    holes = [(o.plan(wall), o.sill, o.head) for o in openings]
-    rects = [*strips, *(h[0] for h in holes)]
+    raised = {n: slab_rect(plan, n, wall) for n in plan.rooms if (levels or {}).get(n)}
+    rects = [*strips, *(o.plan(wall) for o in openings), *raised.values()]
     xs, ys = _lines(rects, "x0", "x1"), _lines(rects, "y0", "y1")
     solid = np.full((len(xs) - 1, len(ys) - 1), -1, dtype=int)
-    kinds: list[tuple[tuple[float, float], ...]] = [((0.0, height),)]
-    for strip in strips:
-        solid[_cells(xs, strip.x0, strip.x1), _cells(ys, strip.y0, strip.y1)] = 0
-    for hole, sill, head in holes:
-        ranges = tuple(r for r in ((0.0, sill), (head, height)) if r[1] - r[0] > 1e-6)
-        if ranges not in kinds:
-            kinds.append(ranges)
-        solid[_cells(xs, hole.x0, hole.x1), _cells(ys, hole.y0, hole.y1)] = kinds.index(ranges)
+    base = np.zeros(solid.shape)
+    for name, rect in raised.items():
+        base[_cells(xs, rect.x0, rect.x1), _cells(ys, rect.y0, rect.y1)] = (levels or {})[name]
+    kinds: list[tuple[tuple[float, float], ...]] = []
+    for rect, sill, head in [
+        *((s, height, height) for s in strips),
+        *((o.plan(wall), o.sill, o.head) for o in openings),
+    ]:
+        where = np.s_[_cells(xs, rect.x0, rect.x1), _cells(ys, rect.y0, rect.y1)]
+        part = solid[where]
+        for level in np.unique(base[where]):
+            ranges = tuple(r for r in ((float(level), sill), (head, height)) if r[1] - r[0] > 1e-6)
+            if ranges not in kinds:
+                kinds.append(ranges)
+            part[base[where] == level] = kinds.index(ranges)
     return [
         Block((xs[i0], ys[j0], low), (xs[i1], ys[j1], high))
         for i0, i1, j0, j1, kind in _merged(solid)
@@ -234,11 +316,70 @@ def _merged(solid: np.ndarray[tuple[int, int], np.dtype[np.int_]]) -> list[tuple
     return found
 
 
-def floor_blocks(plan: Plan, *, wall: float, thickness: float) -> dict[str, Block]:
-    """The slab under each room, to the middle of the walls between rooms and to the outer face of outer ones; upper side at z = 0."""
+def slab_rect(plan: Plan, name: str, wall: float) -> Rect:
+    """The floor of a room: to the middle of the walls between rooms, and to the outer face of outer ones."""
+    r, h = plan.rooms[name], wall / 2
+    return Rect(
+        r.x0 - (h if r.x0 <= 1e-9 else 0.0),
+        r.y0 - (h if r.y0 <= 1e-9 else 0.0),
+        r.x1 + (h if r.x1 >= plan.width - 1e-9 else 0.0),
+        r.y1 + (h if r.y1 >= plan.depth - 1e-9 else 0.0),
+    )
+
+
+def floor_blocks(plan: Plan, *, wall: float, thickness: float, levels: Mapping[str, float] | None = None) -> dict[str, Block]:
+    """The slab under each room; upper side at z = 0 or the room's level, lower side level over the storey."""
     found = {}
-    for name, r in plan.rooms.items():
-        x0, x1 = (r.x0 - (wall / 2 if r.x0 <= 1e-9 else 0.0), r.x1 + (wall / 2 if r.x1 >= plan.width - 1e-9 else 0.0))
-        y0, y1 = (r.y0 - (wall / 2 if r.y0 <= 1e-9 else 0.0), r.y1 + (wall / 2 if r.y1 >= plan.depth - 1e-9 else 0.0))
-        found[name] = Block((x0, y0, -thickness), (x1, y1, 0.0))
+    for name in plan.rooms:
+        r = slab_rect(plan, name, wall)
+        found[name] = Block((r.x0, r.y0, -thickness), (r.x1, r.y1, (levels or {}).get(name, 0.0)))
     return found
+
+
+def hinge(opening: Opening, room: Rect) -> Literal["left", "right"]:
+    """Side of a door's hinges seen from the room into which it opens, so that its leaf stands towards the nearer wall."""
+    x, y = opening.center
+    if opening.along == "x":
+        near_low, left_is_low = 2 * x < room.x0 + room.x1, y > (room.y0 + room.y1) / 2
+    else:
+        near_low, left_is_low = 2 * y < room.y0 + room.y1, x < (room.x0 + room.x1) / 2
+    return "left" if near_low == left_is_low else "right"
+
+
+def leaves(opening: Opening, room: Rect) -> list[Rect]:
+    """Floor under the open leaves of a door that opens into a room: one hinged as `hinge` says, or two of a wide door."""
+    (x, y), half = opening.center, opening.width / 2
+    along, (start, end) = (x, (room.x0, room.x1)) if opening.along == "x" else (y, (room.y0, room.y1))
+    width = opening.width if opening.width <= WIDE else half
+    across, reach = LEAF_ACROSS * width, LEAF_REACH * width
+    lows = [along - half, along + half - across]
+    if opening.width <= WIDE:
+        lows = lows[:1] if 2 * along < start + end else lows[1:]
+    if opening.along == "x":
+        far = y - reach if y > (room.y0 + room.y1) / 2 else y + reach
+        return [Rect(low, min(y, far), low + across, max(y, far)) for low in lows]
+    far = x - reach if x > (room.x0 + room.x1) / 2 else x + reach
+    return [Rect(min(x, far), low, max(x, far), low + across) for low in lows]
+
+
+def common_area(a: Rect, b: Rect) -> float:
+    """Area of what two rectangles have in common [m^2]."""
+    return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.y1, b.y1) - max(a.y0, b.y0))
+
+
+def free_wall(r: Rect, taken: Sequence[Rect]) -> float:
+    """Length of the walls of a room of clear size `r` before which nothing is, in pieces that furniture fits [m]."""
+    strips = [
+        (Rect(r.x0, r.y0 - STRIP, r.x1, r.y0 + STRIP), True),
+        (Rect(r.x0, r.y1 - STRIP, r.x1, r.y1 + STRIP), True),
+        (Rect(r.x0 - STRIP, r.y0, r.x0 + STRIP, r.y1), False),
+        (Rect(r.x1 - STRIP, r.y0, r.x1 + STRIP, r.y1), False),
+    ]
+    total = 0.0
+    for strip, level in strips:
+        start, end = (strip.x0, strip.x1) if level else (strip.y0, strip.y1)
+        cuts = sorted((t.x0, t.x1) if level else (t.y0, t.y1) for t in taken if common_area(t, strip) > 0)
+        for low, high in [*cuts, (end, end)]:
+            total += max(0.0, low - start) if low - start >= LEAST_WALL else 0.0
+            start = max(start, high)
+    return total

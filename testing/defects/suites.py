@@ -29,6 +29,7 @@ CHECKS = (
     "interpenetration",
     "support",
     "navigability",
+    "interiors",
     "causal",
     "story",
     "category",
@@ -44,7 +45,7 @@ CHECKS = (
     "shots",
 )
 """Suites: module `testing/defects/<name>.py`, attribute `SUITE`. Those of categories (elastic to fracture) are of the category
-check, that of the story is of the beat check."""
+check, that of the story is of the beat check, mechanisms of interiors name theirs."""
 VARIANTS = 102
 """Generated worlds of each kind per check."""
 

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "b20c6806434bedadcc9929fecec8db380b1071ab792ca3417a72e99847d3b378"
+SCHEMA = "de54cbf085c3c28fe46fb986db7045ecd9184512b17b121ebb49c8f34f9d970f"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -15,6 +15,7 @@ from ..shots.plan import unseen_text
 from ..story.branches import branch_lines
 from ..support.anchored import anchor_lines
 from ..support.held import afloat_lines
+from ..things.sizes import variant_lines
 from .apart import apart_lines
 from .fields import field_lines
 from .scene import scene_lines
@@ -55,6 +56,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
         + _declared(spec)
         + branch_lines(candidate)
         + hidden_lines(candidate)
+        + variant_lines(candidate)
         + start_lines(candidate)
         + settled_lines(candidate)
     )

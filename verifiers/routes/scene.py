@@ -95,7 +95,7 @@ class Scene:
         return np.asarray(corners[((flat.max(axis=1) >= low) & (flat.min(axis=1) <= high)).all(axis=1)])
 
     def ground(self, grid: Grid, high: F64) -> Ground:
-        """What stands in the cells of a grid, which ends at the corner `high` [m]."""
+        """The ground over the cells of a grid, which ends at the corner `high` [m]."""
         key = (grid.origin.tobytes(), high.tobytes(), grid.cell)
         if key not in self._grounds:
             if len(self._grounds) >= KEPT:

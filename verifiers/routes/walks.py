@@ -66,7 +66,7 @@ class Walks:
 
     @cached_property
     def ground(self) -> Ground:
-        """What stands in the area.
+        """The ground of the area, shared by all ways that ask for it.
 
         Raises:
             EvidenceError: the area is too large, or nothing is there.

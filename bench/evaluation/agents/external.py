@@ -21,7 +21,7 @@ LOOK_S = 0.5
 def external() -> Solver:
     """Waits for a session that is driven from elsewhere; it needs no model.
 
-    `records/example_k/connect.json` holds the server's command line and environment, `prompt.md` the whole prompt. The sample ends
+    `records/example_k/connect.json` holds the server's command line and environment, `prompt.txt` the whole prompt. The sample ends
     when the file `done` appears there (its text is kept as the answer), or when a budget is used up. The server may be started
     more than once, one after the other: calls are counted over all of them.
     """
@@ -31,7 +31,7 @@ def external() -> Solver:
             record = attempt.folder.record
             done = record.folder / "done"
             first, *rest = attempt.command
-            (record.folder / "prompt.md").write_text(state.messages[0].text, encoding="utf-8")
+            (record.folder / "prompt.txt").write_text(state.messages[0].text, encoding="utf-8")
             record.write(
                 "connect.json",
                 {
@@ -39,7 +39,7 @@ def external() -> Solver:
                     "args": rest,
                     "env": attempt.environment,
                     "shell": shlex.join(attempt.command),
-                    "prompt": str(record.folder / "prompt.md"),
+                    "prompt": str(record.folder / "prompt.txt"),
                     "done": str(done),
                     "mcpServers": {"worldagent": {"command": first, "args": rest, "env": attempt.environment}},
                 },

@@ -6,7 +6,7 @@ need a judge: `--model-role grader=PROVIDER/MODEL`. On a finished log: `inspect 
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -25,7 +25,7 @@ from .judge import SECONDS, TRIES, InspectJudge
 from .judged import judge_film
 from .sample import SampleOutput, sample_output
 
-__all__ = ["SCORERS", "alignment", "caus", "comp", "imag", "pen", "prod", "qual"]
+__all__ = ["METRIC_SCORERS", "alignment", "caus", "comp", "imag", "pen", "prices_of", "prod", "qual"]
 
 MOST_CALLS = 2000
 """Calls of a judge for one metric of one film, by the forecast; more are refused before the first."""
@@ -68,7 +68,7 @@ def _judged(metric: str, tries: int, seconds: float, most_calls: int, prices: st
             raise RefusedError("no judge is named; add --model-role grader=PROVIDER/MODEL")
         judge = InspectJudge()
         try:
-            told = forecast(output.prompt, count, film.fps, film.size, metrics=(metric,), prices=_prices(prices))
+            told = forecast(output.prompt, count, film.fps, film.size, metrics=(metric,), prices=prices_of(prices))
         except ValueError as error:
             return None, str(error), {}
         transcript().info({"metric": metric, "forecast": told.words()})
@@ -80,8 +80,12 @@ def _judged(metric: str, tries: int, seconds: float, most_calls: int, prices: st
     return _scored(measure)
 
 
-def _prices(text: str) -> tuple[float, float] | None:
-    """Dollars per million tokens in and out, written `3/15`."""
+def prices_of(text: str) -> tuple[float, float] | None:
+    """Dollars per million tokens in and out, written `3/15`; None where nothing is given.
+
+    Raises:
+        RefusedError: it is written in another way.
+    """
     if not text:
         return None
     one, _, two = text.partition("/")
@@ -141,5 +145,13 @@ def imag(device: str = "") -> Scorer:
     return _scored(measure)
 
 
-SCORERS = (pen, caus, qual, comp, alignment, imag, prod)
-"""In the order of the paper's table."""
+METRIC_SCORERS: Mapping[str, Callable[..., Scorer]] = {
+    "pen": pen,
+    "caus": caus,
+    "qual": qual,
+    "comp": comp,
+    "align": alignment,
+    "imag": imag,
+    "prod": prod,
+}
+"""By their names, in the order of the paper's table."""

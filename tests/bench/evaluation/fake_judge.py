@@ -40,7 +40,7 @@ class FakeJudge(ModelAPI):
 
     def __init__(self, model_name: str, base_url: str | None = None, api_key: str | None = None, config: GenerateConfig | None = None, **arguments: Any) -> None:
         super().__init__(model_name, base_url, api_key, [], config or GenerateConfig())
-        self.reply: Callable[[str, int], Any] = arguments["reply"]
+        self.reply: Callable[[str, int], Any] = arguments.get("reply") or (lambda text, _: perfect(text))
         self.asked: list[tuple[str, list[str]]] = []
         self.times: Counter[str] = Counter()
 

@@ -34,6 +34,11 @@ def acted(do: str, arguments: dict[str, Any]) -> dict[str, Any]:
         os._exit(7)
     if do == "hang":
         time.sleep(600)
+    if do == "wait":
+        gate = Path(arguments["marker"])
+        gate.with_suffix(".there").touch()
+        while not gate.exists():
+            time.sleep(0.01)
     if do == "flood_bytes":
         sys.stdout.write('{"x": "' + "y" * int(arguments["count"]) + '"}\n')
         sys.stdout.flush()
@@ -68,7 +73,7 @@ def main(mode: str) -> None:
             say({"id": key, "result": {"tools": [{"name": n, "description": n, "inputSchema": SCHEMA} for n in names]}})
         elif method == "tools/call":
             arguments = message["params"].get("arguments") or {}
-            say({"id": key, "result": acted(arguments.get("do", "answer"), arguments)})
+            say({"id": key, "result": acted("refuse" if mode == "strict" else arguments.get("do", "answer"), arguments)})
         else:
             say({"id": key, "result": {}})
 

@@ -10,6 +10,8 @@ from typing import Any
 import pytest
 from inspect_ai import Task
 from inspect_ai import eval as run_eval
+from inspect_ai import score as score_log
+from inspect_ai._util.registry import registry_info
 from inspect_ai.dataset import MemoryDataset, Sample
 from inspect_ai.model import get_model
 from inspect_ai.scorer import Score
@@ -17,6 +19,7 @@ from inspect_ai.solver import Generate, Solver, TaskState, solver
 from worldagent.bench.evaluation.metrics import scorers
 from worldagent.bench.evaluation.metrics.sample import sample_output
 from worldagent.bench.evaluation.prompts.reading import BenchPrompt, load_prompts
+from worldagent.bench.evaluation.registry import SCORERS
 from worldagent.tests.bench.evaluation.fake_judge import answering, perfect
 from worldagent.tests.bench.evaluation.films import film_file
 from worldagent.tests.bench.evaluation.folders import baked_folder
@@ -39,11 +42,11 @@ def idle() -> Solver:
     return solve
 
 
-def run(tmp_path: Path, metadata: dict[str, Any], *chosen: Any, grader: Any = None) -> tuple[dict[str, Score], Any]:
+def run(tmp_path: Path, metadata: dict[str, Any], *chosen: Any, grader: Any = None, agent: Any = None) -> tuple[dict[str, Score], Any]:
     """Scores of one sample by scorer, and the log."""
     task = Task(MemoryDataset([Sample(input="x", metadata=metadata)]), solver=idle(), scorer=list(chosen))
     roles = {"grader": grader} if grader is not None else {}
-    (log,) = run_eval(task, model=get_model("mockllm/model"), model_roles=roles, log_dir=str(tmp_path / "logs"), display="none")
+    (log,) = run_eval(task, model=agent or get_model("mockllm/model"), model_roles=roles, log_dir=str(tmp_path / "logs"), display="none")
     assert log.status == "success", log.error
     (sample,) = log.samples or []
     return dict(sample.scores or {}), log
@@ -121,3 +124,16 @@ def test_of_several_worlds_the_one_with_the_newest_film_is_scored(tmp_path: Path
     found = sample_output(scene(BLOCKS, workspace=str(tmp_path)))
     assert found.world == tmp_path / "second"
     assert found.need_film().count == 9
+
+
+def test_a_finished_log_is_scored_by_name_as_the_command_does(tmp_path: Path) -> None:
+    """`inspect score LOG --scorer worldagent/NAME`: what it looks up is what the registry imports."""
+    film = film_file(tmp_path / "film.avi", 40)
+    _, log = run(tmp_path, scene(film=str(film)), scorers.pen())
+    model, _ = answering()
+    scored = score_log(log, SCORERS["qual"](), action="append", model_roles={"grader": model}, display="none")
+    (sample,) = scored.samples or []
+    assert sorted(sample.scores or {}) == ["pen", "qual"]
+    assert (sample.scores or {})["qual"].value == pytest.approx(0.8)
+    names = {registry_info(SCORERS[name]()).name.rpartition("/")[2] for name in scorers.METRIC_SCORERS}
+    assert names == set(scorers.METRIC_SCORERS) == {"pen", "caus", "qual", "comp", "align", "imag", "prod"}

@@ -47,7 +47,7 @@ def test_a_call_passes_unchanged_and_stands_in_the_transcript(tmp_path: Path) ->
 def test_a_hanging_call_gets_an_error_and_the_third_in_a_row_ends_the_server(tmp_path: Path) -> None:
     texts, record = played(tmp_path, [{"do": "hang"}, {}, {}, {}], call_timeout_s=0.4)
     assert texts[0] == "no answer in 0.4 s; the server may still be at work"
-    assert [c.ended for c in record.calls()] == ["silent"] * 3
+    assert [c.ended for c in record.calls()][:3] == ["silent"] * 3  # a fourth may be on its way
     ending = record.ending()
     assert (ending.kind, ending.type) == ("lost", "silent")
     assert "3 calls in a row had no answer within 0.4 s" in ending.reason
@@ -58,6 +58,7 @@ def test_a_server_that_dies_is_lost_with_its_code_and_its_last_words(tmp_path: P
     assert texts[0].startswith('{"summary"')
     ending = record.ending()
     assert (ending.kind, ending.type, ending.reason) == ("lost", "died", "the server ended with code 7 while its client was there")
+    assert [c.ended for c in record.calls()] == ["answered", "lost"]
     assert (tmp_path / "server.stderr").read_text() == "the fake server falls over\n"
 
 

@@ -185,6 +185,22 @@ def test_misuse_names_what_there_is(words: list[str], text: str, capsys: pytest.
     assert text in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(("calls", "code", "outcome"), [([{}, {"do": "refuse"}], 0, "refused"), ([{"do": "crash"}], 1, "error")])
+def test_the_command_prints_one_object_and_fails_where_a_sample_was_an_error(
+    calls: list[dict[str, Any]], code: int, outcome: str, tmp_path: Path, fake: Fake, documents: Callable[..., Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = load_set("small").prompts[3].id
+    words = ["run", "small", "--agent", "scripted", "--samples", name, "--agent-arg", f"folder={documents(**{name: calls})}"]
+    words += ["--root", str(tmp_path / "runs"), "--calls", "9", "--time", "60", "--retries", "0"]
+    assert command_line(["eval", *words]) == code
+    told = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert told["outcomes"][outcome] == 1
+    (sample,) = told["samples"]
+    assert (sample["id"], sample["agent"], sample["calls"]) == (name, "scripted", len(calls))
+    assert Path(sample["workspace"]).name == "example_4"
+    assert Path(told["log"]).is_file()
+
+
 def test_the_list_names_tasks_agents_and_ablations(capsys: pytest.CaptureFixture[str]) -> None:
     assert command_line(["eval", "list"]) == 0
     told = json.loads(capsys.readouterr().out)

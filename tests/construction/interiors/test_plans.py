@@ -6,8 +6,9 @@ import itertools
 
 import numpy as np
 import pytest
-from worldagent.construction.interiors.plans import OUTSIDE, Need, Plan, Rect, solve_plan
-from worldagent.construction.interiors.walls import doors_of, floor_blocks, wall_blocks, windows_of
+from worldagent.construction.interiors.planning import solve_plans
+from worldagent.construction.interiors.plans import OUTSIDE, Need, Plan, Rect
+from worldagent.construction.interiors.walls import Doorway, doors_of, floor_blocks, wall_blocks, windows_of
 from worldagent.geometry.booleans import union_volume
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.errors import InputError
@@ -25,7 +26,12 @@ WALL, DOOR = 0.12, 0.95
 
 @pytest.fixture(scope="module", params=[0, 3])
 def plan(request: pytest.FixtureRequest) -> Plan:
-    return solve_plan(NEEDS, size=None, wall=WALL, door=DOOR + 0.24, seed=request.param)
+    (found,) = solve_plans(NEEDS, size=None, wall=WALL, door=DOOR + 0.24, seed=request.param)
+    return found
+
+
+def _doorways(pairs: list[tuple[str, str]], head: float) -> list[Doorway]:
+    return [Doorway(a, b, DOOR, head) for a, b in pairs]
 
 
 def _share(a: Rect, b: Rect) -> float:
@@ -52,15 +58,15 @@ def test_rooms_tile_the_plan_with_the_areas_doors_and_daylight_that_are_asked_fo
 
 
 def test_equal_seeds_make_equal_plans() -> None:
-    first = solve_plan(NEEDS, size=None, wall=WALL, door=DOOR, seed=5)
-    assert first == solve_plan(NEEDS, size=None, wall=WALL, door=DOOR, seed=5)
+    first = solve_plans(NEEDS, size=None, wall=WALL, door=DOOR, seed=5)
+    assert first == solve_plans(NEEDS, size=None, wall=WALL, door=DOOR, seed=5)
 
 
 @pytest.mark.parametrize(
     ("needs", "size", "said"),
     [
         ({"a": Need(10.0, 2.0, 2.0, ("b",))}, None, "no room; there are"),
-        ({"a": Need(10.0, 2.0, 2.0)}, (10.0, 8.0), "80.0 m.2, the rooms ask for 10.0"),
+        ({"a": Need(10.0, 2.0, 2.0)}, (10.0, 8.0), "80.0 m.2, the rooms of storey 0 ask for 10.0"),
         ({"a": Need(4.0, 3.0, 2.0)}, None, "no plan of 1 rooms"),
     ],
 )
@@ -68,7 +74,7 @@ def test_plans_that_cannot_be_are_refused_with_what_does_not_fit(
     needs: dict[str, Need], size: tuple[float, float] | None, said: str
 ) -> None:
     with pytest.raises(InputError, match=said):
-        solve_plan(needs, size=size, wall=WALL, door=DOOR, seed=0)
+        solve_plans(needs, size=size, wall=WALL, door=DOOR, seed=0)
 
 
 def _corners(low: tuple[float, float, float], high: tuple[float, float, float]) -> F64:
@@ -77,9 +83,9 @@ def _corners(low: tuple[float, float, float], high: tuple[float, float, float]) 
 
 def test_walls_fill_what_is_no_room_and_no_opening_without_overlap(plan: Plan) -> None:
     rng, height = np.random.default_rng(0), 2.6
-    doors = doors_of(plan, PAIRS, wall=WALL, width=DOOR, head=2.07, rng=rng)
+    doors = doors_of(plan, _doorways(PAIRS, 2.07), wall=WALL, rng=rng)
     assert len(doors) == len(PAIRS)
-    windows = windows_of(plan, ["living", "kitchen", "bedroom"], doors, wall=WALL, sill=0.9, head=2.1)
+    windows = windows_of(plan, dict.fromkeys(("living", "kitchen", "bedroom"), (0.9, 2.1)), doors, wall=WALL)
     assert {w.rooms[0] for w in windows} == {"living", "kitchen", "bedroom"}
     blocks = wall_blocks(plan, [*doors, *windows], wall=WALL, height=height)
     volume = sum(float(np.prod(np.subtract(b.high, b.low))) for b in blocks)
@@ -94,8 +100,8 @@ def test_walls_fill_what_is_no_room_and_no_opening_without_overlap(plan: Plan) -
 
 
 def test_openings_of_a_wall_do_not_meet(plan: Plan) -> None:
-    doors = doors_of(plan, PAIRS, wall=WALL, width=DOOR, head=2.07, rng=np.random.default_rng(1))
-    openings = [*doors, *windows_of(plan, list(NEEDS), doors, wall=WALL, sill=0.9, head=2.1)]
+    doors = doors_of(plan, _doorways(PAIRS, 2.07), wall=WALL, rng=np.random.default_rng(1))
+    openings = [*doors, *windows_of(plan, dict.fromkeys(NEEDS, (0.9, 2.1)), doors, wall=WALL)]
     assert len(openings) > len(PAIRS)
     for a, b in itertools.combinations([o.plan(WALL) for o in openings], 2):
         assert a.x1 <= b.x0 or b.x1 <= a.x0 or a.y1 <= b.y0 or b.y1 <= a.y0
@@ -104,4 +110,4 @@ def test_openings_of_a_wall_do_not_meet(plan: Plan) -> None:
 def test_a_door_where_rooms_share_no_wall_is_refused() -> None:
     plan = Plan(4.0, 2.0, {"a": Rect(0, 0, 1, 2), "b": Rect(1, 0, 3, 2), "c": Rect(3, 0, 4, 2)})
     with pytest.raises(InputError, match="'a' and 'c' share no wall"):
-        doors_of(plan, [("a", "c")], wall=WALL, width=DOOR, head=2.0, rng=np.random.default_rng(0))
+        doors_of(plan, _doorways([("a", "c")], 2.0), wall=WALL, rng=np.random.default_rng(0))

@@ -1,0 +1,121 @@
+"""A room while it is furnished: what stands, hangs and lies in it so far, and how a step is taken back (R48, R95)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from .floor_space import APART, FloorSpace, Spot
+from .pieces import Piece
+from .plans import Rect
+
+__all__ = ["Arrangement", "Frame", "Hung", "Mark", "Standing", "over", "within"]
+
+
+@dataclass
+class Standing:
+    """A thing in its place."""
+
+    piece: Piece
+    x: float
+    y: float
+    z: float
+    yaw: float
+    """[rad]"""
+    carrier: str
+    """`floor`, `walls`, or the id of what it lies on."""
+    body: str = ""
+    """Body of the carrier, "" for the main one."""
+    id: str = ""
+    still: bool = False
+    """It never moves: what hangs on a wall."""
+    spot: Spot | None = None
+    """Where it stands on the floor or hangs; None of what lies on other things."""
+    row: bool = False
+    """It is one of a row of cabinets."""
+
+
+class Frame(NamedTuple):
+    """Name, height and gaps of a room."""
+
+    id: str
+    """Beginning of the ids of all that stands in it."""
+    height: float
+    """[m]"""
+    gap: float
+    """[m] between a thing and what carries it: two collision skins."""
+
+
+class Hung(NamedTuple):
+    """A thing on a wall: from above, and from which height to which [m]."""
+
+    foot: Rect
+    low: float
+    high: float
+
+
+class Mark(NamedTuple):
+    """Numbers of things that stood in a room at some time."""
+
+    standing: int
+    hung: int
+    flat: int
+    solid: int
+    access: int
+    drawn: int
+
+
+@dataclass
+class Arrangement:
+    """Things of a room in the order in which they were placed."""
+
+    frame: Frame
+    space: FloorSpace
+    rng: np.random.Generator
+    standing: list[Standing] = field(default_factory=list)
+    hung: list[Hung] = field(default_factory=list)
+    flat: list[Rect] = field(default_factory=list)
+    """Footprints of what lies flat on the floor and is walked over."""
+
+    def put(self, own: Piece, spot: Spot, z: float, carrier: str, *, still: bool = False) -> Standing:
+        """Add a thing on the floor or a wall at a height [m]."""
+        return self.lay(Standing(own, spot.x, spot.y, z, spot.yaw, carrier, still=still, spot=spot))
+
+    def lay(self, found: Standing) -> Standing:
+        """Add a thing in its place and name it."""
+        name = found.piece.generator
+        number = 1 + sum(s.piece.generator == name for s in self.standing)
+        found.id = f"{self.frame.id}_{name}" if number == 1 else f"{self.frame.id}_{name}_{number}"
+        self.standing.append(found)
+        return found
+
+    def mark(self) -> Mark:
+        """This state, to come back to."""
+        space = self.space
+        return Mark(*(len(v) for v in (self.standing, self.hung, self.flat, space.solid, space.access, space.drawn)))
+
+    def back(self, mark: Mark) -> None:
+        """Take away all that was placed since."""
+        del self.standing[mark.standing :]
+        del self.hung[mark.hung :]
+        del self.flat[mark.flat :]
+        del self.space.solid[mark.solid :]
+        del self.space.access[mark.access :]
+        del self.space.drawn[mark.drawn :]
+
+    def on_floor(self) -> Iterator[tuple[Standing, Rect]]:
+        """Things on the floor with their footprints [m]."""
+        return ((s, s.spot.rect(s.piece.foot)) for s in self.standing if s.carrier == "floor" and s.spot is not None)
+
+
+def over(a: Rect, b: Rect, gap: float = APART) -> bool:
+    """True if two rectangles are nearer than a gap [m]."""
+    return a.x0 < b.x1 + gap and b.x0 < a.x1 + gap and a.y0 < b.y1 + gap and b.y0 < a.y1 + gap
+
+
+def within(a: Rect, b: Rect) -> bool:
+    """True if a rectangle lies in another."""
+    return a.x0 >= b.x0 and a.y0 >= b.y0 and a.x1 <= b.x1 and a.y1 <= b.y1

@@ -1,0 +1,190 @@
+"""Buildings that a client asks for: a corridor with steps, storeys joined by stairs, a hut on a slope; and the same broken on purpose."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.inline_jobs import run_jobs_inline
+
+BARE = {"furniture": False, "windows": False}
+HOTEL: dict[str, Any] = {
+    "rooms": {
+        "lobby": {"kind": "hall", "area": 9, "doors": ["outside", "corridor"], **BARE},
+        "corridor": {"kind": "corridor", "steps": 3},
+        "left": {"kind": "bedroom", "area": 10, "doors": ["corridor"], **BARE},
+        "right": {"kind": "bedroom", "area": 10, "doors": ["corridor"], **BARE},
+    },
+    "density": 0.0,
+}
+HOUSE: dict[str, Any] = {
+    "rooms": {
+        "hall": {"kind": "hall", "doors": ["outside", "stairs"], **BARE},
+        "stairs": {"kind": "stairs"},
+        "living": {"kind": "living", "area": 12, "doors": ["hall"], **BARE},
+        "landing": {"kind": "hall", "storey": 1, "doors": ["stairs"], **BARE},
+        "bedroom": {"kind": "bedroom", "storey": 1, "doors": ["landing"], **BARE},
+    }
+}
+HUT: dict[str, Any] = {
+    "rooms": {
+        "hall": {"kind": "hall", "area": 8, "doors": ["outside"], **BARE},
+        "store": {"kind": "store", "doors": ["hall"], **BARE},
+    },
+    "on": "hill",
+    "at": [1.0, 0.5, 0.0],
+    "entrance": "south",
+}
+
+
+def _hill(slope: float) -> dict[str, Any]:
+    """Rough ground that rises to the north."""
+    rows = [[1.0 + slope * y + 0.06 * ((3 * x + 5 * y) % 4) / 4 for x in range(21)] for y in range(21)]
+    return {
+        "role": "ground",
+        "motion": "static",
+        "material": "limestone",
+        "dimensions": {"size": [20, 20, 0.1 + max(map(max, rows)) - min(map(min, rows))]},
+        "parts": {"top": {"shape": {"kind": "heightfield", "size": [20, 20], "heights": rows}}},
+    }
+
+
+def _hilly(slope: float) -> dict[str, Any]:
+    solvers = {"rigid": {"engine": "mujoco", "members": ["hill"]}}
+    return {"entities": {"hill": _hill(slope)}, "simulation": {"frames": 24, "solvers": solvers}}
+
+
+@pytest.fixture(autouse=True)
+def _inline(monkeypatch: pytest.MonkeyPatch) -> None:
+    run_jobs_inline(monkeypatch)
+
+
+def _built(agent: Any, prompt: str, plan: dict[str, Any]) -> dict[str, Any]:
+    agent.call("edit_spec", world="w", prompt=prompt, spec={"simulation": {"frames": 24}})
+    made: dict[str, Any] = agent.call("build_interior", world="w", interior="b", plan=plan, wait_s=240)
+    assert made["open_rows"] == []
+    return made
+
+
+def _row(agent: Any, name: str) -> dict[str, Any]:
+    (found,) = [r for r in agent.pages("rows", part="matrix") if r["id"] == name]
+    return dict(found)
+
+
+def _spec(agent: Any, pointer: str) -> Any:
+    return agent.call("inspect_world", world="w", part="spec", pointer=pointer)["value"]
+
+
+def _without(agent: Any, *paths: str) -> None:
+    agent.call("edit_spec", world="w", patch=[{"op": "remove", "path": p} for p in paths])
+    agent.call("run_checks", world="w", scope="static")
+
+
+def _lower(agent: Any, entity: str, by: float) -> None:
+    x, y, z = _spec(agent, f"/entities/{entity}/pose/position")
+    agent.call(
+        "edit_spec", world="w", patch=[{"op": "add", "path": f"/entities/{entity}/pose/position", "value": [x, y, z - by]}]
+    )
+    agent.call("run_checks", world="w", scope="static")
+
+
+@pytest.mark.slow
+def test_a_corridor_with_steps_is_walked_on_both_levels_and_not_without_its_steps(agent: Any) -> None:
+    made = _built(agent, "A hotel corridor has a landing of three steps.", HOTEL)
+    assert {"corridor", "corridor_upper"} <= set(made["rooms"])
+    assert made["rooms"]["corridor_upper"]["level"] == 0.48
+    assert _row(agent, "navigability:b_corridor_steps_up")["status"] == "pass"
+    _without(agent, *(f"/entities/b_floor/parts/corridor_steps_{k}" for k in (1, 2)))
+    row = _row(agent, "navigability:b_corridor_steps_up")
+    assert row["status"] == "fail"
+    assert row["measured"] == pytest.approx(0.48, abs=0.01)
+
+
+def test_a_building_made_anew_leaves_nothing_of_its_storeys_and_steps(agent: Any) -> None:
+    _built(agent, "A house has an upper storey.", HOUSE)
+    small = {"rooms": {"hall": {"kind": "hall", "doors": ["outside"], **BARE}}}
+    agent.call("build_interior", world="w", interior="b", plan=small, wait_s=240)
+    assert set(_spec(agent, "/graph/regions")) == {"b_hall"}
+    assert {n for n in _spec(agent, "/entities") if "_1" in n or "stairs" in n} == set()
+    assert {n for n, r in _spec(agent, "/graph/relations").items() if r["kind"] == "connects"} == set()
+
+
+@pytest.mark.slow
+def test_storeys_are_walked_up_the_stairs_and_not_without_them(agent: Any) -> None:
+    made = _built(agent, "A house has an upper storey.", HOUSE)
+    assert made["rooms"]["landing"]["storey"] == 1
+    assert _row(agent, "navigability:b_stairs_up_1")["status"] == "pass"
+    _without(agent, "/entities/b_stairs_flights/parts/upper_step_4")
+    assert _row(agent, "navigability:b_stairs_up_1")["status"] == "fail"
+
+
+@pytest.mark.slow
+def test_a_hut_on_a_slope_is_entered_over_its_steps_and_stands_on_its_plinth(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A hut stands on a hill.", spec=_hilly(0.1))
+    made = agent.call("build_interior", world="w", interior="b", plan=HUT, wait_s=240)
+    assert made["open_rows"] == []
+    assert made["ground"]["steps"]["hall"] >= 2
+    assert 0.3 < made["ground"]["plinth"] < 1.5
+    assert _row(agent, "navigability:b_hall_outside_to_hall")["status"] == "pass"
+    _lower(agent, "b_hall_steps_outside", 0.25)
+    assert _row(agent, "navigability:b_hall_outside_to_hall")["status"] == "fail"
+    again = {**HUT, "at": [1.0, 0.5, 0.0], "entrance": "north"}
+    steep = [{"op": "add", "path": "/entities/hill", "value": _hill(0.4)}]
+    agent.call("edit_spec", world="w", patch=steep, hypothesis="the hill is to be steeper for another try")
+    said = agent.refused("build_interior", world="w", interior="b", plan=again)
+    assert "its plinth would be" in said
+    assert "flatten" in said
+
+
+def test_a_building_whose_floor_is_above_its_plinth_hangs_in_the_air(agent: Any) -> None:
+    agent.call("edit_spec", world="w", prompt="A hut stands on a hill.", spec=_hilly(0.05))
+    agent.call("build_interior", world="w", interior="b", plan=HUT, wait_s=240)
+    _lower(agent, "b_plinth", 0.2)
+    failed = {
+        r["id"]: r["measured"] for r in agent.pages("rows", part="matrix") if r["status"] == "fail" and r["check"] == "support"
+    }
+    assert failed["support:b_floor_lies:b_floor"] == pytest.approx(0.2, abs=0.01), failed
+
+
+@pytest.mark.parametrize(
+    ("kind", "more"),
+    [("barn", {"roof": "gable", "density": 0.2}), ("museum", {"density": 0.2, "ceiling": True})],
+)
+def test_a_barn_and_a_museum_hall_pass_the_static_checks(agent: Any, kind: str, more: dict[str, Any]) -> None:
+    made = _built(agent, "A large building.", {"rooms": {"r": {"kind": kind, "doors": ["outside"]}}, **more})
+    assert made["rooms"]["r"]["things"] >= 10
+    assert made["rooms"]["r"]["generators"] >= 3
+
+
+STREET: dict[str, Any] = {
+    "extent": [120, 120],
+    "cell": 2,
+    "layers": {
+        "slope": {"kind": "ramp", "rise": 6, "direction_deg": 75, "order": 1},
+        "relief": {"kind": "noise", "amplitude": 0.4, "wavelength": 50, "octaves": 3, "order": 2},
+        "street": {"kind": "road", "line": [[-50, 0], [50, 0]], "width": 5, "falloff": 4, "order": 3},
+    },
+    "erosion": {"years": 500, "steps": 2},
+    "hydrology": {"rivers": 0, "streams": 0},
+    "vegetation": {"density": 0},
+}
+
+
+@pytest.mark.slow
+def test_houses_stand_along_a_street_on_a_landscape_and_one_walks_from_door_to_door(agent: Any) -> None:
+    soil = {"soil": {"density": 1800, "substance": "soil", "friction": 0.7}}
+    spec = {"materials": soil, "terrains": {"land": STREET}, "simulation": {"frames": 24}}
+    agent.call("edit_spec", world="w", prompt="Two houses stand along a street.", spec=spec)
+    agent.call("build_terrain", world="w", terrain="land", size=[50, 40], center=[0, 0], cells=50, material="soil", wait_s=240)
+    for name, at, side, roof in (("inn", [-8, 9, 0], "south", "gable"), ("shop", [4, -9, 0], "north", "hipped")):
+        house = {**HUT, "on": "ground", "at": at, "entrance": side, "roof": roof}
+        made = agent.call("build_interior", world="w", interior=name, plan=house, wait_s=240)
+        assert made["open_rows"] == []
+        assert made["ground"]["plinth"] > 0.2
+    way = {"kind": "connects", "a": "inn_hall", "b": "shop_hall", "width": 0.7, "headroom": 1.95}
+    agent.call("edit_spec", world="w", patch=[{"op": "add", "path": "/graph/relations/across", "value": way}])
+    agent.call("run_checks", world="w", scope="static")
+    assert {
+        _row(agent, f"navigability:{n}")["status"] for n in ("inn_hall_outside_to_hall", "shop_hall_outside_to_hall", "across")
+    } == {"pass"}
+    assert _row(agent, "terrain:land:ground:ground")["status"] == "pass"

@@ -79,8 +79,15 @@ def _written(cache: Cache) -> int:
 
 
 def unfinished(candidate: Candidate) -> str:
-    """Statement about a run that is not at its end; empty of one that is."""
-    planned = max((Cache(c.folder).index.frames for c in candidate.caches.values() if c.limit is not None), default=0)
+    """Statement about a run that is not at its end; empty of one that is.
+
+    Instances run one after the other: those that stand or lead end before the others write their first frame.
+    """
+    begun = [c for c in candidate.caches.values() if c.limit is not None]
+    waiting = [name for name in candidate.spec.simulation.solvers if name not in candidate.caches]
+    if begun and waiting:
+        return f"{', '.join(waiting)} wrote no frame yet: this run goes on, or ended before its first one"
+    planned = max((Cache(c.folder).index.frames for c in begun), default=0)
     if candidate.frame_count >= planned:
         return ""
     return f"frames 0..{candidate.last_frame} of 0..{planned - 1}: this run goes on, or ended before its last frame"

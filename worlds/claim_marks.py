@@ -116,7 +116,7 @@ def _same(mark: Mark, names: list[str], marks: tuple[Mark, ...]) -> str:
 
 
 def target_pointer(spec: WorldSpec, target: str, *, kind: str, quote: str) -> str:
-    """Pointer that a target of a claim stands for, written as a pointer or as a bare id.
+    """Pointer that a target of a claim stands for, written as a pointer, as a bare id, or as ENTITY/PART.
 
     Args:
         spec: where ids are looked up.
@@ -135,6 +135,8 @@ def target_pointer(spec: WorldSpec, target: str, *, kind: str, quote: str) -> st
     known = {place: _members(spec, place) for place in (*first, *_PLACES)}
     name, _, rest = target.partition("/")
     for place, members in known.items():
+        if place == "entities" and name in members and rest in spec.entities[name].parts:
+            return f"/entities/{name}/parts/{rest}"
         if name in members:
             return f"/{place}/{target}" if rest else f"/{place}/{name}"
     near = closest(name, set().union(*known.values()))

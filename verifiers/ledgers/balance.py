@@ -7,7 +7,7 @@ normal impulse). What is left of a change of momentum when gravity, drivers, dra
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
-from ...worlds.errors import EvidenceError
 from ...worlds.spec import DetachDriver, ForceDriver, ReleaseDriver, RigidPhysics
 from ..support.springs import Spring, springs_of
 from .assemblies import assemblies_of, joined
 from .bodies import BodyBooks, Flags
+from .contacts import CONTACT_CHANNELS, Contacts, logged_contacts
 from .exchanged import Exchanged, exchanged
 from .fields import blown
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
 
-__all__ = ["Books", "Contacts", "Flags", "books_of", "frictions"]
+__all__ = ["Books", "Contacts", "Flags", "books_of", "contacts_of", "frictions"]
 
 _SLACK = 1e-9
 """[s] Times this close are equal."""
@@ -66,18 +66,15 @@ def frictions(candidate: Candidate, colliders: Sequence[str]) -> tuple[F64, F64]
     return low, high
 
 
-@dataclass(frozen=True)
-class Contacts:
-    """All logged contacts, one row per pair and frame; row i is of the interval that ends at `frame[i]`."""
+def contacts_of(candidate: Candidate, cache: Cache) -> Contacts:
+    """All logged contacts of one instance: also where none of its rigid bodies moves, but something elastic does.
 
-    frame: NDArray[np.int64]
-    a: NDArray[np.int64]
-    """Index into `CacheIndex.colliders`."""
-    b: NDArray[np.int64]
-    impulse: F64
-    """Normal impulse [N s]."""
-    given: F64
-    """Impulse on b, friction included [N s], shape (contacts, 3); the opposite acts on a."""
+    Raises:
+        EvidenceError: a channel is missing or its rows do not fit.
+    """
+    if cache.index.bodies:
+        return books_of(candidate, cache).contacts
+    return candidate.memo(("contacts", cache), lambda: logged_contacts(cache.ragged(*CONTACT_CHANNELS)))
 
 
 class Books(BodyBooks):
@@ -267,17 +264,7 @@ class Books(BodyBooks):
         Raises:
             EvidenceError: a channel is missing or its rows do not fit.
         """
-        frames = self.ragged("contact/pair", "contact/impulse", "contact/vector")
-        counts = [len(f["contact/impulse"]) for f in frames]
-        for name, width in (("pair", 2), ("vector", 3)):
-            if any(f[f"contact/{name}"].shape != (n, width) for f, n in zip(frames, counts, strict=True)):
-                raise EvidenceError(f"contact/{name} and contact/impulse have different lengths; bake again")
-        pairs = np.concatenate([f["contact/pair"] for f in frames]).astype(np.int64).reshape(-1, 2)
-        impulse = np.concatenate([f["contact/impulse"] for f in frames]).astype(np.float64)
-        given = np.concatenate([f["contact/vector"] for f in frames]).astype(np.float64)
-        frame = np.repeat(np.arange(len(frames)), counts)
-        later = frame > 0
-        return Contacts(frame[later], pairs[later, 0], pairs[later, 1], impulse[later], given[later])
+        return logged_contacts(self.ragged(*CONTACT_CHANNELS))
 
     @cached_property
     def collider_row(self) -> NDArray[np.int64]:

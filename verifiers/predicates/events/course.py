@@ -15,7 +15,7 @@ from ....worlds.errors import EvidenceError
 from ....worlds.fields import fields_of
 from ...categories.registry import judge_of
 from ...ledgers import motion
-from ...ledgers.balance import Books, books_of
+from ...ledgers.balance import Books, books_of, contacts_of
 from ...ledgers.origins import Given, Origin
 
 if TYPE_CHECKING:
@@ -170,9 +170,9 @@ class Course:
         found: dict[str, None] = {}
         for cache in self.candidate.rigid_caches.values():
             names = cache.index.colliders
-            if self.entity not in names or not cache.index.bodies:
+            if self.entity not in names:
                 continue
-            log, own = books_of(self.candidate, cache).contacts, names.index(self.entity)
+            log, own = contacts_of(self.candidate, cache), names.index(self.entity)
             for side, other in ((log.a, log.b), (log.b, log.a)):
                 found |= dict.fromkeys(names[k] for k in np.unique(other[(side == own) & (other != own)]))
         return tuple(found)
@@ -202,7 +202,7 @@ def _between(candidate: Candidate, by: str, on: str) -> Between:
     count = candidate.frame_count - 1
     impulse, touched = np.zeros((count, 3)), np.zeros(count, dtype=bool)
     for cache in motion.caches_with(candidate, by, on):
-        log, names = books_of(candidate, cache).contacts, cache.index.colliders
+        log, names = contacts_of(candidate, cache), cache.index.colliders
         for side, other, sign in ((log.a, log.b, 1.0), (log.b, log.a, -1.0)):
             rows = np.flatnonzero((side == names.index(by)) & (other == names.index(on)) & (log.frame <= count))
             np.add.at(impulse, log.frame[rows] - 1, sign * log.given[rows])

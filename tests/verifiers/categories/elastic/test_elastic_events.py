@@ -6,12 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from worldagent.construction.build import build_entity
+from worldagent.simulation.schedule import run_frames
 from worldagent.testing.worlds.small_worlds import box, ground, make_candidate, world
 from worldagent.testing.worlds.soft_worlds import Motion, block_mesh, deformed_candidate
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.arrays import F64
+from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.categories.elastic.events import DeformEvent
+from worldagent.worlds.predicates import PairEvent
 from worldagent.worlds.spec import ElasticPhysics
 
 SIZE, FRAMES = (0.8, 0.1, 0.1), 25
@@ -73,3 +77,18 @@ def test_measures_are_of_the_length(tmp_path: Path) -> None:
 def test_a_body_that_does_not_deform_is_no_evidence(tmp_path: Path) -> None:
     candidate = make_candidate(tmp_path, world({"block": box(0.1, 0.1, 0.1, motion="dynamic")}, frames=2), tracks={})
     assert evaluate(candidate, DeformEvent(kind="bends", entity="block"), (0, 1)).status == "unverified"
+
+
+def test_a_jelly_hits_the_floor_in_a_world_in_which_nothing_rigid_moves(tmp_path: Path) -> None:
+    physics = ElasticPhysics(young_modulus=2e4, resolution=0.1)
+    things = {"floor": ground(), "jelly": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.06), physics=physics)}
+    spec = world(things, frames=5)
+    built = {name: build_entity(spec, name, Path()) for name in spec.entities}
+    caches = run_frames(spec, built, tmp_path / "run", frames=5)
+    candidate = Candidate(tmp_path, spec, built, "probe", caches, "run", cache_digest(caches))
+    lands = evaluate(candidate, PairEvent(kind="hits", entity="jelly", other="floor"), (0, 4))
+    assert lands.status == "pass", lands
+    late = evaluate(candidate, PairEvent(kind="hits", entity="jelly", other="floor"), (3, 4))
+    assert late.status == "fail"
+    pushed = evaluate(candidate, PairEvent(kind="hits", entity="floor", other="jelly"), (0, 4))
+    assert pushed.status == "fail", "the floor stands"

@@ -39,7 +39,8 @@ def test_the_benchmark_has_thirteen_prompts_with_five_beats_each() -> None:
 
 @pytest.mark.parametrize("scene", NAMED)
 def test_a_scene_that_the_paper_names_is_among_them(scene: str) -> None:
-    assert all(word in LONG[scene].text for word in NAMED[scene])
+    assert NAMED[scene]
+    assert [word for word in NAMED[scene] if word not in LONG[scene].text] == []
 
 
 def test_both_settings_every_category_and_every_coupling_stand_somewhere() -> None:
@@ -50,9 +51,9 @@ def test_both_settings_every_category_and_every_coupling_stand_somewhere() -> No
 
 
 def test_a_coupling_stands_beside_both_of_its_categories() -> None:
-    for prompt in (*LONG.values(), *SMALL.values()):
-        for coupling in set(prompt.capabilities) & set(COUPLINGS):
-            assert set(coupling.split("+")) <= set(prompt.capabilities), (prompt.id, coupling)
+    named = [(p, c) for p in (*LONG.values(), *SMALL.values()) for c in p.capabilities if c in COUPLINGS]
+    assert len(named) > 50
+    assert [(p.id, c) for p, c in named if not set(c.split("+")) <= set(p.capabilities)] == []
 
 
 @pytest.mark.parametrize("prompt", LONG.values(), ids=LONG)

@@ -25,7 +25,7 @@ NOISE = (
     "ignore::ResourceWarning",
     "ignore::DeprecationWarning",
 )
-"""Of Inspect's own loops and pipes."""
+"""Warnings of Inspect's own loops and pipes."""
 
 
 def told_prompts(document: Mapping[str, Any]) -> Iterator[str]:

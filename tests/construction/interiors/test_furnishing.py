@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -131,6 +132,7 @@ def test_a_number_of_things_for_which_there_are_no_surfaces_is_told() -> None:
 
 
 def test_nothing_on_a_surface_reaches_up_to_what_hangs_above_it() -> None:
+    beneath = 0
     for seed in range(3):
         things = {t.id: t for t in _furnished(KINDS["hall"], things=60, seed=seed).standing}
         hung = [t for t in things.values() if t.carrier == "walls"]
@@ -139,7 +141,9 @@ def test_nothing_on_a_surface_reaches_up_to_what_hangs_above_it() -> None:
             about = Rect(small.x - reach, small.y - reach, small.x + reach, small.y + reach)
             for other in hung:
                 if other.id != small.carrier and other.z > small.z and _meet(about, _foot(other)):
+                    beneath += 1
                     assert small.z + small.piece.height < other.z, (small.id, other.id)
+    assert beneath > 0
 
 
 def test_a_small_room_asks_for_less_and_says_so() -> None:
@@ -235,7 +239,7 @@ def test_open_leaves_stand_where_ways_keep_clear_of_them() -> None:
             frame, stands = made.entities[f"house_{door}_door"]["pose"], made.entities[f"house_{door}_door_leaf"]["pose"]
             own = made.plan.rooms[room]
             x, y = (float(frame["position"][k]) - made.corner[k] for k in (0, 1))
-            along = "x" if min(abs(y - own.y0), abs(y - own.y1)) < 1e-6 else "y"
+            along: Literal["x", "y"] = "x" if min(abs(y - own.y0), abs(y - own.y1)) < 1e-6 else "y"
             opening = Opening(door, "door", along, (x, y), 0.9502, 0.0, 2.07, (room, ""))
             (under,) = leaves(opening, clear_rect(own, WALL))
             at = [float(stands["position"][k]) - made.corner[k] for k in (0, 1)]

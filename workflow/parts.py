@@ -93,12 +93,13 @@ def guide(path: str, *, offset: int) -> dict[str, Any]:
     files = {
         p.relative_to(SKILLS).as_posix(): p for p in sorted(SKILLS.rglob("*")) if p.suffix in (".md", ".json") and p.is_file()
     }
-    shown = {name: p for name, p in files.items() if "/evals/" not in name and name.count("/")}
+    # `guide.json` tells which sections the guide of a prompt takes from its skill: it is for the server.
+    shown = {n: p for n, p in files.items() if "/evals/" not in n and n.count("/") and p.name != "guide.json"}
     wanted, _, entry = path.removeprefix("skill://").strip("/").partition("#")
     if not wanted:
-        about = {n: _about(p) if p.name == "SKILL.md" else f"{p.stat().st_size} characters" for n, p in shown.items()}
+        about = {n: _about(p) if p.name == "SKILL.md" else p.stat().st_size for n, p in shown.items()}
         then = call("inspect_world", part="guide", pointer="world-building/SKILL.md")
-        return answer({"part": "guide", "files": about}, "guides for building and repairing worlds", then)
+        return answer({"part": "guide", "files": about}, "guides for building and repairing worlds: what each skill is for, sizes of other files in characters", then)
     if wanted not in files:
         same = [f for f in files if f.rsplit("/", 1)[-1] == wanted.rsplit("/", 1)[-1]]
         close = same or difflib.get_close_matches(wanted, files, n=1, cutoff=0.3)

@@ -1,4 +1,4 @@
-"""The server's verdict beside a judge's, beat by beat, and the server's own figures: functions over plain data.
+"""The server's verdict beside a judge's, beat by beat: functions over plain data.
 
 The server measures beats of the specification on the recorded motion; a judge sees beats of the prompt in pictures. Which beats of the
 specification stand for which of the prompt is told by whoever knows (`pairs`): nothing here guesses by words.
@@ -7,11 +7,11 @@ specification stand for which of the prompt is told by whoever knows (`pairs`): 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-__all__ = ["Agreement", "BeatVerdicts", "Spent", "compare_beats", "server_figures"]
+__all__ = ["Agreement", "BeatVerdicts", "compare_beats"]
 
 Truth = Literal["happened", "did_not"]
 
@@ -106,36 +106,3 @@ def _compared(beat: str, server: str, judge: float | None, truth: Truth | None) 
     if truth is None:
         return BeatVerdicts(beat, server, judge, "disputed", "unknown")
     return BeatVerdicts(beat, server, judge, "disputed", "server" if (server == "pass") == (truth == "happened") else "judge")
-
-
-@dataclass(frozen=True)
-class Spent:
-    """Calls, tokens, time and money that an agent used on one sample."""
-
-    calls: int
-    tokens: int
-    seconds: float
-    cost_usd: float | None = None
-    """None where no price is known."""
-
-
-def server_figures(report: Mapping[str, Any], *, weakenings: Iterable[Mapping[str, Any]], spent: Spent) -> dict[str, Any]:
-    """The server's own figures about one world, flat.
-
-    Args:
-        report: answer of `worldagent verify`.
-        weakenings: edits that the ledger knows as weakening, each with its list `weakenings`.
-        spent: by the agent.
-    """
-    prompt = report.get("prompt") or {}
-    unmet = prompt.get("waivers") or report.get("unmet_clauses") or ()
-    return {
-        "accepted": report.get("verdict") == "accepted",
-        "says": str(report.get("says", report.get("verdict", ""))),
-        "rows": {str(status): int(count) for status, count in (report.get("rows") or {}).items()},
-        "open_rows": [str(row.get("id")) for row in report.get("failing") or ()],
-        "approximations": len(report.get("approximations") or ()),
-        "unmet_words": [str(word) for word in unmet],
-        "weakenings": sum(len(edit.get("weakenings") or ()) for edit in weakenings),
-        **asdict(spent),
-    }

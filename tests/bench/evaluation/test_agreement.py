@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from worldagent.bench.evaluation.metrics.agreement import Spent, compare_beats, server_figures
+from worldagent.bench.evaluation.metrics.agreement import compare_beats
 
 BEATS = ["b1", "b2", "b3", "b4", "b5"]
 PAIRS = {"b1": ["smoke"], "b2": ["fills", "spills"], "b3": ["runs"], "b4": ["pushed"]}
@@ -45,14 +45,3 @@ def test_without_decided_beats_there_is_no_share_and_no_kappa() -> None:
     assert (found.share, found.kappa) == (None, None)
     alike = compare_beats(["b1"], {"smoke": "pass"}, {"b1": 1.0}, pairs=PAIRS)
     assert (alike.share, alike.kappa) == (1.0, None)
-
-
-def test_the_servers_figures_are_read_from_its_report() -> None:
-    report = {
-        "verdict": "accepted", "says": "accepted, prompt read by nobody", "rows": {"pass": 80, "not_applicable": 3}, "failing": [],
-        "approximations": [{"id": "skin"}], "prompt": {"waivers": ["at dusk"]},
-    }  # fmt: skip
-    found = server_figures(report, weakenings=[{"revision": 4, "weakenings": ["a", "b"]}], spent=Spent(21, 90_000, 312.5, 0.41))
-    assert (found["accepted"], found["approximations"], found["unmet_words"], found["weakenings"]) == (True, 1, ["at dusk"], 2)
-    assert (found["calls"], found["tokens"], found["seconds"], found["cost_usd"]) == (21, 90_000, 312.5, 0.41)
-    assert server_figures({"verdict": "refused"}, weakenings=[], spent=Spent(0, 0, 0.0))["accepted"] is False

@@ -79,7 +79,10 @@ def _boxes(*, both: bool) -> Case:
 
     def objects(frame: int) -> list[Evaluated]:
         height = 0.5 - lowest - step * frame
-        return [_body("crate", (tilted, faces), (0, 0, height)), _body("table", box_mesh((2.0, 2.0, 1.0)), (0, 0, 0), dynamic=both)]
+        return [
+            _body("crate", (tilted, faces), (0, 0, height)),
+            _body("table", box_mesh((2.0, 2.0, 1.0)), (0, 0, 0), dynamic=both),
+        ]
 
     top = 0.5 - lowest + float(tilted[:, 2].max())
     return Case(objects, count, step * (count - 1), math.hypot(2.0, 2.0, top + 0.5))
@@ -93,7 +96,12 @@ def _bowl() -> Case:
     down = (coarse[0] @ np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]), coarse[1])
     low = _body("ball", down, (0.0, 0.0, -(inner - small + dip)))
     bowl = _body("bowl", shell, (0, 0, 0), dynamic=False)
-    return Case(lambda _: [low, bowl], 1, dip, math.hypot(2 * outer, 2 * outer, float(np.ptp(np.concatenate([low.vertices, bowl.vertices])[:, 2]))))
+    return Case(
+        lambda _: [low, bowl],
+        1,
+        dip,
+        math.hypot(2 * outer, 2 * outer, float(np.ptp(np.concatenate([low.vertices, bowl.vertices])[:, 2]))),
+    )
 
 
 def _shell(inner: float, outer: float, around: int = 256, down: int = 64) -> tuple[F64, I32]:
@@ -157,7 +165,18 @@ def run() -> dict[str, Any]:
         found = penetration(case.objects, sampled_frames(case.frames))
         error = abs(found.score - case.score) / case.score
         worst = max(worst, error)
-        figures[name] = {"score": found.score, "closed_form": case.score, "relative_error": error, "seconds": time.perf_counter() - started}
+        figures[name] = {
+            "score": found.score,
+            "closed_form": case.score,
+            "relative_error": error,
+            "seconds": time.perf_counter() - started,
+        }
         if found.worst is not None:
             compared.append((case.objects(found.worst.frame), found.worst))
-    return {"frames": FRAMES, "cases": figures, "max_relative_error": worst, "seen_of_depth_by_triangles": seen_shares(), "blender": peer_depths(compared)}
+    return {
+        "frames": FRAMES,
+        "cases": figures,
+        "max_relative_error": worst,
+        "seen_of_depth_by_triangles": seen_shares(),
+        "blender": peer_depths(compared),
+    }

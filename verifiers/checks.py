@@ -158,7 +158,9 @@ def run_checks(
         whole, began = max(sum(work), CHECK_WORK), time.monotonic()
         told = Part(progress or silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
         told(0, 1, f"checking {binding.name}")
-        found = binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _keeps(binding, rows))
+        found = (
+            binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _keeps(binding, rows))
+        )
         rows += diagnosed(candidate, found)
         took += time.monotonic() - began if binding.reruns is None else 0.0
     if seconds is not None:

@@ -15,7 +15,9 @@ MOST = 200
 """`max_length` of `look.lamps`."""
 
 
-def lamp_operations(spec: WorldSpec, entities: Mapping[str, Mapping[str, Any]], old: Collection[str] = ()) -> list[dict[str, Any]]:
+def lamp_operations(
+    spec: WorldSpec, entities: Mapping[str, Mapping[str, Any]], old: Collection[str] = ()
+) -> list[dict[str, Any]]:
     """Operations that light the bulbs among new entities, and take the lamps of entities out that are no more.
 
     A lamp that is there already keeps what was set; beyond `MOST` no more are lit.

@@ -99,7 +99,11 @@ def guide(path: str, *, offset: int) -> dict[str, Any]:
     if not wanted:
         about = {n: _about(p) if p.name == "SKILL.md" else p.stat().st_size for n, p in shown.items()}
         then = call("inspect_world", part="guide", pointer="world-building/SKILL.md")
-        return answer({"part": "guide", "files": about}, "guides for building and repairing worlds: what each skill is for, sizes of other files in characters", then)
+        return answer(
+            {"part": "guide", "files": about},
+            "guides for building and repairing worlds: what each skill is for, sizes of other files in characters",
+            then,
+        )
     if wanted not in files:
         same = [f for f in files if f.rsplit("/", 1)[-1] == wanted.rsplit("/", 1)[-1]]
         close = same or difflib.get_close_matches(wanted, files, n=1, cutoff=0.3)

@@ -99,7 +99,9 @@ def verify_folder(
 
 def _require_every_check(world: WorldFolder) -> None:
     """Refuse what a server made that left checks out: its candidates say so, and its ledger."""
-    made = next((name for path in sorted((world.root / "candidates").glob("*/candidate.json")) if (name := _told(world, path))), "")
+    made = next(
+        (name for path in sorted((world.root / "candidates").glob("*/candidate.json")) if (name := _told(world, path))), ""
+    )
     if not made:
         with suppress(sqlite3.Error, ValueError, WorldAgentError), _copied_ledger(world) as ledger:
             made = "" if ledger is None else ledger.ablation()

@@ -118,7 +118,9 @@ def begin(state: TaskState, run: Path, budget: Budget, *, example: int, prompt: 
         device_s=budget.device_s,
         ablation=ablation,
     )
-    folder.record.write("start.json", {"sample": str(state.sample_id), "epoch": state.epoch, "uuid": state.uuid, "pid": os.getpid()})
+    folder.record.write(
+        "start.json", {"sample": str(state.sample_id), "epoch": state.epoch, "uuid": state.uuid, "pid": os.getpid()}
+    )
     state.metadata[KEY] = asdict(made)
     return made
 

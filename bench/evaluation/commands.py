@@ -33,10 +33,17 @@ def main(argv: Sequence[str]) -> int:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     commands.add_parser("list", help="tasks, agents and ablations").set_defaults(command=_list)
     _add_run(commands.add_parser("run", help="run a task with an agent"))
-    skills = commands.add_parser("skills", help="run the short set against two states of skill and tool texts, and say what moved")
+    skills = commands.add_parser(
+        "skills", help="run the short set against two states of skill and tool texts, and say what moved"
+    )
     _add_run(skills, task="small")
     skills.set_defaults(command=_skills)
-    skills.add_argument("--against", required=True, metavar="REV_OR_FOLDER", help="the earlier state: a git revision of this tree, or a folder of another")
+    skills.add_argument(
+        "--against",
+        required=True,
+        metavar="REV_OR_FOLDER",
+        help="the earlier state: a git revision of this tree, or a folder of another",
+    )
     skills.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws")
     add_later_commands(commands.add_parser)
     options = parser.parse_args(argv)
@@ -65,12 +72,23 @@ def _add_run(run: argparse.ArgumentParser, *, task: str | None = None) -> None:
     run.add_argument("--tokens", type=int, metavar="N", help="tokens per sample")
     run.add_argument("--calls", type=int, metavar="N", help="tool calls per sample")
     run.add_argument("--device-s", type=float, metavar="S", help="seconds of jobs per sample")
-    run.add_argument("--ablation", default="", choices=("", *ABLATIONS), help="leave these checks out; nothing of it is an acceptance")
-    run.add_argument("--executor", choices=("", "local", "ray"), default="", help="spread samples over processes, or over a Ray cluster")
+    run.add_argument(
+        "--ablation", default="", choices=("", *ABLATIONS), help="leave these checks out; nothing of it is an acceptance"
+    )
+    run.add_argument(
+        "--executor", choices=("", "local", "ray"), default="", help="spread samples over processes, or over a Ray cluster"
+    )
     run.add_argument("--workers", type=int, default=2, metavar="N", help="of the executor (default: %(default)s)")
     run.add_argument("--cluster", default="local", metavar="ADDRESS", help="of Ray; `local` starts one here (default)")
-    run.add_argument("--agent-arg", action="append", default=[], metavar="NAME=VALUE", help="argument of the agent, as replay's recording")
-    run.add_argument("--metrics", default="", metavar="NAME,NAME", help="pen, caus, qual, comp, align, imag, prod, or all: scored beside the verdict")
+    run.add_argument(
+        "--agent-arg", action="append", default=[], metavar="NAME=VALUE", help="argument of the agent, as replay's recording"
+    )
+    run.add_argument(
+        "--metrics",
+        default="",
+        metavar="NAME,NAME",
+        help="pen, caus, qual, comp, align, imag, prod, or all: scored beside the verdict",
+    )
     add_judge(run)
     run.add_argument("--model-arg", action="append", default=[], metavar="NAME=VALUE", help="argument of the model")
 
@@ -121,7 +139,10 @@ def _skills(options: argparse.Namespace) -> int:
         if not changed["texts"]:
             print(f"no text of a skill or a tool differs from {options.against}", file=sys.stderr)
         if changed["else"]:
-            print(f"beside texts {len(changed['else'])} files differ, to which a movement may be due: {', '.join(changed['else'][:5])}", file=sys.stderr)
+            print(
+                f"beside texts {len(changed['else'])} files differ, to which a movement may be due: {', '.join(changed['else'][:5])}",
+                file=sys.stderr,
+            )
         judge = _metrics_before(options, runs=2)
         states = {options.against: server_of_tree(other), "this tree": this_server()}
         found = compare_states(states, lambda name: _run_with(options, judge), seed=options.seed)
@@ -151,7 +172,9 @@ def _run_with(options: argparse.Namespace, judge: Any) -> Any:
     asked = {k: v for k, v in asked.items() if v is not None}
     if options.executor:
         if judge is not None:
-            raise InputError("metrics that ask a judge are taken after a run that is spread: worldagent eval score RUN --metrics ... --judge ...")
+            raise InputError(
+                "metrics that ask a judge are taken after a run that is spread: worldagent eval score RUN --metrics ... --judge ..."
+            )
         return _spread(options, chosen, asked)
     more = {"limit": options.limit, "sample_id": chosen, "max_samples": options.max_samples}
     roles = None if judge is None else {"grader": judge}
@@ -172,7 +195,9 @@ def _metrics_before(options: argparse.Namespace, *, runs: int = 1) -> Any:
     if not names:
         return None
     if options.task == "smoke":
-        raise InputError("the task 'smoke' has no prompt of the benchmark, so that no metric scores it; take small or agenticsimbench")
+        raise InputError(
+            "the task 'smoke' has no prompt of the benchmark, so that no metric scores it; take small or agenticsimbench"
+        )
     asking = need_judge(names, options.judge)
     if not asking:
         return None

@@ -61,7 +61,9 @@ class ScriptedModel(ModelAPI):
         played = sum(isinstance(message, ChatMessageTool) for message in input)
         usage = ModelUsage(input_tokens=TOKENS, output_tokens=TOKENS, total_tokens=2 * TOKENS)
         if played >= len(self.calls):
-            return ModelOutput(model=self.model_name, choices=ModelOutput.from_content(self.model_name, "done").choices, usage=usage)
+            return ModelOutput(
+                model=self.model_name, choices=ModelOutput.from_content(self.model_name, "done").choices, usage=usage
+            )
         call = self.calls[played]
         text = "\n".join(message.text for message in input if message.role == "user")
         arguments = _filled(call.get("arguments", {}), _SCENE.search(text))

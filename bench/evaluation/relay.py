@@ -206,7 +206,11 @@ class _Relay:
         if key in self.pending:
             self.silent = 0
             error = message.get("error")
-            told = {"content": [{"type": "text", "text": str(error.get("message"))}], "isError": True} if error else message["result"]
+            told = (
+                {"content": [{"type": "text", "text": str(error.get("message"))}], "isError": True}
+                if error
+                else message["result"]
+            )
             self.write(key, "answered", told)
         return True
 

@@ -24,7 +24,10 @@ def run() -> dict[str, Any]:
         recording = str(Path(played[0].workspace).parents[1])
         again = _run("replay", root / "replay", {"recording": recording})
         drawn = _run("random", root / "random")
-    equal = [not b.differences and (a.outcome, a.rows, a.open_rows) == (b.outcome, b.rows, b.open_rows) for a, b in zip(played, again, strict=True)]
+    equal = [
+        not b.differences and (a.outcome, a.rows, a.open_rows) == (b.outcome, b.rows, b.open_rows)
+        for a, b in zip(played, again, strict=True)
+    ]
     results = [*played, *again, *drawn]
     return {
         "samples": len(results),

@@ -25,7 +25,17 @@ from .scoring import metric_names, metric_scorers
 from .serving import preflight, server_command, server_environment
 from .workspace import new_run
 
-__all__ = ["TIME_LIMIT_S", "TOKEN_LIMIT", "agenticsimbench", "sample_ids", "scene_samples", "small", "smoke", "task_of", "with_metrics"]
+__all__ = [
+    "TIME_LIMIT_S",
+    "TOKEN_LIMIT",
+    "agenticsimbench",
+    "sample_ids",
+    "scene_samples",
+    "small",
+    "smoke",
+    "task_of",
+    "with_metrics",
+]
 
 DEFAULT_ROOT = "worldagent-eval"
 """Folder of runs, below the present one, where nobody names another."""

@@ -65,13 +65,19 @@ class SceneRenderer:
         self._moving = [batch for kind, batch in batches.items() if kind.moving]
         self._still = [batch for kind, batch in batches.items() if not kind.moving]
         self._wet = [batch for kind, batch in batches.items() if kind.wets]
-        panes = {batch.name: kind.moving for kind, batch in batches.items() if looks[kind.material].transmission >= PANE and not kind.lamp}
+        panes = {
+            batch.name: kind.moving
+            for kind, batch in batches.items()
+            if looks[kind.material].transmission >= PANE and not kind.lamp
+        }
         self._panes, self._windows = list(panes), not all(panes.values())
         scene: dict[str, Any] = {"type": "scene", **(light_dicts(mi, candidate) if lights is None else lights)}
         bsdfs: dict[tuple[str, str, bool, float], Any] = {}
         for kind, batch in batches.items():
             if kind.lamp:
-                scene[batch.name] = lamp_shape(mi, candidate.spec.look.lamps[kind.lamp], batch.name, batch.surface, batch.placed(candidate, frame))
+                scene[batch.name] = lamp_shape(
+                    mi, candidate.spec.look.lamps[kind.lamp], batch.name, batch.surface, batch.placed(candidate, frame)
+                )
                 continue
             key = (kind.material, kind.layer, kind.wets, kind.tone)
             if key not in bsdfs:

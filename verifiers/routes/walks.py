@@ -172,4 +172,3 @@ class Walks:
     def owners(self, index: Ints) -> tuple[str, ...]:
         """Names of entities by their numbers, each once; -1 is nobody."""
         return tuple(self.names[i] for i in dict.fromkeys(int(k) for k in index if k >= 0))
-

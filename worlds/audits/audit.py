@@ -161,7 +161,9 @@ class _Audit:
             if entity is not None and lamp.part not in entity.parts:
                 near = closest(lamp.part, set(entity.parts))
                 text = f"{lamp.entity!r} has no part {lamp.part!r}" + (f"; did you mean {near!r}?" if near else "")
-                problems.append(Problem(f"/look/lamps/{name}/part", text, replaced(f"/look/lamps/{name}/part", near) if near else None))
+                problems.append(
+                    Problem(f"/look/lamps/{name}/part", text, replaced(f"/look/lamps/{name}/part", near) if near else None)
+                )
         self.add("references", "every referenced entity, region, beat, solver, driver, joint and material exists", problems)
 
     # ---------------------------------------------------------------- ownership

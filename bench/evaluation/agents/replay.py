@@ -52,7 +52,9 @@ def steps_of(calls: Sequence[Call]) -> list[Step]:
     found = []
     for call in sorted(calls, key=lambda c: c.n):
         data = call.data if isinstance(call.data, Mapping) else {}
-        if call.ended != "answered" or (call.tool == "job" and not call.error and call.arguments.get("action") in ("wait", "status")):
+        if call.ended != "answered" or (
+            call.tool == "job" and not call.error and call.arguments.get("action") in ("wait", "status")
+        ):
             continue
         if data.get("state") in RUNNING and data.get("job_id") in results:
             data = results[data["job_id"]]
@@ -63,7 +65,12 @@ def steps_of(calls: Sequence[Call]) -> list[Step]:
 def _results(calls: Sequence[Call]) -> Iterator[tuple[str, Mapping[str, Any]]]:
     for call in calls:
         data = call.data
-        if call.tool == "job" and isinstance(data, Mapping) and data.get("state") == "done" and isinstance(data.get("result"), Mapping):
+        if (
+            call.tool == "job"
+            and isinstance(data, Mapping)
+            and data.get("state") == "done"
+            and isinstance(data.get("result"), Mapping)
+        ):
             yield str(data.get("job_id") or call.arguments.get("job_id")), data["result"]
 
 
@@ -79,7 +86,9 @@ def recording_of(run: Path, sample: str) -> Record:
         if start is not None and start["sample"] == sample and (folder / "calls.jsonl").is_file():
             found.append(folder)
     if not found:
-        raise InputError(f"{str(run)!r} holds no record of the sample {sample!r}; give the folder of a run, with outputs/ and records/")
+        raise InputError(
+            f"{str(run)!r} holds no record of the sample {sample!r}; give the folder of a run, with outputs/ and records/"
+        )
     return Record(max(found, key=lambda f: (f / "calls.jsonl").stat().st_mtime))
 
 
@@ -105,9 +114,13 @@ def replay(recording: str) -> Solver:
                     data, error = await _called(client, step.tool, arguments)
                     outcome = verdict_in(data)
                     if (error, outcome) != (step.error, dict(step.outcome)):
-                        differences.append(f"step {number}, {step.tool}: was {step.error, dict(step.outcome)}, is {error, outcome}")
+                        differences.append(
+                            f"step {number}, {step.tool}: was {step.error, dict(step.outcome)}, is {error, outcome}"
+                        )
             state.metadata["replay"] = {"steps": len(steps), "differences": differences}
-            state.output = ModelOutput.from_content("replay", "\n".join(differences) or f"{len(steps)} steps, each with the same verdict")
+            state.output = ModelOutput.from_content(
+                "replay", "\n".join(differences) or f"{len(steps)} steps, each with the same verdict"
+            )
 
         return await conduct(state, work)
 

@@ -101,7 +101,9 @@ def load_encoder(*, model: str = MODEL, weights: str = CHECKPOINT, device: str |
         tokenizer = open_clip.get_tokenizer(model)
     except (OSError, RuntimeError, ValueError, UnpicklingError) as error:
         said = str(error).strip().splitlines() or [type(error).__name__]
-        raise RefusedError(f"Align: weights {weights!r} of {model} cannot be loaded ({said[0][:300]}); fetch them where the hub is reached: {FETCH}") from error
+        raise RefusedError(
+            f"Align: weights {weights!r} of {model} cannot be loaded ({said[0][:300]}); fetch them where the hub is reached: {FETCH}"
+        ) from error
     return Encoder(made.eval(), preprocess, tokenizer, chosen, model, weights)
 
 

@@ -72,7 +72,11 @@ class EvaluatedWorld:
         """One object, or one per piece; open parts are an object of their own, which is no collider."""
         built = self.candidate.built[name]
         dynamic = self.candidate.spec.entities[name].motion == "dynamic"
-        pieces = [(f"{name}/{b.name}", built.parts_of(b.name)) for b in built.bodies] if built.bonds is not None else [(name, built.parts)]
+        pieces = (
+            [(f"{name}/{b.name}", built.parts_of(b.name)) for b in built.bodies]
+            if built.bonds is not None
+            else [(name, built.parts)]
+        )
         for label, parts in pieces:
             for closed in (True, False):
                 own = [p for p in parts if p.closed is closed]

@@ -83,8 +83,12 @@ def load_quality_model(*, device: str | None = None) -> QualityModel:
         made = pyiqa.create_metric(METRIC, device=torch.device(chosen))
     except (OSError, RuntimeError, ValueError) as error:
         said = str(error).strip().splitlines() or [type(error).__name__]
-        raise RefusedError(f"Imag: pyiqa cannot load the weights of {METRIC} ({said[0][:300]}); create_metric({METRIC!r}) once where the hub is reached") from error
-    return QualityModel(lambda picture: float(made(picture.to(chosen))), METRIC, chosen, {"torch": torch.__version__, "pyiqa": pyiqa.__version__})
+        raise RefusedError(
+            f"Imag: pyiqa cannot load the weights of {METRIC} ({said[0][:300]}); create_metric({METRIC!r}) once where the hub is reached"
+        ) from error
+    return QualityModel(
+        lambda picture: float(made(picture.to(chosen))), METRIC, chosen, {"torch": torch.__version__, "pyiqa": pyiqa.__version__}
+    )
 
 
 def imaging_quality(film: Film, model: QualityModel) -> Imaging:

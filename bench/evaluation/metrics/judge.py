@@ -81,8 +81,12 @@ class InspectJudge:
         from importlib.metadata import version
 
         known = {str(k): str(v) for k, v in self._model.model_args.items() if isinstance(v, str | int | float | bool)}
-        told = {k: v for k, v in known.items() if not any(word in k.lower() for word in ("key", "token", "url", "path", "secret"))}
-        return JudgeIdentity(f"inspect_ai {version('inspect_ai')}", str(self._model), told.get("torch_dtype") or told.get("dtype"), told)
+        told = {
+            k: v for k, v in known.items() if not any(word in k.lower() for word in ("key", "token", "url", "path", "secret"))
+        }
+        return JudgeIdentity(
+            f"inspect_ai {version('inspect_ai')}", str(self._model), told.get("torch_dtype") or told.get("dtype"), told
+        )
 
     async def answer(self, text: str, pictures: Sequence[bytes]) -> Reply:
         """The model's completion for the pictures, then the text."""
@@ -118,7 +122,9 @@ class Answered:
         return asdict(self)
 
 
-async def put(judge: Judge, question: Question, pictures: Sequence[bytes], *, tries: int = TRIES, seconds: float = SECONDS) -> Answered:
+async def put(
+    judge: Judge, question: Question, pictures: Sequence[bytes], *, tries: int = TRIES, seconds: float = SECONDS
+) -> Answered:
     """Put a question until it is answered with scores, at most `tries` times, each for at most `seconds`."""
     reasons: list[str] = []
     spent, told, scores = [0, 0], True, None

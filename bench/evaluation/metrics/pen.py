@@ -27,7 +27,18 @@ from ....geometry.triangles import nearest_on_triangles
 from ....worlds.arrays import F64, I32
 from ....worlds.built import TriangleMesh
 
-__all__ = ["CHOICES", "FRAMES", "LEAST_DEPTH", "VERTICES", "Evaluated", "Overlap", "Penetration", "overlaps", "penetration", "sampled_frames"]
+__all__ = [
+    "CHOICES",
+    "FRAMES",
+    "LEAST_DEPTH",
+    "VERTICES",
+    "Evaluated",
+    "Overlap",
+    "Penetration",
+    "overlaps",
+    "penetration",
+    "sampled_frames",
+]
 
 FRAMES = 24
 """K_p: frames over the complete interval (R141)."""
@@ -163,7 +174,9 @@ def penetration(objects_at: Callable[[int], Sequence[Evaluated]], frames: Sequen
             scale, count = _diagonal(objects), len(objects)
         for met in overlaps(objects, frame):
             compared += 1
-            if met.crossings and met.depth > (deepest[met.first, met.second].depth if (met.first, met.second) in deepest else -1.0):
+            if met.crossings and met.depth > (
+                deepest[met.first, met.second].depth if (met.first, met.second) in deepest else -1.0
+            ):
                 deepest[met.first, met.second] = met
     pairs = tuple(sorted(deepest.values(), key=lambda o: (-o.depth, o.first, o.second)))
     depth = pairs[0].depth if pairs else 0.0
@@ -194,7 +207,11 @@ def _measured(one: Evaluated, two: Evaluated, frame: int, *, forth: bool, back: 
     low, high = np.maximum(one.box[0], two.box[0]), np.minimum(one.box[1], two.box[1])
     i, j = one.within(low, high), two.within(low, high)
     noise = query_noise(max(float(np.linalg.norm(o.box[1] - o.box[0])) for o in (one, two)))
-    pairs = mutual_crossings(one.triangles[i], two.triangles[j], noise=noise).pairs if len(i) and len(j) else np.empty((0, 2), dtype=np.int32)
+    pairs = (
+        mutual_crossings(one.triangles[i], two.triangles[j], noise=noise).pairs
+        if len(i) and len(j)
+        else np.empty((0, 2), dtype=np.int32)
+    )
     if len(pairs) == 0:
         return Overlap(frame, one.name, two.name, 0.0, None, None, 0)
     there = directed_depth(one.triangles[i[np.unique(pairs[:, 0])]], two) if forth else None

@@ -59,17 +59,29 @@ def peer_depths(overlaps: Sequence[tuple[Sequence[Evaluated], Overlap]]) -> dict
     """
     blender = os.environ.get(ENV_BLENDER) or shutil.which("blender")
     if blender is None:
-        return {"max_relative_difference": None, "reason": f"blender is not installed; ${ENV_BLENDER} may name it (Debian package blender 3.4.1)"}
+        return {
+            "max_relative_difference": None,
+            "reason": f"blender is not installed; ${ENV_BLENDER} may name it (Debian package blender 3.4.1)",
+        }
     with tempfile.TemporaryDirectory(prefix="worldagent-") as folder:
         script, source, target = (Path(folder) / name for name in ("peer.py", "meshes.json", "depths.json"))
         script.write_text(_SCRIPT)
         source.write_text(json.dumps([[_plain(objects, name) for name in (o.first, o.second)] for objects, o in overlaps]))
         try:
-            ended = subprocess.run([blender, "-b", "-P", str(script), "--", str(source), str(target)], capture_output=True, text=True, check=False, timeout=SECONDS)
+            ended = subprocess.run(
+                [blender, "-b", "-P", str(script), "--", str(source), str(target)],
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=SECONDS,
+            )
         except subprocess.TimeoutExpired:
             return {"max_relative_difference": None, "reason": f"{blender} took longer than {SECONDS:g} s"}
         if not target.is_file():
-            return {"max_relative_difference": None, "reason": (ended.stderr.strip().splitlines() or ["blender ended without a word"])[-1]}
+            return {
+                "max_relative_difference": None,
+                "reason": (ended.stderr.strip().splitlines() or ["blender ended without a word"])[-1],
+            }
         theirs: list[float | None] = json.loads(target.read_text())
     differences = [1.0 if d is None else abs(d - o.depth) / o.depth for d, (_, o) in zip(theirs, overlaps, strict=True)]
     return {"max_relative_difference": max(differences), "depths_m": theirs, "ours_m": [o.depth for _, o in overlaps]}

@@ -65,9 +65,13 @@ def questions_of(metric: str, prompt: BenchPrompt, count: int, fps: float) -> li
         beats = prompt.beats
         if len(beats) != len(causal_stages(count)):
             raise ValueError(f"Caus needs five beats; prompt {prompt.id!r} has {len(beats)}")
-        asked = [_question("causal_beat", b.id, w, count, fps, beat=b.text) for b, w in zip(beats, causal_stages(count), strict=True)]
+        asked = [
+            _question("causal_beat", b.id, w, count, fps, beat=b.text) for b, w in zip(beats, causal_stages(count), strict=True)
+        ]
         for window, before, after in zip(causal_links(count), beats[:-1], beats[1:], strict=True):
-            asked.append(_question("causal_link", f"{before.id}-{after.id}", window, count, fps, before=before.text, after=after.text))
+            asked.append(
+                _question("causal_link", f"{before.id}-{after.id}", window, count, fps, before=before.text, after=after.text)
+            )
         return asked
     if metric == "qual":
         return [_question("shots", "", w, count, fps) for w in shot_segments(count)]

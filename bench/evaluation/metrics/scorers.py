@@ -54,7 +54,11 @@ def pen() -> Scorer:
 
     async def measure(output: SampleOutput) -> tuple[float | None, str, dict[str, Any]]:
         found = await anyio.to_thread.run_sync(pen_of_folder, output.need_world())
-        where = "nothing crosses" if found.worst is None else f"{found.worst.first} and {found.worst.second} at frame {found.worst.frame}"
+        where = (
+            "nothing crosses"
+            if found.worst is None
+            else f"{found.worst.first} and {found.worst.second} at frame {found.worst.frame}"
+        )
         return found.score, f"{1000 * found.depth:.4g} mm of {found.scale:.4g} m: {where}", found.as_json()
 
     return _scored(measure)
@@ -127,7 +131,11 @@ def alignment(model: str = MODEL, weights: str = CHECKPOINT, device: str = "") -
         film = output.need_film()
         encoder = await anyio.to_thread.run_sync(partial(load_encoder, model=model, weights=weights, device=device or None))
         found = await anyio.to_thread.run_sync(align, film, output.prompt.text, encoder)
-        return found.value, f"{found.frames} frames, {found.text_tokens_used} of {found.text_tokens} tokens of the prompt", found.as_json()
+        return (
+            found.value,
+            f"{found.frames} frames, {found.text_tokens_used} of {found.text_tokens} tokens of the prompt",
+            found.as_json(),
+        )
 
     return _scored(measure)
 

@@ -9,7 +9,15 @@ import numpy as np
 
 from ....worlds.errors import InputError
 
-__all__ = ["LEAST_FRAMES", "Window", "causal_links", "causal_stages", "composition_windows", "production_windows", "shot_segments"]
+__all__ = [
+    "LEAST_FRAMES",
+    "Window",
+    "causal_links",
+    "causal_stages",
+    "composition_windows",
+    "production_windows",
+    "shot_segments",
+]
 
 STAGES, SEGMENTS = 5, 8
 """S_c of Caus; of Qual and Comp."""
@@ -80,4 +88,6 @@ def production_windows(count: int) -> list[Window]:
     """Contiguous windows of 64 frames, the last with what remains: every frame stands in exactly one."""
     if count < 1:
         raise InputError("a film without frames cannot be judged")
-    return [Window(w, tuple(range(w * PRODUCTION, min(count, (w + 1) * PRODUCTION)))) for w in range(math.ceil(count / PRODUCTION))]
+    return [
+        Window(w, tuple(range(w * PRODUCTION, min(count, (w + 1) * PRODUCTION)))) for w in range(math.ceil(count / PRODUCTION))
+    ]

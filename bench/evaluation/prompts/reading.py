@@ -18,7 +18,19 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from ....worlds.categories.registry import CATEGORIES
 from ....worlds.errors import InputError
 
-__all__ = ["BESIDES", "CAPABILITIES", "COUPLINGS", "SETS", "BenchPrompt", "PromptBeat", "PromptQuestion", "PromptRequirement", "PromptSet", "load_prompts", "load_set"]
+__all__ = [
+    "BESIDES",
+    "CAPABILITIES",
+    "COUPLINGS",
+    "SETS",
+    "BenchPrompt",
+    "PromptBeat",
+    "PromptQuestion",
+    "PromptRequirement",
+    "PromptSet",
+    "load_prompts",
+    "load_set",
+]
 
 FOLDER = Path(__file__).parent
 SETS = ("agenticsimbench", "small")
@@ -110,7 +122,9 @@ class PromptSet(_Frozen):
             raise ValueError(f"set {self.name!r}: ids of prompts stand twice")
         for prompt in self.prompts:
             if len(prompt.beats) < self.beats_at_least:
-                raise ValueError(f"prompt {prompt.id!r} has {len(prompt.beats)} beats; the set asks for at least {self.beats_at_least}")
+                raise ValueError(
+                    f"prompt {prompt.id!r} has {len(prompt.beats)} beats; the set asks for at least {self.beats_at_least}"
+                )
         return self
 
     @property
@@ -127,7 +141,9 @@ def load_set(name: str) -> PromptSet:
     """
     path = FOLDER / f"{name}.json" if name in SETS else Path(name)
     if not path.is_file():
-        raise InputError(f"no set of prompts {name!r}; there are {', '.join(SETS)}, or give the path of a JSON file of the same schema")
+        raise InputError(
+            f"no set of prompts {name!r}; there are {', '.join(SETS)}, or give the path of a JSON file of the same schema"
+        )
     return PromptSet.model_validate_json(path.read_text(encoding="utf-8"))
 
 

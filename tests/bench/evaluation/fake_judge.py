@@ -38,7 +38,14 @@ def perfect(text: str) -> str:
 class FakeJudge(ModelAPI):
     """A provider that keeps in `asked` what it was asked: texts and pictures."""
 
-    def __init__(self, model_name: str, base_url: str | None = None, api_key: str | None = None, config: GenerateConfig | None = None, **arguments: Any) -> None:
+    def __init__(
+        self,
+        model_name: str,
+        base_url: str | None = None,
+        api_key: str | None = None,
+        config: GenerateConfig | None = None,
+        **arguments: Any,
+    ) -> None:
         super().__init__(model_name, base_url, api_key, [], config or GenerateConfig())
         self.reply: Callable[[str, int], Any] = arguments.get("reply") or (lambda text, _: perfect(text))
         self.asked: list[tuple[str, list[str]]] = []

@@ -67,7 +67,17 @@ def main(mode: str) -> None:
             continue
         if method == "initialize":
             info = {"name": "fake", "version": "1"}
-            say({"id": key, "result": {"protocolVersion": "2025-11-25", "capabilities": {"tools": {}}, "serverInfo": info, "instructions": "Be fake."}})
+            say(
+                {
+                    "id": key,
+                    "result": {
+                        "protocolVersion": "2025-11-25",
+                        "capabilities": {"tools": {}},
+                        "serverInfo": info,
+                        "instructions": "Be fake.",
+                    },
+                }
+            )
         elif method == "tools/list":
             names = TOOLS[:3] if mode == "poor" else TOOLS
             say({"id": key, "result": {"tools": [{"name": n, "description": n, "inputSchema": SCHEMA} for n in names]}})

@@ -14,7 +14,15 @@ from worldagent.bench.evaluation.workspace import CLOCK_S, SampleFolder, marks_a
 
 def made(folder: SampleFolder, world: str = "w") -> Path:
     """A world that a call of the sample made."""
-    call = {"n": 1, "tool": "edit_spec", "arguments": {"world": world}, "at": 0, "seconds": 0, "ended": "answered", "error": False}
+    call = {
+        "n": 1,
+        "tool": "edit_spec",
+        "arguments": {"world": world},
+        "at": 0,
+        "seconds": 0,
+        "ended": "answered",
+        "error": False,
+    }
     folder.record.calls_file.write_text(json.dumps(call) + "\n")
     place = folder.workspace / world
     place.mkdir()

@@ -27,7 +27,9 @@ from worldagent.bench.evaluation.prompts.reading import load_prompts
 from worldagent.tests.bench.evaluation.fake_judge import answering, perfect
 from worldagent.tests.bench.evaluation.films import film_file
 
-pytestmark = pytest.mark.filterwarnings("ignore:The 'initial' parameter is deprecated:DeprecationWarning")  # Inspect's use of tenacity
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:The 'initial' parameter is deprecated:DeprecationWarning"
+)  # Inspect's use of tenacity
 PROMPT = load_prompts("agenticsimbench")["volcano"]
 SMALL = load_prompts("small")["crate_slides"]
 VALUES = {"caus": 0.7 + 0.3 * 0.5, "qual": 12 / 15, "comp": 1.0, "prod": 16 / 20}
@@ -54,7 +56,11 @@ def test_a_metric_joins_its_answers_by_the_papers_formula(film: Film, metric: st
     assert found.reason == ""
     assert len(provider.asked) == sum(a.tries for a in found.answers)
     told = found.as_json()
-    assert (told["calls"], told["input_tokens"], told["output_tokens"]) == (len(provider.asked), 100 * len(provider.asked), 7 * len(provider.asked))
+    assert (told["calls"], told["input_tokens"], told["output_tokens"]) == (
+        len(provider.asked),
+        100 * len(provider.asked),
+        7 * len(provider.asked),
+    )
     assert told["judge"]["model"] == "fakejudge/x"
     assert told["judge"]["backend"].startswith("inspect_ai 0.")
     assert len(told["rubric"]["sha256"]) == len(told["questions_sha256"]) == 64
@@ -115,7 +121,10 @@ def test_a_nonsense_answer_is_asked_again_and_then_counts(film: Film) -> None:
 
 
 @pytest.mark.parametrize("metric", JUDGED)
-@pytest.mark.parametrize(("reply", "reason"), [("I would say eleven of ten.", "no scores"), (RuntimeError("boom"), "RuntimeError: boom"), ("hang", "no answer in 0.05 s")])
+@pytest.mark.parametrize(
+    ("reply", "reason"),
+    [("I would say eleven of ten.", "no scores"), (RuntimeError("boom"), "RuntimeError: boom"), ("hang", "no answer in 0.05 s")],
+)
 def test_a_judge_that_gives_no_scores_leaves_the_film_without_a_value(film: Film, metric: str, reply: Any, reason: str) -> None:
     model, provider = answering(lambda text, _: reply)
     found = judged(film, metric, model, tries=2, seconds=0.05 if reply == "hang" else 30.0)

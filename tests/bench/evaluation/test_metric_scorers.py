@@ -42,11 +42,15 @@ def idle() -> Solver:
     return solve
 
 
-def run(tmp_path: Path, metadata: dict[str, Any], *chosen: Any, grader: Any = None, agent: Any = None) -> tuple[dict[str, Score], Any]:
+def run(
+    tmp_path: Path, metadata: dict[str, Any], *chosen: Any, grader: Any = None, agent: Any = None
+) -> tuple[dict[str, Score], Any]:
     """Scores of one sample by scorer, and the log."""
     task = Task(MemoryDataset([Sample(input="x", metadata=metadata)]), solver=idle(), scorer=list(chosen))
     roles = {"grader": grader} if grader is not None else {}
-    (log,) = run_eval(task, model=agent or get_model("mockllm/model"), model_roles=roles, log_dir=str(tmp_path / "logs"), display="none")
+    (log,) = run_eval(
+        task, model=agent or get_model("mockllm/model"), model_roles=roles, log_dir=str(tmp_path / "logs"), display="none"
+    )
     assert log.status == "success", log.error
     (sample,) = log.samples or []
     return dict(sample.scores or {}), log
@@ -64,20 +68,33 @@ def scene(prompt: BenchPrompt = VOLCANO, **more: Any) -> dict[str, Any]:
 def test_a_judge_scores_the_film_of_a_sample_and_the_log_says_who_and_how(tmp_path: Path) -> None:
     film = film_file(tmp_path / "film.avi", 40)
     model, provider = answering()
-    found, log = run(tmp_path, scene(film=str(film)), scorers.caus(), scorers.qual(prices="3/15"), scorers.comp(), scorers.prod(), grader=model)
-    assert {name: score.value for name, score in found.items()} == pytest.approx({"caus": 0.85, "qual": 0.8, "comp": 1.0, "prod": 0.8})
+    found, log = run(
+        tmp_path, scene(film=str(film)), scorers.caus(), scorers.qual(prices="3/15"), scorers.comp(), scorers.prod(), grader=model
+    )
+    assert {name: score.value for name, score in found.items()} == pytest.approx(
+        {"caus": 0.85, "qual": 0.8, "comp": 1.0, "prod": 0.8}
+    )
     assert told(found["caus"])["judge"]["model"] == "fakejudge/x"
     assert told(found["qual"])["forecast"].startswith("8 calls with 40 pictures")
     assert "USD" in told(found["qual"])["forecast"]
     assert told(found["comp"])["calls"] == len(VOLCANO.composition)
     assert len(provider.asked) == sum(told(score)["calls"] for score in found.values())
-    assert {s.name: s.metrics["mean"].value for s in log.results.scores} == pytest.approx({n: float(v.value) for n, v in found.items()})  # type: ignore[arg-type]
+    assert {s.name: s.metrics["mean"].value for s in log.results.scores} == pytest.approx(
+        {n: float(v.value) for n, v in found.items()}  # type: ignore[arg-type]
+    )
 
 
 def test_what_cannot_be_scored_is_unscored_with_its_reason(tmp_path: Path) -> None:
     film = film_file(tmp_path / "film.avi", 40)
     model, _ = answering(lambda text, _: "?" if '"link"' in text else perfect(text))
-    found, log = run(tmp_path, scene(film=str(film), workspace=str(tmp_path)), scorers.pen(), scorers.caus(tries=1), scorers.qual(most_calls=7), grader=model)
+    found, log = run(
+        tmp_path,
+        scene(film=str(film), workspace=str(tmp_path)),
+        scorers.pen(),
+        scorers.caus(tries=1),
+        scorers.qual(most_calls=7),
+        grader=model,
+    )
     assert all(math.isnan(float(score.value)) for score in found.values())  # type: ignore[arg-type]
     assert found["pen"].explanation == "the sample left no world of its prompt"
     assert "causal_link" in str(found["caus"].explanation)

@@ -31,7 +31,19 @@ ROOT = Path(__file__).parents[3]
 
 
 def call(n: int, tool: str, data: Any, **more: Any) -> Call:
-    return Call(**{"n": n, "tool": tool, "arguments": {"world": "w"}, "at": 0, "seconds": 0, "ended": "answered", "error": False, "data": data} | more)
+    return Call(
+        **{
+            "n": n,
+            "tool": tool,
+            "arguments": {"world": "w"},
+            "at": 0,
+            "seconds": 0,
+            "ended": "answered",
+            "error": False,
+            "data": data,
+        }
+        | more
+    )
 
 
 # ---------------------------------------------------------------- prompt

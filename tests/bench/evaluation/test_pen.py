@@ -78,7 +78,9 @@ def test_static_pairs_and_parts_of_one_object_are_not_compared() -> None:
     assert score(ghosts[0], inner).compared == 0
 
 
-@pytest.mark.parametrize(("dynamic", "asked"), [((True, False), (True, False)), ((False, True), (False, True)), ((True, True), (True, True))])
+@pytest.mark.parametrize(
+    ("dynamic", "asked"), [((True, False), (True, False)), ((False, True), (False, True)), ((True, True), (True, True))]
+)
 def test_a_direction_is_asked_for_what_is_dynamic(dynamic: tuple[bool, bool], asked: tuple[bool, bool]) -> None:
     one = body("one", box_mesh((1.0, 1.0, 1.0)), dynamic=dynamic[0])
     two = body("two", box_mesh((0.5, 0.5, 0.5)), (0.11, 0.07, 0.65), dynamic=dynamic[1])
@@ -101,7 +103,9 @@ def test_a_corner_outside_beside_a_sharp_edge_is_not_inside() -> None:
     faces = np.array([[0, 1, 2], [1, 3, 2], [0, 4, 1], [1, 4, 5], [2, 3, 4], [3, 5, 4], [0, 2, 4], [1, 5, 3]], dtype=np.int32)
     wedge = Evaluated("wedge", "wedge", False, True, points, faces)
     needle = np.array([[[0.1, 0.5, 0.05], [0.1, 0.52, -0.05], [-0.05, 0.51, 0.0]]])
-    assert directed_depth(needle, wedge) == pytest.approx(0.01 / np.hypot(1.0, 0.2), rel=1e-6)  # of the third corner; behind a plane the others are 0.03
+    assert directed_depth(needle, wedge) == pytest.approx(
+        0.01 / np.hypot(1.0, 0.2), rel=1e-6
+    )  # of the third corner; behind a plane the others are 0.03
 
 
 def test_at_most_128_corners_are_asked_and_always_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -130,7 +134,10 @@ def test_the_deepest_moment_of_each_pair_is_told_and_the_scene_is_measured_at_fi
 
 
 def spec(frames: int = 24) -> Any:
-    return world({"floor": ground(4.0), "ball": ball(0.1, motion="dynamic", at=(0, 0, 0.1)), "post": box(0.1, 0.1, 1.0, at=(1, 0, 0.5))}, frames=frames)
+    return world(
+        {"floor": ground(4.0), "ball": ball(0.1, motion="dynamic", at=(0, 0, 0.1)), "post": box(0.1, 0.1, 1.0, at=(1, 0, 0.5))},
+        frames=frames,
+    )
 
 
 def test_a_sunken_ball_of_a_candidate_is_found_at_its_frame(tmp_path: Path) -> None:

@@ -31,11 +31,17 @@ TEXT = "A red ball falls. " * 20
 
 def without(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
     find = importlib.util.find_spec
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name, *a: None if name in names else ModuleType(name) if name in ("torch", "open_clip") else find(name, *a))
+    monkeypatch.setattr(
+        importlib.util,
+        "find_spec",
+        lambda name, *a: None if name in names else ModuleType(name) if name in ("torch", "open_clip") else find(name, *a),
+    )
 
 
 @pytest.mark.parametrize(("missing", "said"), [(("torch", "open_clip"), "torch and open_clip"), (("open_clip",), "open_clip")])
-def test_align_without_its_packages_is_refused_with_the_command(monkeypatch: pytest.MonkeyPatch, missing: tuple[str, ...], said: str) -> None:
+def test_align_without_its_packages_is_refused_with_the_command(
+    monkeypatch: pytest.MonkeyPatch, missing: tuple[str, ...], said: str
+) -> None:
     without(monkeypatch, *missing)
     with pytest.raises(RefusedError, match=rf"needs {said}, not installed here; pip install 'worldagent\[metrics\]'"):
         load_encoder()
@@ -57,7 +63,13 @@ def test_no_extra_brings_the_non_commercial_package() -> None:
 
 @pytest.mark.parametrize(
     ("size", "wanted"),
-    [((1080, 1920), (288, 512)), ((512, 512), (512, 512)), ((300, 500), (300, 500)), ((1000, 513), (512, 262)), ((720, 1280), (288, 512))],
+    [
+        ((1080, 1920), (288, 512)),
+        ((512, 512), (512, 512)),
+        ((300, 500), (300, 500)),
+        ((1000, 513), (512, 262)),
+        ((720, 1280), (288, 512)),
+    ],
 )
 def test_frames_above_512_are_shrunk_and_smaller_ones_kept(size: tuple[int, int], wanted: tuple[int, int]) -> None:
     """VBench's rule `longer`."""
@@ -108,7 +120,10 @@ def test_other_weights_give_another_score(weights: Path, tmp_path: Path) -> None
     film = Film(film_file(tmp_path / "film.avi", 4))
     torch.manual_seed(6)
     torch.save(open_clip.create_model("small-pe").state_dict(), tmp_path / "other.pt")
-    one, two = (align(film, TEXT, load_encoder(model="small-pe", weights=str(w), device="cpu")).value for w in (weights, tmp_path / "other.pt"))
+    one, two = (
+        align(film, TEXT, load_encoder(model="small-pe", weights=str(w), device="cpu")).value
+        for w in (weights, tmp_path / "other.pt")
+    )
     assert one != pytest.approx(two, abs=1e-3)
 
 

@@ -17,7 +17,9 @@ from worldagent.tests.bench.evaluation.conftest import FAKE
 
 def played(folder: Path, asked: list[dict[str, Any]], *, mode: str = "", **limits: Any) -> tuple[list[str], Record]:
     """Texts of the answers to calls through a relay, up to the first that the connection does not survive; and the record."""
-    words = relay_command(folder, [sys.executable, str(FAKE), mode], **{"calls": 50, "call_timeout_s": 30, "start_s": 30, **limits})
+    words = relay_command(
+        folder, [sys.executable, str(FAKE), mode], **{"calls": 50, "call_timeout_s": 30, "start_s": 30, **limits}
+    )
     parameters = StdioServerParameters(command=words[0], args=words[1:], env=server_environment())
     texts: list[str] = []
 
@@ -39,8 +41,19 @@ def test_a_call_passes_unchanged_and_stands_in_the_transcript(tmp_path: Path) ->
     texts, record = played(tmp_path, [{"do": "answer"}, {"do": "refuse"}])
     assert texts[1] == "refused: as asked"
     first, second = record.calls()
-    assert (first.n, first.tool, first.error, first.ended, first.data["summary"]) == (1, "inspect_world", False, "answered", "did answer")
-    assert (second.n, second.error, second.data, second.arguments) == (2, True, "refused: as asked", {"world": "w", "do": "refuse"})
+    assert (first.n, first.tool, first.error, first.ended, first.data["summary"]) == (
+        1,
+        "inspect_world",
+        False,
+        "answered",
+        "did answer",
+    )
+    assert (second.n, second.error, second.data, second.arguments) == (
+        2,
+        True,
+        "refused: as asked",
+        {"world": "w", "do": "refuse"},
+    )
     assert record.ending() is None
 
 
@@ -57,7 +70,11 @@ def test_a_server_that_dies_is_lost_with_its_code_and_its_last_words(tmp_path: P
     texts, record = played(tmp_path, [{}, {"do": "crash"}])
     assert texts[0].startswith('{"summary"')
     ending = record.ending()
-    assert (ending.kind, ending.type, ending.reason) == ("lost", "died", "the server ended with code 7 while its client was there")
+    assert (ending.kind, ending.type, ending.reason) == (
+        "lost",
+        "died",
+        "the server ended with code 7 while its client was there",
+    )
     assert [c.ended for c in record.calls()] == ["answered", "lost"]
     assert (tmp_path / "server.stderr").read_text() == "the fake server falls over\n"
 

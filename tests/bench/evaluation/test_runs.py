@@ -99,7 +99,14 @@ def test_a_run_waits_no_longer_than_its_time(tmp_path: Path, fake: Fake) -> None
 def test_a_loop_on_a_model_calls_the_tools_of_its_own_server(tmp_path: Path, fake: Fake) -> None:
     calls = tmp_path / "calls.json"
     told = {"world": "$world", "prompt": "$prompt"}
-    calls.write_text(json.dumps([{"tool": "edit_spec", "arguments": told}, {"tool": "inspect_world", "arguments": {"world": "$world", "do": "refuse"}}]))
+    calls.write_text(
+        json.dumps(
+            [
+                {"tool": "edit_spec", "arguments": told},
+                {"tool": "inspect_world", "arguments": {"world": "$world", "do": "refuse"}},
+            ]
+        )
+    )
     found, log = run(tmp_path, ["cup", "jug"], react_agent(), model="scripted/x", model_args={"calls": str(calls)})
     assert {k: (r.outcome, r.calls, r.refused_calls, r.tokens) for k, r in found.items()} == {
         "cup": ("refused", 2, 1, 600), "jug": ("refused", 2, 1, 600),
@@ -118,7 +125,10 @@ def test_a_loop_whose_server_dies_is_an_error_and_no_failed_agent(tmp_path: Path
     calls = tmp_path / "calls.json"
     calls.write_text(json.dumps([{"tool": "inspect_world", "arguments": {"world": "w", "do": "crash"}}] * 50))
     found, _ = run(tmp_path, ["cup"], react_agent(), model="scripted/x", model_args={"calls": str(calls)})
-    assert (found["cup"].outcome, found["cup"].reason) == ("error", "died: the server ended with code 7 while its client was there")
+    assert (found["cup"].outcome, found["cup"].reason) == (
+        "error",
+        "died: the server ended with code 7 while its client was there",
+    )
 
 
 def test_random_calls_follow_from_their_seed(tmp_path: Path, fake: Fake) -> None:
@@ -157,9 +167,7 @@ def test_a_session_driven_from_elsewhere_connects_by_what_is_written_down(tmp_pa
     assert "A cup falls." in told["prompt"]
 
 
-@pytest.mark.parametrize(
-    ("mode", "reason"), [("poor", "lacks the tools bake_sim"), ("dead", "does not start")]
-)
+@pytest.mark.parametrize(("mode", "reason"), [("poor", "lacks the tools bake_sim"), ("dead", "does not start")])
 def test_a_server_that_cannot_serve_is_found_out_before_the_run(mode: str, reason: str, tmp_path: Path, fake: Fake) -> None:
     fake(mode)
     with pytest.raises(EngineError, match=reason):
@@ -187,7 +195,13 @@ def test_misuse_names_what_there_is(words: list[str], text: str, capsys: pytest.
 
 @pytest.mark.parametrize(("calls", "code", "outcome"), [([{}, {"do": "refuse"}], 0, "refused"), ([{"do": "crash"}], 1, "error")])
 def test_the_command_prints_one_object_and_fails_where_a_sample_was_an_error(
-    calls: list[dict[str, Any]], code: int, outcome: str, tmp_path: Path, fake: Fake, documents: Callable[..., Path], capsys: pytest.CaptureFixture[str]
+    calls: list[dict[str, Any]],
+    code: int,
+    outcome: str,
+    tmp_path: Path,
+    fake: Fake,
+    documents: Callable[..., Path],
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     name = load_set("small").prompts[3].id
     words = ["run", "small", "--agent", "scripted", "--samples", name, "--agent-arg", f"folder={documents(**{name: calls})}"]
@@ -209,7 +223,9 @@ def test_the_list_names_tasks_agents_and_ablations(capsys: pytest.CaptureFixture
 
 
 @pytest.mark.parametrize(("task", "count"), [("agenticsimbench", 13), ("small", 20)])
-def test_a_task_has_a_sample_of_every_prompt_with_its_number_and_the_version_of_its_set(task: str, count: int, tmp_path: Path) -> None:
+def test_a_task_has_a_sample_of_every_prompt_with_its_number_and_the_version_of_its_set(
+    task: str, count: int, tmp_path: Path
+) -> None:
     made = TASKS[task](root=str(tmp_path))
     found = load_set(task)
     samples = list(made.dataset)

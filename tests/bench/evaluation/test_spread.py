@@ -38,7 +38,12 @@ def documents(folder: Path, gate: Path) -> Path:
     place = folder / "scripts"
     place.mkdir(exist_ok=True)
     for k, name in enumerate(IDS):
-        calls = [{"tool": "inspect_world", "arguments": {"world": "w", "do": "wait", "marker": str(gate)} if k == 2 else {"world": "w"}}]
+        calls = [
+            {
+                "tool": "inspect_world",
+                "arguments": {"world": "w", "do": "wait", "marker": str(gate)} if k == 2 else {"world": "w"},
+            }
+        ]
         calls += [{"tool": "inspect_world", "arguments": {"world": "w", "do": "refuse"}}] * (k % 2)
         (place / f"{name}.json").write_text(json.dumps({"calls": calls}))
     return place
@@ -78,8 +83,12 @@ def gone(pid: int) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["local", pytest.param("ray", marks=pytest.mark.skipif(find_spec("ray") is None, reason="no ray: extra [cluster]"))])
-def test_a_worker_killed_in_the_middle_changes_nothing_in_the_table(kind: str, tmp_path: Path, fake: Callable[[str], None]) -> None:
+@pytest.mark.parametrize(
+    "kind", ["local", pytest.param("ray", marks=pytest.mark.skipif(find_spec("ray") is None, reason="no ray: extra [cluster]"))]
+)
+def test_a_worker_killed_in_the_middle_changes_nothing_in_the_table(
+    kind: str, tmp_path: Path, fake: Callable[[str], None]
+) -> None:
     """With Ray the worker is a process of Ray, and that of the sample dies with it."""
     gate = tmp_path / "gate"
     gate.touch()

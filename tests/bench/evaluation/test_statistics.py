@@ -25,7 +25,9 @@ def test_pairs_are_drawn_together_and_the_order_of_prompts_does_not_matter() -> 
     assert (found.difference, found.low, found.high, found.same_sign) == (-2.0, -2.0, -2.0, 1.0)
     assert found.moved
     few = dict(list(first.items())[:5])
-    assert not paired_bootstrap(few, {p: v - 2.0 for p, v in few.items()}).moved, "five that go one way do so by chance in one of sixteen"
+    assert not paired_bootstrap(few, {p: v - 2.0 for p, v in few.items()}).moved, (
+        "five that go one way do so by chance in one of sixteen"
+    )
 
 
 def test_equal_seeds_give_equal_draws_and_no_difference_has_no_sign() -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from .languages import REVIEWED, function_words, held_words, language_of
-from .lexicon import labelled
+from .lexicon import labelled, lemmas
 from .marks import Mark, MarkType, marked_text
 from .numbers import number_in, quantity_in
 from .units import Unit, folded, units_of, word_count
@@ -25,6 +25,11 @@ LONGEST_EVENT = 8
 """Words of an event or quantity."""
 LONGEST_UNIT = 5
 """Text units that are looked at behind a number for its unit of measure: own choice; `kilometres per hour` has three, `立方厘米` four."""
+
+
+STANCES = frozenset({"stand", "lie", "sit", "hang", "lean", "rest", "stay", "remain"})
+"""Verbs that say how something is, not what happens: the stance verbs of Quirk et al. (1985), A Comprehensive Grammar of the English Language, 4.32, and
+their like. With a particle (`sits down`) they tell of an event."""
 
 
 class Proposal(NamedTuple):
@@ -54,7 +59,9 @@ def proposal_text(prompt: str) -> str:
 
 
 def _english(text: str) -> Iterator[Proposal]:
-    yield from (Proposal(label.start, label.end, label.type) for label in labelled(text))
+    for label in labelled(text):
+        lasts = label.type == "event" and not STANCES.isdisjoint(lemmas(text[label.start : label.end], "v"))
+        yield Proposal(label.start, label.end, "property" if lasts else label.type)
 
 
 def _short(text: str, span: Proposal) -> Proposal:

@@ -6,6 +6,7 @@ grammar are left out; every other word is `unknown`, to be typed or left as fill
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from .languages import REVIEWED, function_words, held_words, language_of
@@ -32,6 +33,9 @@ STANCES = frozenset({"stand", "lie", "sit", "hang", "lean", "rest", "stay", "rem
 their like. With a particle (`sits down`) they tell of an event."""
 
 
+_DEFINITE = re.compile(r"\bthe\s+$", re.IGNORECASE)
+
+
 class Proposal(NamedTuple):
     """A span of a prompt and the type of claim that it is likely to make."""
 
@@ -53,8 +57,19 @@ def proposed(text: str) -> tuple[Proposal, ...]:
 
 
 def proposal_text(prompt: str) -> str:
-    """The prompt as marked text without targets: `A [steel](property) [ball](thing) [rolls off](event) the [table](thing).`"""
-    marks = [Mark(start, end, prompt[start:end], cast("MarkType", kind)) for start, end, kind in proposed(prompt)]
+    """The prompt as marked text without targets: `A [steel](property) [ball](thing) [rolls off](event) the [table](thing).`
+
+    A noun that stands once more behind `the` is proposed as the same thing: a definite noun phrase points back (Quirk et al. 1985, 5.30).
+    """
+    marks = []
+    first: dict[str, str] = {}
+    for start, end, kind in proposed(prompt):
+        word = folded(prompt[start:end])
+        again = kind == "thing" and word in first and _DEFINITE.search(prompt[:start]) is not None
+        options = {"same_as": first[word]} if again else {}
+        marks.append(Mark(start, end, prompt[start:end], cast("MarkType", kind), options=options))
+        if kind == "thing":
+            first.setdefault(word, prompt[start:end])
     return marked_text(prompt, marks)
 
 

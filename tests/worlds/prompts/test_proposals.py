@@ -44,6 +44,13 @@ def test_in_other_languages_numbers_negations_and_order_are_typed(text: str, quo
     assert (quote, kind) in quoted(text)
 
 
+def test_a_noun_behind_the_is_proposed_as_the_thing_that_was_named_before() -> None:
+    marked = proposal_text("A vase stands on a table. The vase falls, and a cup falls on the table.")
+    assert "The [vase](thing same_as=vase) [falls](event)" in marked
+    assert marked.endswith("on the [table](thing same_as=table).")
+    assert "same_as" not in proposal_text("A ball hits a ball, and the cup falls.")
+
+
 @pytest.mark.parametrize(
     ("text", "verb", "kind"),
     [

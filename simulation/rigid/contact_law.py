@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from .crumbling import scale_rows
+from .impact_sequence import Blow, ImpactSequence
 from .impacts import Impact, calm
 from .sides import sides_of
 
@@ -108,6 +109,8 @@ class ContactLaw:
         self.count = int(colliders.max(initial=0)) + 1
         # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
         self._passes = 0 if model.nflex else SLIP_PASSES
+        self._sequence = None if model.nflex or kin is not None else ImpactSequence(model)
+        self._blow: Blow | None = None
         table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
         self._keys = np.array([k for k, _ in table], dtype=np.int64)
         self._values = np.array([e for _, e in table])
@@ -130,7 +133,7 @@ class ContactLaw:
             dt: time step [s].
             slowest: closing speed from which on a contact bounces [m/s].
         """
-        self._weak, self._found, self._impact = None, False, None
+        self._weak, self._found, self._impact, self._blow = None, False, None, None
         if not data.ncon or not data.nefc:
             return
         contact = data.contact
@@ -142,6 +145,13 @@ class ContactLaw:
                 return
         speed = data.efc_vel[rows]
         hit = speed < -slowest
+        if self._sequence is not None and hit.any():
+            own = self.restitution_of(sides_of(self.model, contact))
+            self._blow = self._sequence.resolve(data, slowest, own)
+            if self._blow is not None:
+                self._follow(data, rows, contact.friction[live], contact.dim[live], dt)
+                return
+            hit[:] = False
         kin = self.kin
         weak = None if kin is None else kin.crumbling(data, contact.geom[live], contact.pos[live], rows, dt)
         self._weak = weak
@@ -157,10 +167,32 @@ class ContactLaw:
             else:
                 kin.recall(data, weak)
 
+    def _follow(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], dt: float) -> None:
+        """Write what contacts are solved for after the impacts of the step."""
+        blow, sequence = self._blow, self._sequence
+        if blow is None or sequence is None:
+            return
+        change = blow.change[rows]
+        after = data.efc_vel[rows] + change
+        softened = data.efc_aref - data.efc_KBIP[:, 1] * blow.change
+        asked = softened[rows] - self._lift(rows, friction, sizes, softened)
+        opening = (after > 0.0) & (change != 0.0)
+        asked[opening] = np.minimum(asked[opening], -after[opening] / dt)
+        sequence.begin(blow, data, dt)
+        data.efc_aref[rows] = asked + change / dt
+
+    def end(self, data: Any, dt: float) -> None:
+        """Forget the impacts of the step after its integration: what follows goes on from the forces that last."""
+        if self._blow is not None:
+            data.qacc_warmstart[:] -= self._blow.gained / dt
+            self._blow = None
+
     def solve(self, data: Any) -> None:
         """Find the forces of this step, unless they are found already, and note from what the next one goes on."""
         if not self._found:
             self._forward(data)
+            if self._blow is not None and self._sequence is not None:
+                self._sequence.settle(self._blow, data, self.model.opt.timestep)
             if self._impact is not None and self._impact.lift is not None:
                 calm(self._impact, data, self.model, self._try)
         if self.kin is not None and self._weak is not None:

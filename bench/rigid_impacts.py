@@ -130,6 +130,16 @@ def random_scene(seed: int) -> WorldSpec:
     )
 
 
+def _lowest(spec: WorldSpec) -> float:
+    """Least potential energy of what hangs on hinges [J]; infinite where nothing does."""
+    total = 0.0
+    for joint in spec.simulation.joints.values():
+        entity = spec.entities[joint.child]
+        arm = np.subtract(entity.pose.position, joint.anchor)
+        total += (entity.physics.mass or 0.0) * GRAVITY * (joint.anchor[2] - float(np.linalg.norm(arm)))
+    return total if spec.simulation.joints else float("inf")
+
+
 def gained(spec: WorldSpec) -> tuple[float, float]:
     """Largest rise of the energy of a scene over what it was at any time before, and what is left at the end, in parts of the first.
 
@@ -137,7 +147,7 @@ def gained(spec: WorldSpec) -> tuple[float, float]:
     """
     solver = SolverRigid(spec, {n: build_entity(spec, n, Path()) for n in spec.entities}, "main")
     solver.prepare()
-    energies, lowest = [], np.inf
+    energies, lowest = [], _lowest(spec)
     for frame in range(spec.simulation.frames):
         if frame:
             solver.advance(frame)

@@ -46,6 +46,9 @@ JOINT_STEPS = 4.0
 """Natural period / 2 pi of welds, connections and limits, in steps; they are critically damped."""
 DAMPING_STEPS = 4.0
 """Time constant of contact damping and of sticking friction, in steps."""
+OPENING = 0.5
+"""The same rate of damping for contacts that open, in parts of 1 / dt. What is pushed out of a skin leaves it with up to 38 / s times
+its depth then; with the damping of the others it would be 65 / s."""
 HARDER = 0.01
 """Softness of closing contacts, in parts of that of others. How softly MuJoCo meets a reference depends on the estimated,
 not the true inertia that a contact sees; that would add up to (1 - d) (1 + e) to the restitution. Not in tight faces of a broken body."""
@@ -145,13 +148,11 @@ class ContactLaw:
                 return
         speed = data.efc_vel[rows]
         hit = speed < -slowest
-        if self._sequence is not None and hit.any():
-            own = self.restitution_of(sides_of(self.model, contact))
-            self._blow = self._sequence.resolve(data, slowest, own)
-            if self._blow is not None:
-                self._follow(data, rows, contact.friction[live], contact.dim[live], dt)
-                return
-            hit[:] = False
+        if self._sequence is not None:
+            if hit.any():
+                self._blow = self._sequence.resolve(data, slowest, self.restitution_of(sides_of(self.model, contact)))
+            self._last(data, rows, contact.friction[live], contact.dim[live], dt)
+            return
         kin = self.kin
         weak = None if kin is None else kin.crumbling(data, contact.geom[live], contact.pos[live], rows, dt)
         self._weak = weak
@@ -167,19 +168,21 @@ class ContactLaw:
             else:
                 kin.recall(data, weak)
 
-    def _follow(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], dt: float) -> None:
-        """Write what contacts are solved for after the impacts of the step."""
-        blow, sequence = self._blow, self._sequence
-        if blow is None or sequence is None:
-            return
-        change = blow.change[rows]
-        after = data.efc_vel[rows] + change
-        softened = data.efc_aref - data.efc_KBIP[:, 1] * blow.change
-        asked = softened[rows] - self._lift(rows, friction, sizes, softened)
-        opening = (after > 0.0) & (change != 0.0)
-        asked[opening] = np.minimum(asked[opening], -after[opening] / dt)
-        sequence.begin(blow, data, dt)
-        data.efc_aref[rows] = asked + change / dt
+    def _last(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], dt: float) -> None:
+        """Write what contacts are solved for that last, or that the impacts of the step leave."""
+        blow, damping, speed = self._blow, data.efc_KBIP[rows, 1], data.efc_vel[rows]
+        asked = data.efc_aref if blow is None else data.efc_aref - data.efc_KBIP[:, 1] * blow.change
+        wanted = asked[rows] - self._lasting_lift(data, rows, friction, sizes, asked)
+        speed = speed if blow is None else speed + blow.change[rows]
+        opens = speed > 0.0
+        wanted[opens] -= (speed * (OPENING / dt - damping))[opens]
+        if blow is not None and self._sequence is not None:
+            # What the impacts moved stops closing within the step, and opens as they left it.
+            moved = blow.change[rows] != 0.0
+            stopped = np.where(opens, np.minimum(wanted, -speed / dt), wanted - speed * (1.0 / dt - damping))
+            wanted = np.where(moved, stopped, wanted) + blow.change[rows] / dt
+            self._sequence.begin(blow, data, dt)
+        data.efc_aref[rows] = wanted
 
     def end(self, data: Any, dt: float) -> None:
         """Forget the impacts of the step after its integration: what follows goes on from the forces that last."""
@@ -288,6 +291,16 @@ class ContactLaw:
         struck = np.zeros(data.nisland, dtype=bool)
         struck[data.efc_island[hit]] = True
         return np.asarray(struck[data.efc_island[rows]])
+
+    def _lasting_lift(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], asked: F64) -> F64:
+        """The lift of what lasts [m/s^2], by the accelerations of the step before.
+
+        The error falls as in the passes of a step. Without the accelerations what slides would sink by mu^2 g (N dt)^2, up to 0.2 mm, and be
+        pushed up again when it stops.
+        """
+        before = np.zeros(data.nefc)
+        self.mj.mj_mulJacVec(self.model, data, before, data.qacc_warmstart)
+        return self._lift(rows, friction, sizes, asked - before)
 
     def _lift(self, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], tangential: F64) -> F64:
         """Friction coefficient times slip / dt [m/s^2] of contacts at `rows`, from accelerations per constraint row."""

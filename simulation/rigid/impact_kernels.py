@@ -13,6 +13,8 @@ SWEEPS = 300
 """Most sweeps over the contacts of an impact."""
 TURNS = 60
 """Most iterations for the direction in which one contact slides."""
+RIGID = 1e-9
+"""Least mobility of a contact along any axis, in parts of its largest."""
 FINE = 1e-11
 """Change of a speed in a sweep, in parts of the fastest closing speed, that ends the sweeps."""
 
@@ -319,6 +321,12 @@ def _build(c, rows, sizes, trees, adr, num, low, lows, model, jacobian, jac, ans
             for d in range(n):
                 total += jac[c, s, d] * ans[c, k, d]
             blocks[c, s, k] = total
+    # A joint may leave a direction no way to give; the sweeps end at the same impulses whatever is added here.
+    most = 0.0
+    for s in range(sizes[c]):
+        most = max(most, blocks[c, s, s])
+    for s in range(sizes[c]):
+        blocks[c, s, s] += RIGID * most
 
 
 @njit(cache=True, nogil=True)

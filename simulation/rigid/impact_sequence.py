@@ -84,7 +84,11 @@ class ImpactSequence:
         sides = np.append(model.geom_bodyid, 0)[contact.geom[live]]
         trees = np.sort(model.body_treeid[sides], axis=1)[:, ::-1]
         impulse, told = np.zeros(data.nefc), np.zeros((TOLD, 4))
-        after, written = data.qvel.copy(), 0
+        # Speeds are those half a step ago: half of the step's other forces have acted by now.
+        half = 0.5 * model.opt.timestep
+        before = data.qvel + half * data.qacc_warmstart
+        self.mj.mj_mulJacVec(model, data, speeds := np.zeros(data.nefc), before)
+        after, written = before.copy(), 0
         held = np.zeros(model.ntree, dtype=bool)
         held[model.body_treeid[(model.body_invweight0[:, 0] == 0.0) & (model.body_treeid >= 0)]] = True
         inertia = (data.M, model.M_rownnz, model.M_rowadr, model.M_colind)
@@ -108,7 +112,7 @@ class ImpactSequence:
                 friction,
                 bounce,
                 np.concatenate([trees[mine], their]).astype(np.int64),
-                data.efc_vel[rows],
+                speeds[rows],
                 ~held,
                 model.tree_dofadr.astype(np.int64),
                 model.tree_dofnum.astype(np.int64),
@@ -125,9 +129,9 @@ class ImpactSequence:
         if not impulse.any():
             return None
         change, push = np.zeros(data.nefc), np.zeros(model.nv)
-        self.mj.mj_mulJacVec(model, data, change, after - data.qvel)
+        self.mj.mj_mulJacVec(model, data, change, after - before)
         self.mj.mj_mulJacTVec(model, data, push, impulse)
-        return Blow(impulse, change, push, after - data.qvel, told[:written].copy())
+        return Blow(impulse, change, push, after - before, told[:written].copy())
 
     def _trees_of(self, data: Any, rows: NDArray[np.int64]) -> NDArray[np.int64]:
         """The one or two trees that each of these rows acts on, shape (n, 2); -1 where there are none, or more than two."""

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from .contact_points import ContactPoints
 from .crumbling import scale_rows
 from .impact_sequence import Blow, ImpactSequence
 from .impacts import Impact, calm
@@ -114,6 +115,7 @@ class ContactLaw:
         self._passes = 0 if model.nflex else SLIP_PASSES
         self._sequence = None if model.nflex or kin is not None else ImpactSequence(model)
         self._blow: Blow | None = None
+        self.points = ContactPoints(model)
         table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
         self._keys = np.array([k for k, _ in table], dtype=np.int64)
         self._values = np.array([e for _, e in table])

@@ -188,6 +188,7 @@ class Stepper:
             for field in fields:
                 field.apply(data, start + k * dt, dt, held)
             gyration(data, dt)
+            self.rigid.law.points.apply(data)
             if breaks:
                 stop_slides(self.rigid.law, data, dt, slowest)
             contact_law(data, dt, slowest)

@@ -114,7 +114,7 @@ class ContactLaw:
         # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
         self._passes = 0 if model.nflex else SLIP_PASSES
         self._sequence = None if model.nflex or kin is not None else ImpactSequence(model)
-        self._blow: Blow | None = None
+        self.blow: Blow | None = None
         self.points = ContactPoints(model)
         table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
         self._keys = np.array([k for k, _ in table], dtype=np.int64)
@@ -138,7 +138,7 @@ class ContactLaw:
             dt: time step [s].
             slowest: closing speed from which on a contact bounces [m/s].
         """
-        self._weak, self._found, self._impact, self._blow = None, False, None, None
+        self._weak, self._found, self._impact, self.blow = None, False, None, None
         if not data.ncon or not data.nefc:
             return
         contact = data.contact
@@ -152,7 +152,7 @@ class ContactLaw:
         hit = speed < -slowest
         if self._sequence is not None:
             if hit.any():
-                self._blow = self._sequence.resolve(data, slowest, self.restitution_of(sides_of(self.model, contact)))
+                self.blow = self._sequence.resolve(data, slowest, self.restitution_of(sides_of(self.model, contact)))
             self._last(data, rows, contact.friction[live], contact.dim[live], dt)
             return
         kin = self.kin
@@ -172,7 +172,7 @@ class ContactLaw:
 
     def _last(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], dt: float) -> None:
         """Write what contacts are solved for that last, or that the impacts of the step leave."""
-        blow, damping, speed = self._blow, data.efc_KBIP[rows, 1], data.efc_vel[rows]
+        blow, damping, speed = self.blow, data.efc_KBIP[rows, 1], data.efc_vel[rows]
         asked = data.efc_aref if blow is None else data.efc_aref - data.efc_KBIP[:, 1] * blow.change
         wanted = asked[rows] - self._lasting_lift(data, rows, friction, sizes, asked)
         speed = speed if blow is None else speed + blow.change[rows]
@@ -188,16 +188,16 @@ class ContactLaw:
 
     def end(self, data: Any, dt: float) -> None:
         """Forget the impacts of the step after its integration: what follows goes on from the forces that last."""
-        if self._blow is not None:
-            data.qacc_warmstart[:] -= self._blow.gained / dt
-            self._blow = None
+        if self.blow is not None:
+            data.qacc_warmstart[:] -= self.blow.gained / dt
+            self.blow = None
 
     def solve(self, data: Any) -> None:
         """Find the forces of this step, unless they are found already, and note from what the next one goes on."""
         if not self._found:
             self._forward(data)
-            if self._blow is not None and self._sequence is not None:
-                self._sequence.settle(self._blow, data, self.model.opt.timestep)
+            if self.blow is not None and self._sequence is not None:
+                self._sequence.settle(self.blow, data, self.model.opt.timestep)
             if self._impact is not None and self._impact.lift is not None:
                 calm(self._impact, data, self.model, self._try)
         if self.kin is not None and self._weak is not None:

@@ -279,7 +279,7 @@ def resolve(
         slowest: closing speed from which on a contact is an impact [m/s].
         passes: most impacts one after another; what closes then stops, all at once.
         impulse: per row of all constraints [N s], written in place.
-        told: per impact of a contact: its number, closing speed, speed after, normal impulse; shape (most, 4).
+        told: per impact of a contact: its number, which impact of the step it is of, and its impulse along its axes; shape (most, 5).
     """
     count, widest = len(rows), 1
     for c in range(count):
@@ -320,17 +320,17 @@ def resolve(
                 chosen[number] = c
                 number += 1
         active = chosen[:number]
-        before = given[:, 0].copy()
+        before = given.copy()
         share = np.zeros(count) if last else bounce
         _strike(active, kind, sizes, friction, share, jac, ans, blocks, dofs, spans, v, kept, fast, given)
         for c in range(count):
             if not near[c]:
                 continue
-            was = closing[c]
             closing[c] = _speed(jac[c, 0], spans[c], dofs[c], v)
-            if kind[c] == CONTACT and given[c, 0] > before[c] and written < len(told):
-                told[written, 0], told[written, 1] = c, -was
-                told[written, 2], told[written, 3] = closing[c], given[c, 0] - before[c]
+            if kind[c] == CONTACT and given[c, 0] > before[c, 0] and written < len(told):
+                told[written, 0], told[written, 1] = c, done
+                for s in range(min(3, sizes[c])):
+                    told[written, 2 + s] = given[c, s] - before[c, s]
                 written += 1
         done += 1
     for c in range(count):

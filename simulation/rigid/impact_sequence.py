@@ -47,7 +47,8 @@ class Blow(NamedTuple):
     gained: F64
     """Change of the generalized velocity, shape (nv,)."""
     told: F64
-    """Per impact of a contact, in order: its number, closing speed, speed after, normal impulse, shape (k, 4)."""
+    """Per impact of a contact, in order: its number, the turn of the step it is of, and its impulse along the axes of the contact [N s],
+    shape (k, 5)."""
 
 
 class ImpactSequence:
@@ -83,7 +84,7 @@ class ImpactSequence:
         others = np.flatnonzero((data.efc_type == int(kinds.mjCNSTR_EQUALITY)) | (data.efc_type == int(kinds.mjCNSTR_LIMIT_JOINT)))
         sides = np.append(model.geom_bodyid, 0)[contact.geom[live]]
         trees = np.sort(model.body_treeid[sides], axis=1)[:, ::-1]
-        impulse, told = np.zeros(data.nefc), np.zeros((TOLD, 4))
+        impulse, told = np.zeros(data.nefc), np.zeros((TOLD, 5))
         # Speeds are those half a step ago: half of the step's other forces have acted by now.
         half = 0.5 * model.opt.timestep
         before = data.qvel + half * data.qacc_warmstart

@@ -29,6 +29,7 @@ from .impacts import impact_energy
 from .joints import joints
 from .links import owners
 from .questions import CATEGORY
+from .rebounds import rebounds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -192,6 +193,7 @@ FUNCTIONS: Mapping[str, Function] = {
     "category:rigid:contacts": by_books(contacts),
     "category:rigid:friction": by_books(friction),
     "category:rigid:restitution": by_books(restitution),
+    "category:rigid:rebounds": by_books(rebounds),
     "category:rigid:impact_energy": by_books(impact_energy),
     "category:rigid:fields": by_books(fields),
 }

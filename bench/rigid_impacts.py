@@ -176,7 +176,9 @@ def run(count: int = SCENES) -> dict[str, Any]:
         "scenes": count,
         "largest_gain_over_first": max(f[0] for f in found),
         "largest_gain_over_any_before": max(f[1] for f in found),
-        "worst": {k: {"over_first": max(own)[0], "over_any_before": max(f[1] for f in own)} for k, own in per_kind.items() if own},
+        "worst": {
+            k: {"over_first": max(own)[0], "over_any_before": max(f[1] for f in own)} for k, own in per_kind.items() if own
+        },
         "over_1e-3_of_any_before": [f[2] for f in found if f[1] > NOTABLE],
         "cpu_s": round(time.process_time() - begin, 1),
     }

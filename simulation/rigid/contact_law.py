@@ -47,9 +47,9 @@ JOINT_STEPS = 4.0
 """Natural period / 2 pi of welds, connections and limits, in steps; they are critically damped."""
 DAMPING_STEPS = 4.0
 """Time constant of contact damping and of sticking friction, in steps."""
-OPENING = 0.5
-"""The same rate of damping for contacts that open, in parts of 1 / dt. What is pushed out of a skin leaves it with up to 38 / s times
-its depth then; with the damping of the others it would be 65 / s."""
+PUSHED_OUT = 60.0
+"""[m/s^2] What opens already is pushed out of a skin until it has this times the step as speed, 3 cm/s at half a millisecond: depth of a fast
+impact would come back as twice that. It is what bears a body 200 times heavier (`SOFTEST` of `model.py`), so that nothing sinks for it."""
 HARDER = 0.01
 """Softness of closing contacts, in parts of that of others. How softly MuJoCo meets a reference depends on the estimated,
 not the true inertia that a contact sees; that would add up to (1 - d) (1 + e) to the restitution. Not in tight faces of a broken body."""
@@ -174,17 +174,17 @@ class ContactLaw:
         """Write what contacts are solved for that last, or that the impacts of the step leave."""
         blow, damping, speed = self.blow, data.efc_KBIP[rows, 1], data.efc_vel[rows]
         asked = data.efc_aref if blow is None else data.efc_aref - data.efc_KBIP[:, 1] * blow.change
-        wanted = asked[rows] - self._lasting_lift(data, rows, friction, sizes, asked)
+        lift = self._lasting_lift(data, rows, friction, sizes, asked)
         speed = speed if blow is None else speed + blow.change[rows]
         opens = speed > 0.0
-        wanted[opens] -= (speed * (OPENING / dt - damping))[opens]
+        wanted = np.where(opens, np.minimum(asked[rows], PUSHED_OUT - speed / dt), asked[rows])
         if blow is not None and self._sequence is not None:
             # What the impacts moved stops closing within the step, and opens as they left it.
             moved = blow.change[rows] != 0.0
             stopped = np.where(opens, np.minimum(wanted, -speed / dt), wanted - speed * (1.0 / dt - damping))
             wanted = np.where(moved, stopped, wanted) + blow.change[rows] / dt
             self._sequence.begin(blow, data, dt)
-        data.efc_aref[rows] = wanted
+        data.efc_aref[rows] = wanted - lift
 
     def end(self, data: Any, dt: float) -> None:
         """Forget the impacts of the step after its integration: what follows goes on from the forces that last."""

@@ -51,7 +51,9 @@ class ContactPoints:
             return
         from .point_kernels import move_points
 
-        columns = (self._none, self._none, self._none) if self._dense else (data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind)
+        columns = (
+            (self._none, self._none, self._none) if self._dense else (data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind)
+        )
         points = contact.pos.copy()
         move_points(
             which,

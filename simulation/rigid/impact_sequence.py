@@ -81,7 +81,9 @@ class ImpactSequence:
         hit = data.efc_vel[first] < -slowest
         island = data.efc_island if data.nisland else np.zeros(data.nefc, dtype=np.int32)
         kinds = self.mj.mjtConstraint
-        others = np.flatnonzero((data.efc_type == int(kinds.mjCNSTR_EQUALITY)) | (data.efc_type == int(kinds.mjCNSTR_LIMIT_JOINT)))
+        others = np.flatnonzero(
+            (data.efc_type == int(kinds.mjCNSTR_EQUALITY)) | (data.efc_type == int(kinds.mjCNSTR_LIMIT_JOINT))
+        )
         sides = np.append(model.geom_bodyid, 0)[contact.geom[live]]
         trees = np.sort(model.body_treeid[sides], axis=1)[:, ::-1]
         impulse, told = np.zeros(data.nefc), np.zeros((TOLD, 5))
@@ -93,7 +95,9 @@ class ImpactSequence:
         held = np.zeros(model.ntree, dtype=bool)
         held[model.body_treeid[(model.body_invweight0[:, 0] == 0.0) & (model.body_treeid >= 0)]] = True
         inertia = (data.M, model.M_rownnz, model.M_rowadr, model.M_colind)
-        columns = (self._none, self._none, self._none) if self._dense else (data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind)
+        columns = (
+            (self._none, self._none, self._none) if self._dense else (data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind)
+        )
         jacobian = (data.efc_J, *columns, model.nv)
         for which in np.unique(island[first[hit]]).tolist():
             mine = np.flatnonzero(island[first] == which)
@@ -147,7 +151,6 @@ class ImpactSequence:
             if 0 < len(own) <= 2:
                 found[i, : len(own)] = own
         return found
-
 
     def begin(self, blow: Blow, data: Any, dt: float) -> None:
         """Write what the step is solved for after its impacts: references at the speeds that they leave, their push beside other forces."""

@@ -91,7 +91,14 @@ def _rack(number: int) -> WorldSpec:
     return _make({"floor": ground(), **made}, e, friction=0.2)
 
 
-KINDS = {"rack": _rack, "cradle": _cradle, "bouncing": _bouncing, "edge": _on_an_edge, "landing": _landing, "spring": _on_a_spring}
+KINDS = {
+    "rack": _rack,
+    "cradle": _cradle,
+    "bouncing": _bouncing,
+    "edge": _on_an_edge,
+    "landing": _landing,
+    "spring": _on_a_spring,
+}
 VARIANTS = 8
 
 
@@ -183,13 +190,14 @@ def less_inside(folder: Path, magnitude: float, rng: np.random.Generator) -> Wor
 
 
 def untold(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
-    """One impact of a rack or a cradle is missing from the log."""
+    """The strongest impact of a rack or a cradle is missing from the log."""
     del magnitude
     film = (cradle, rack)[int(rng.integers(2))](int(rng.integers(VARIANTS)))
     k = next(k for k in range(1, film.count) if len(film.frames[k]["impact/time"]))
     data = film.frames[k]
+    strongest = int(np.argmax(np.linalg.norm(data["impact/vector"], axis=1)))
     for name in [n for n in data if n.startswith("impact/")]:
-        data[name] = data[name][1:]
+        data[name] = np.delete(data[name], strongest, axis=0)
     return _judged(film, folder)
 
 

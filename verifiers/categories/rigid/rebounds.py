@@ -10,9 +10,10 @@ speed has an impact.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 from ...ledgers.balance import Books
@@ -125,7 +126,8 @@ def _frame(books: Books, k: int) -> list[_Rebound]:
     found: list[tuple[_Rebound, tuple[_Side, _Side], F64]] = []
     order = np.lexsort((log["impact/turn"], log["impact/time"]))
     turns = np.flatnonzero(
-        np.diff(log["impact/time"][order], prepend=-1.0).astype(bool) | np.diff(log["impact/turn"][order], prepend=-1).astype(bool)
+        np.diff(log["impact/time"][order], prepend=-1.0).astype(bool)
+        | np.diff(log["impact/turn"][order], prepend=-1).astype(bool)
     )
     for group in np.split(order, turns[1:]) if len(order) else []:
         balls.fly(float(log["impact/time"][group[0]]))
@@ -147,7 +149,7 @@ def _frame(books: Books, k: int) -> list[_Rebound]:
     balls.fly(float(books.times[k]))
     left = books.velocities[k] - balls.speed
     judged = (_weighed(*one, left) for one in found)
-    return [r for r in judged if r is not None] + _untold(books, k, pairs)
+    return [r for r in judged if r is not None] + _untold(books, k, log)
 
 
 def _slowest(books: Books) -> float:
@@ -179,14 +181,37 @@ def _weighed(rebound: _Rebound, sides: tuple[_Side, _Side], normal: F64, left: F
     return rebound._replace(deviation=max(least - high, (low - most) if rebound.alone else 0.0, 0.0))
 
 
-def _untold(books: Books, k: int, told: list[list[int]]) -> list[_Rebound]:
-    """Contacts of balls that begin in the frame at speed, and of which no impact is told."""
-    log, found = books.ragged("event/pair", "event/speed")[k], []
-    names, known = books.cache.index.colliders, {tuple(p) for p in told}
-    for (a, b), speed in zip(log["event/pair"].tolist(), log["event/speed"].tolist(), strict=True):
+def _untold(books: Books, k: int, log: dict[str, NDArray[Any]]) -> list[_Rebound]:
+    """Contacts of balls that begin in the frame at speed, or push in one step as only an impact does, and of which no impact is told."""
+    events, names = books.ragged("event/pair", "event/speed")[k], books.cache.index.colliders
+    pairs, slowest = [tuple(p) for p in log["impact/pair"].tolist()], _slowest(books)
+    suspects = {
+        (a, b): speed
+        for (a, b), speed in zip(events["event/pair"].tolist(), events["event/speed"].tolist(), strict=True)
+        if speed >= slowest and (a, b) not in set(pairs)
+    }
+    if pairs:
+        struck, step = {c for p in pairs for c in p if names[c] in books.row}, float(books.record("step")[k])
+        told: dict[tuple[int, ...], dict[float, float]] = {}
+        for pair, time, given in zip(pairs, log["impact/time"].tolist(), _along(log), strict=True):
+            steps = told.setdefault(pair, {})
+            steps[time] = steps.get(time, 0.0) + given
+        forces = books.cache.ragged("contact/pair", "contact/max_force")[k]
+        for (a, b), force in zip(forces["contact/pair"].tolist(), forces["contact/max_force"].tolist(), strict=True):
+            light = sum(1.0 / books.mass[books.row[names[c]]] for c in (a, b) if names[c] in books.row)
+            speed = light * (force * step - max(told.get((a, b), {0.0: 0.0}).values()))
+            if {a, b} & struck and speed > slowest:
+                suspects.setdefault((a, b), speed)
+    found = []
+    for (a, b), speed in suspects.items():
         sides = _side(books, k, a), _side(books, k, b)
-        if speed < _slowest(books) or (a, b) in known or not all(s.known for s in sides) or all(s.row < 0 for s in sides):
-            continue
-        declared = declared_restitution(books, names[a], names[b])
-        found.append(_Rebound(k, (names[a], names[b]), speed, np.nan, declared, alone=True, deviation=UNTOLD))
+        if all(s.known for s in sides) and any(s.row >= 0 for s in sides):
+            declared = declared_restitution(books, names[a], names[b])
+            found.append(_Rebound(k, (names[a], names[b]), speed, np.nan, declared, alone=True, deviation=UNTOLD))
     return found
+
+
+def _along(log: dict[str, NDArray[Any]]) -> list[float]:
+    """Normal impulses of the impacts told [N s]."""
+    given: list[float] = np.einsum("ni,ni->n", log["impact/normal"], log["impact/vector"]).tolist()
+    return given

@@ -17,7 +17,7 @@ import numpy as np
 from ..construction import build_entity
 from ..simulation.rigid import SolverRigid
 from ..worlds.arrays import F64
-from ..worlds.spec import WorldSpec
+from ..worlds.spec import HingeJoint, RigidPhysics, WorldSpec
 
 __all__ = ["KINDS", "SCENES", "gained", "random_scene", "run"]
 
@@ -107,7 +107,8 @@ def _cradle(random: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any]
 def random_scene(seed: int) -> WorldSpec:
     """One scene; its kind follows from the seed."""
     random = np.random.default_rng(seed)
-    kind, joints = KINDS[seed % len(KINDS)], {}
+    kind = KINDS[seed % len(KINDS)]
+    joints: dict[str, Any] = {}
     if kind == "cradle":
         made, joints = _cradle(random)
     else:
@@ -135,11 +136,13 @@ def random_scene(seed: int) -> WorldSpec:
 def _lowest(spec: WorldSpec) -> float:
     """Least potential energy of what hangs on hinges [J]; infinite where nothing does."""
     total = 0.0
-    for joint in spec.simulation.joints.values():
-        entity = spec.entities[joint.child]
-        arm = np.subtract(entity.pose.position, joint.anchor)
-        total += (entity.physics.mass or 0.0) * GRAVITY * (joint.anchor[2] - float(np.linalg.norm(arm)))
-    return total if spec.simulation.joints else float("inf")
+    hinges = [j for j in spec.simulation.joints.values() if isinstance(j, HingeJoint)]
+    for hinge in hinges:
+        entity = spec.entities[hinge.child]
+        mass = entity.physics.mass if isinstance(entity.physics, RigidPhysics) else None
+        arm = np.subtract(entity.pose.position, hinge.anchor)
+        total += (mass or 0.0) * GRAVITY * (hinge.anchor[2] - float(np.linalg.norm(arm)))
+    return total if hinges else float("inf")
 
 
 def gained(spec: WorldSpec) -> tuple[float, float, float]:

@@ -20,7 +20,7 @@ def _slide(block, mu, free, normal, fixed, result):
     length = np.hypot(free[1], free[2])
     sx, sy = (free[1] / length, free[2] / length) if length > 0.0 else (1.0, 0.0)
     p = normal
-    for turn in range(TURNS):
+    for _ in range(TURNS):
         if not fixed:
             stiff = block[0, 0] - mu * (block[0, 1] * sx + block[0, 2] * sy)
             p = -free[0] / stiff if stiff > 1e-3 * block[0, 0] else -free[0] / (1e-3 * block[0, 0])

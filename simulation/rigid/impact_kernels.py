@@ -103,7 +103,7 @@ def _push(answer, count, dofs, v, amount):
 def _sweep(active, kind, sizes, friction, jac, ans, blocks, dofs, spans, v, kept, p, normal, pressing, fast):
     """Go over the active constraints until none changes: those of the first phase, or friction alone under `normal`."""
     free, found = np.zeros(6), np.zeros(3)
-    for sweep in range(SWEEPS):
+    for _ in range(SWEEPS):
         worst = 0.0
         for c in active:
             n = spans[c]

@@ -1,6 +1,6 @@
 """Rigid bodies (R103, R104). The paper names records for them but no check (S11); ours are the questions of `questions.py`, per instance.
 
-Laws of motion on the instance's ledgers (`ledgers/balance.py`) are in `laws.py`, of contact in `contacts.py`, `bounces.py` and `impacts.py`;
+Laws of motion on the instance's ledgers (`ledgers/balance.py`) are in `laws.py`, of contact in `contacts.py`, `bounces.py`, `rebounds.py` and `impacts.py`;
 `books.py` holds the records against the ledgers. Friction and restitution are judged where frames decide them: a body that slides straight
 for a whole frame, a ball that hits once in one. Elsewhere impulses bound them, and what returns more than it got shows in the energy.
 """

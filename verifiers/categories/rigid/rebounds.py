@@ -19,19 +19,12 @@ from ....worlds.arrays import F64
 from ...ledgers.balance import Books
 from ...rows.findings import Finding
 from .bounces import ball_radius, declared_restitution
-from .bounds import BOUNCE, SLOW_BOUNCE
+from .bounds import ASKEW, BOUNCE, DECIDED, SLOW_BOUNCE, UNTOLD
 from .contacts import moves
 from .corrections import compare_materials
 from .rows import Law
 
 __all__ = ["rebounds"]
-
-ASKEW = 0.9
-"""[1] Own choice: cosine of the angle between a normal and the line of two centres; a step's travel turns it by less."""
-DECIDED = 0.5
-"""[1] Own choice: part of the closing speed that may have come from something else, for the impact to be judged."""
-UNTOLD = 1.0
-"""[1] Deviation of what is not told, or along another normal: all of a restitution."""
 
 
 class _Rebound(NamedTuple):

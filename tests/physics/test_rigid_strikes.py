@@ -155,7 +155,7 @@ def test_a_small_wheel_on_its_side_rolls_down_a_slope_as_its_own_radius_says():
     normal = np.array([math.sin(angle), 0, math.cos(angle)])
     slab = box(30, 4, 1, at=-0.5 * normal, euler=(0, angle, 0), motion="static")
     wheel = entity(
-        {"kind": "cylinder", "radius": radius, "height": 0.04}, at=(radius + 0.001) * normal, euler=(math.pi / 2, 0, 0)
+        {"kind": "cylinder", "radius": radius, "height": 0.04}, at=tuple((radius + 0.001) * normal), euler=(math.pi / 2, 0, 0)
     )
     run = Run(world({"slab": slab, "s": wheel}, friction=0.8, fps=48))
     speed, late = np.linalg.norm(run.of("s", "velocity"), axis=1), run.time > 0.25

@@ -31,8 +31,8 @@ __all__ = ["PASSES", "Blow", "ImpactSequence"]
 
 PASSES = 200
 """Most impacts one after another in a step; what closes then stops at once. A ball between two far heavier ones takes that many."""
-TOLD = 1000
-"""Most impacts of single contacts that are told of one step."""
+TOLD = 50
+"""Most impacts of single contacts that are told of one step, per contact."""
 
 
 class Blow(NamedTuple):
@@ -63,6 +63,7 @@ class ImpactSequence:
 
         self.mj, self.model = mujoco, model
         self._dense = not mujoco.mj_isSparse(model)
+        self._applied = np.zeros(model.nv)
         self._none = np.zeros(0, dtype=np.int32)
 
     def resolve(self, data: Any, slowest: float, restitution: F64) -> Blow | None:
@@ -86,7 +87,7 @@ class ImpactSequence:
         )
         sides = np.append(model.geom_bodyid, 0)[contact.geom[live]]
         trees = np.sort(model.body_treeid[sides], axis=1)[:, ::-1]
-        impulse, told = np.zeros(data.nefc), np.zeros((TOLD, 5))
+        impulse, told = np.zeros(data.nefc), np.zeros((TOLD * len(live), 5))
         # Speeds are those half a step ago: half of the step's other forces have acted by now.
         half = 0.5 * model.opt.timestep
         before = data.qvel + half * data.qacc_warmstart
@@ -155,12 +156,13 @@ class ImpactSequence:
     def begin(self, blow: Blow, data: Any, dt: float) -> None:
         """Write what the step is solved for after its impacts: references at the speeds that they leave, their push beside other forces."""
         data.efc_aref[:] += blow.change * (1.0 / dt - data.efc_KBIP[:, 1])
+        self._applied = data.qfrc_applied.copy()
         data.qfrc_applied[:] += blow.push / dt
         data.qacc_warmstart[:] += blow.gained / dt
 
     def settle(self, blow: Blow, data: Any, dt: float) -> None:
         """Count the impacts among the forces of contacts, once those of the step are found."""
-        data.qfrc_applied[:] -= blow.push / dt
+        data.qfrc_applied[:] = self._applied
         data.qfrc_smooth[:] -= blow.push / dt
         data.qfrc_constraint[:] += blow.push / dt
         data.efc_force[:] += blow.impulse / dt

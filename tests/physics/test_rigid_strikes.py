@@ -7,7 +7,7 @@ import pytest
 from worldagent.bench.rigid_impacts import SCENES, gained, random_scene
 from worldagent.tests.physics.rigid_world import G, Run, ball, box, entity, floor, world
 
-SENT = 0.015
+SENT = 0.02
 """[m/s] Of 1 m/s: what balls that touch may keep that should stand still; depth inside a skin comes out as that much speed."""
 APART = 1e-3
 """The same where they do not touch."""

@@ -13,8 +13,9 @@ from ...ledgers.exchanged import CHANNEL, partners
 from ...ledgers.origins import Origin
 from ..judge import Judge, Push, Rupture, Touch
 from ..pushes import MIN_IMPULSE, givers_of, pushes_of, touches_of
+from .apart import given_apart
 from .check import category_rows, numerical_rows
-from .diagnosis import wind_names
+from .diagnosis import sheet_names
 from .frames import cloth_run
 from .links import shares, sheet_impulse
 from .register import cloth_lines
@@ -54,9 +55,12 @@ class ClothJudge(Judge):
         )
 
     def givers(self, candidate: Candidate, entity: str) -> dict[Origin, F64]:
-        """Impulses of solids, what holds its pins included, and of air, where its instance has no other sheet."""
+        """Impulses of solids, what holds its pins included, and of air; of one of several sheets as far as they are certainly its own."""
         for cache in self.caches(candidate).values():
-            if {n.split("/", 1)[0] for n in cache.index.bodies} == {entity}:
+            members = {n.split("/", 1)[0] for n in cache.index.bodies}
+            if entity in members and len(members) > 1:
+                return given_apart(candidate, cache, entity, self.momentum(candidate, entity))
+            if members == {entity}:
                 air = [np.asarray(cache.series(f"record/air_impulse_{axis}"), dtype=np.float64) for axis in "xyz"]
                 blown = np.diff(np.stack(air, axis=1)[: candidate.frame_count], axis=0, prepend=0.0)
                 return givers_of(candidate, cache, CHANNEL, blown)
@@ -118,8 +122,8 @@ class ClothJudge(Judge):
                 yield from touches_of(candidate, cache, matter, cache.index.bodies, others)
 
     def placeholders(self, spec: WorldSpec, entity: str, row: Row) -> dict[str, Any]:
-        """The wind that blows a sheet."""
-        return wind_names(spec, entity)
+        """The wind that blows a sheet, where the row asks for what air brings about; whether pins hold it."""
+        return sheet_names(spec, entity, row)
 
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""

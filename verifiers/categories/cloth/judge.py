@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
+from ....worlds.categories.cloth.facts import pins_of
 from ....worlds.errors import EvidenceError
 from ...ledgers.exchanged import CHANNEL, partners
 from ...ledgers.origins import Origin
 from ..judge import Judge, Push, Rupture, Touch
-from ..pushes import MIN_IMPULSE, givers_of, pushes_of, touches_of
+from ..pushes import MIN_IMPULSE, givers_of, pushes_of, sizes_of, touches_of
 from .apart import given_apart
 from .check import category_rows, numerical_rows
 from .diagnosis import sheet_names
@@ -114,12 +115,23 @@ class ClothJudge(Judge):
             series = [candidate.caches[name].series(f"record/solid_impulse_{axis}")[:frames] for axis in "xyz"]
             gained = np.linalg.norm(np.diff(np.stack(series, axis=1), axis=0, prepend=0.0), axis=1)
             yield Touch(members, None, np.asarray(gained > MIN_IMPULSE))
+            yield from self._soft(candidate, name, members)
         for solver, cache in candidate.rigid_caches.items():
             coupled = partners(candidate.spec, solver)
             matter = frozenset[str]().union(*(sheets[n] for n in coupled if n in sheets))
             if matter and cache.index.bodies:
                 others = [candidate.caches[n] for n in coupled if n not in sheets and n in candidate.caches]
                 yield from touches_of(candidate, cache, matter, cache.index.bodies, others)
+
+    def _soft(self, candidate: Candidate, name: str, members: frozenset[str]) -> Iterator[Touch]:
+        """Sheets against each elastic body that holds none of their pins, by the record of what they gave it."""
+        cache, held = candidate.caches[name], {p.to for m in members for p in pins_of(candidate.spec.entities[m]).values()}
+        owners = [b.split("/", 1)[0] for b in cache.index.colliders]
+        soft = [e for e in dict.fromkeys(owners) if e in candidate.deforming and e not in held]
+        sizes = sizes_of(candidate, cache, cache.index.colliders) if soft else None
+        for entity in soft:
+            if sizes is not None:
+                yield Touch(members, entity, sizes[:, [o == entity for o in owners]].max(axis=1) > MIN_IMPULSE)
 
     def placeholders(self, spec: WorldSpec, entity: str, row: Row) -> dict[str, Any]:
         """The wind that blows a sheet, where the row asks for what air brings about; whether pins hold it."""

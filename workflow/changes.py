@@ -200,7 +200,9 @@ def _relations_of_new(before: WorldSpec, after: WorldSpec) -> set[str]:
     """Pointers of new relations that name an entity which the edit adds: they say how that one stands, and follow from it."""
     old, new = before.graph.relations, after.graph.relations
     added = after.entities.keys() - before.entities.keys()
-    return {f"/graph/relations/{k}" for k, r in new.items() if k not in old and {getattr(r, "a", ""), getattr(r, "b", "")} & added}
+    return {
+        f"/graph/relations/{k}" for k, r in new.items() if k not in old and {getattr(r, "a", ""), getattr(r, "b", "")} & added
+    }
 
 
 def _own(places: Sequence[str], follows: Collection[str]) -> list[str]:

@@ -38,7 +38,8 @@ def turning_in_place(spec: WorldSpec) -> Iterator[Problem]:
                 continue
             size = spec.entities[entity].dimensions.size
             least = max(
-                0.0 if kind == "displacement" else 0.5 * min(size), getattr(atom, "min", None) or 0.0 if field == "entity" else 0.0
+                0.0 if kind == "displacement" else 0.5 * min(size),
+                getattr(atom, "min", None) or 0.0 if field == "entity" else 0.0,
             )
             if reach[0] < least:
                 yield Problem(

@@ -52,7 +52,7 @@ BODY_EVENTS = (
     _event(
         "stops",
         "s",
-        "It came at least its half-size, then it is still (slower than 0.0005 m/s and 0.005 rad/s) for at least 0.25 s on end.",
+        "It came at least its half-size, then it is still (slower than 0.0005 m/s and 0.005 rad/s; a soft body by its ways from frame to frame) for at least 0.25 s on end.",
         _OWN + "stillness as everywhere in the checks; a turning point is shorter than a quarter of a second",
         channels=_MOTION,
     ),

@@ -55,7 +55,9 @@ class _Body:
     def __init__(self, candidate: Candidate, entity: str, matter: Matter) -> None:
         self.matter = matter
         self.cache = next(
-            candidate.caches[n] for n, s in candidate.spec.simulation.solvers.items() if matter.entity in s.members and n in candidate.caches
+            candidate.caches[n]
+            for n, s in candidate.spec.simulation.solvers.items()
+            if matter.entity in s.members and n in candidate.caches
         )
         self.rows = [i for i, n in enumerate(self.cache.index.colliders) if n.split("/", 1)[0] == entity]
         if not self.rows:

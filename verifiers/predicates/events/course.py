@@ -169,7 +169,9 @@ class Course:
         """Impulse of the matter of coupled instances on it, by entity [N s], shape (F - 1, 3); none where several may have given it."""
         found: dict[str, F64] = {}
         for origin, given in self.origins.items():
-            members = {m for n in origin.name.split(", ") for m in _members(self.candidate, n)} if origin.kind == "matter" else set()
+            members = (
+                {m for n in origin.name.split(", ") for m in _members(self.candidate, n)} if origin.kind == "matter" else set()
+            )
             if len(members) == 1:
                 found[members.pop()] = given.impulse
         return found

@@ -223,21 +223,27 @@ def _moved(made: Made, bodies: Mapping[str, Sequence[_Solid]], name: str, joint:
 
 
 def _held(bodies: Mapping[str, Sequence[_Solid]], name: str, joint: Joint) -> Iterator[str]:
-    """That a joint acts where both bodies are: at its anchor, or at some point of a hinge's axis."""
+    """That a joint acts where both bodies are: at its anchor, or at one point of a hinge's axis."""
     from manifold3d import Manifold
 
     anchor = np.array(joint.anchor, dtype=np.float64)
     axis = (
         np.array(joint.axis, dtype=np.float64) / np.linalg.norm(np.array(joint.axis)) if joint.axis is not None else np.zeros(3)
     )
-    for end in (joint.child, joint.parent):
-        points = np.concatenate([s.points for s in bodies[end]])
-        along = (points - anchor) @ axis if joint.kind == "hinge" else np.zeros(1)
-        places = [anchor + q * axis for q in np.linspace(along.min(), along.max(), 60 if joint.kind == "hinge" else 1)]
-        probes = [Manifold.sphere(1e-4, 8).translate(tuple(p)) for p in places]
-        gap = min(s.solid.min_gap(q, 2 * HELD) for q in probes for s in bodies[end])
-        if gap > HELD:
-            yield f"joint {name} acts more than {1000 * HELD:g} mm away from {end or 'the asset'!r}: give that body a pin or knuckle on its axis"
+    ends = (joint.child, joint.parent)
+    spans = [((np.concatenate([s.points for s in bodies[end]]) - anchor) @ axis) for end in ends]
+    low, high = sorted((max(float(s.min()) for s in spans), min(float(s.max()) for s in spans)))
+    count = 1 + math.ceil((high - low + 2 * HELD) / (0.5 * HELD))
+    places = [0.0, *np.linspace(low - HELD, high + HELD, count)] if joint.kind == "hinge" else [0.0]
+    least, far = math.inf, ""
+    for q in places:
+        probe = Manifold.sphere(1e-4, 8).translate(tuple(anchor + q * axis))
+        gap, end = max((min(s.solid.min_gap(probe, 2 * HELD) for s in bodies[end]), end) for end in ends)
+        if gap < least:
+            least, far = gap, end
+        if least <= HELD:
+            return
+    yield f"joint {name} acts more than {1000 * HELD:g} mm away from {far or 'the asset'!r}: give that body a pin or knuckle on its axis"
 
 
 def _at(part: _Solid, joint: Joint, q: float) -> _Solid:

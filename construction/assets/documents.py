@@ -11,7 +11,7 @@ import numpy as np
 from ...worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ...worlds.assemblies import pose_json
 from ...worlds.shapes import Pose
-from ..primitives import build_shape
+from ..kept_shapes import kept_shape
 from .made import MAIN, Body, Joint, Made
 
 __all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_boxes", "body_id", "feet", "part_boxes"]
@@ -97,7 +97,8 @@ def _entity(body: Body, box: tuple[F64, F64], pose: RigidPose, motion: str, *, w
 def _boxes(body: Body) -> tuple[F64, F64]:
     """Least and greatest corners of the visible surfaces of a body's parts in the asset's frame [m], shape (n, 3) each."""
     points = [
-        pose_of(Pose.model_validate(p.pose)).apply(build_shape(p.shape, Path()).render.vertices) for p in body.parts.values()
+        pose_of(Pose.model_validate(p.pose)).apply(kept_shape(p.shape, Path()).geometry.render.vertices)
+        for p in body.parts.values()
     ]
     return np.array([p.min(0) for p in points]), np.array([p.max(0) for p in points])
 

@@ -138,6 +138,9 @@ class Arrangement:
             seat_of: generator of what it stands at on purpose, as a chair at its desk: it is pulled out to sit on.
         """
         solid, swept = own.solid.placed(*at, yaw), own.swept.placed(*at, yaw)
+        skin = self.frame.gap
+        if any(f.solid.meets(Volume(solid.low - skin, solid.high + skin)) for f in self.fixtures):
+            return "a window"
         why = self.shut(solid, seat_of=seat_of)
         if why is not None or len(swept.low) == 0:
             return why

@@ -15,6 +15,7 @@ from .floor_space import FloorSpace
 from .layout import DOOR_HEIGHT, JAMB, Storey, gate_of
 from .pieces import made_piece
 from .plans import OUTSIDE, Rect
+from .swept import Volume
 from .walls import Opening, hinge
 
 __all__ = ["hang_door", "set_window", "windows_in"]
@@ -56,7 +57,8 @@ def windows_in(space: FloorSpace) -> list[Fixture]:
     for window in (o for o in space.openings if o.kind == "window"):
         own, (x, y) = made_piece("window", _window_parameters(window, space.wall), 0), window.center
         at = (x, y, window.sill + LOOSE, _quarter(window, space.room) * math.pi / 2)
-        found.append(Fixture("window", own.solid.placed(*at), own.swept.placed(*at)))
+        low, high = (np.concatenate([corners[k] for corners in own.parts.values()]) for k in (0, 1))
+        found.append(Fixture("window", Volume(low, high).placed(*at), own.swept.placed(*at)))
     return found
 
 

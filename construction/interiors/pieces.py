@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,8 @@ from ...worlds.materials import row_named
 from ..assets.documents import part_boxes
 from ..assets.made import Made
 from ..assets.registry import generator
-from ..primitives import build_shape
+from ..kept_shapes import kept_shape
+from ..primitives import ShapeGeometry
 from .plans import Rect
 from .programs import SMALL
 from .swept import Volume, swept_by
@@ -65,13 +66,17 @@ class Piece:
         total = 0.0
         for body in self.made.bodies.values():
             for part in body.parts.values():
-                shape = build_shape(part.shape, Path())
-                solid = Solid.from_mesh(shape.render, closed=True)
-                volume = solid.volume if shape.mass is None else shape.mass[0]
+                kept = kept_shape(part.shape, Path())
+                volume = kept.measured("volume", partial(_volume, kept.geometry))
                 row = row_named(part.material or body.material)
                 assert row is not None
                 total += row[1].figures["density"].range[1] * volume
         return total
+
+
+def _volume(shape: ShapeGeometry) -> float:
+    """[m^3]"""
+    return Solid.from_mesh(shape.render, closed=True).volume if shape.mass is None else shape.mass[0]
 
 
 class Stock:

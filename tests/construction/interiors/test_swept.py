@@ -72,6 +72,14 @@ def test_a_screen_is_not_put_where_a_sash_swings_and_a_low_bench_is() -> None:
     assert _room().barred(screen, (1.5, 1.9, 0.6), 0.0) is None
 
 
+def test_nothing_stands_in_the_board_under_a_window() -> None:
+    """Law: a worktop as high as the sill is stopped by the board before it, one that is lower than both skins is not."""
+    room = _room(WINDOW)
+    base = made_piece("kitchen_base", {}, 1)
+    assert room.barred(base, (1.5, 1.85, 1e-3), 0.0) == "a window"
+    assert room.barred(base, (1.5, 1.85, -3e-3), 0.0) is None
+
+
 def test_a_shelf_does_not_hang_where_a_cabinet_opens_and_a_cabinet_not_where_a_shelf_hangs() -> None:
     cabinet, shelf = made_piece("wall_cabinet", {"width": 0.6}, 1), made_piece("wall_shelf", {"width": 0.6}, 1)
     beside = (2.95, 1.5, 1.6)

@@ -185,7 +185,9 @@ def measured(
         found, place = (motion_over if over else state_at)(candidate, names, first, last, limit, offset)
         text = f"{len(found['entities'])} of {len(names)} entities at frame {first}" + (f" to {last}" if over else "")
         then = call("inspect_world", world=world, part="state", **same, offset=place.get("next_offset"))
-        return answer({**head, **found, **place}, f"{text} of the {run_of(candidate)} run", then if "next_offset" in place else "")
+        return answer(
+            {**head, **found, **place}, f"{text} of the {run_of(candidate)} run", then if "next_offset" in place else ""
+        )
     if part == "events":
         events = _events(candidate, set(entities or ()), first, last)
         page, place = paged(events, offset, limit)

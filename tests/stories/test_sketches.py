@@ -109,4 +109,6 @@ def test_the_frames_of_a_sketch_can_be_looked_at(slow: Agent) -> None:
     slow.call("edit_spec", world="w", patch=CURE, hypothesis="the ball is too slow to come there in time")
     assert "no sketch" in slow.refused("render_shot", world="w", stage="sketch", frame=5)
     assert not slow.call("probe_sim", world="w").get("state")
-    assert "from the probe candidate" in slow.call("render_shot", world="w", frame=8, camera=camera, width=96, height=64)["summary"]
+    assert (
+        "from the probe candidate" in slow.call("render_shot", world="w", frame=8, camera=camera, width=96, height=64)["summary"]
+    )

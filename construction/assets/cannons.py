@@ -74,7 +74,12 @@ def _cannon(p: CannonParameters, rng: np.random.Generator) -> Made:
     for s, side in ((-1, "left"), (1, "right")):
         barrel.cylinder(f"trunnion_{side}", (s * flat, 0, height), (s * (outer - 0.005), 0, height), pin)
     knob = 0.3 * p.bore + 0.02
-    axis.ring(barrel, "knob", [(0, back), (0.5 * knob, back), (knob, back + knob), (0.5 * knob, back + 2 * knob), (0, back + 2 * knob)], segments=12)
+    axis.ring(
+        barrel,
+        "knob",
+        [(0, back), (0.5 * knob, back), (knob, back + knob), (0.5 * knob, back + 2 * knob), (0, back + 2 * knob)],
+        segments=12,
+    )
     # The trunnion lies on the cheek, a gap above it, where an iron strap would hold it down.
     made.joints["barrel"] = Joint("barrel", "weld", (0.5 * (inner + outer), 0, height - pin))
     made.places["bed"] = Place((0, 0.8 * back, axle_top + bed), (outer, 0.3 * back), clearance=0.03)

@@ -51,7 +51,7 @@ def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Simulate a sketch, judge its frames by the checks that decide, and count it as the test of what was changed."""
     from ..simulation.schedule import run_groups
     from ..worlds.bake_plan import groups_of
-    from ..worlds.coarsening import sketched
+    from ..worlds.coarsening import sketched, write_sketch
 
     work = open_work(payload)
     session, freeze = work.session, work.freeze
@@ -60,6 +60,7 @@ def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     end, began = end_of(spec, asked), time.monotonic()
     root = session.folder.candidate(freeze) / "sketch"
     shutil.rmtree(root, ignore_errors=True)
+    write_sketch(root, asked.coarser, asked.steps)
     told, groups = Part(context.progress, 0.0, SIMULATING), len(groups_of(spec))
     run_groups(
         spec, work.built, root, frames=end + 1, check=context.check, reuse=False,

@@ -19,7 +19,9 @@ from .folder import write_atomically
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["COARSEST", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "sketched", "write_overrides"]
+__all__ = [
+    "COARSEST", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "read_sketch", "sketched", "write_overrides", "write_sketch",
+]  # fmt: skip
 
 COARSEST = 2.0
 """Own choice: a liquid of twice the spacing, or grains of twice the radius, have an eighth of the particles and about a sixteenth of the cost; coarser ones lose the
@@ -30,6 +32,8 @@ LONGEST_STEP = 5e-3
 """Longest step of a rigid instance, as its field has it [s]."""
 OVERRIDES = "overrides.json"
 """File of them in the folder of a probe."""
+FACTORS = "factors.json"
+"""File of the factors of a sketch in its folder."""
 
 
 def overrides_for(spec: WorldSpec, factor: float) -> dict[str, float]:
@@ -132,3 +136,21 @@ def read_overrides(probe: Path) -> dict[str, float]:
 def write_overrides(probe: Path, overrides: Mapping[str, float]) -> None:
     """Record the overrides of a probe."""
     write_atomically(probe / OVERRIDES, json.dumps(overrides, sort_keys=True).encode())
+
+
+def read_sketch(folder: Path) -> tuple[float, float]:
+    """Factors of the sketch in a folder, as `sketched` takes them: of spacings, and of the steps of rigid instances.
+
+    Raises:
+        EvidenceError: there is no sketch, or its record is damaged.
+    """
+    try:
+        found = json.loads((folder / FACTORS).read_text())
+        return float(found["coarser"]), float(found["steps"])
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise EvidenceError(f"no sketch can be read ({error}); call probe_sim with sketch") from error
+
+
+def write_sketch(folder: Path, coarser: float, steps: float) -> None:
+    """Record the factors of a sketch."""
+    write_atomically(folder / FACTORS, json.dumps({"coarser": coarser, "steps": steps}).encode())

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from .bounds import PACKING
+from .bounds import PACKING, SPREAD_CELL
 from .liquid.told import liquid_or_none
 from .particles.frames import swarm_of
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = ["Granules", "Matter", "matter_of"]
+__all__ = ["Granules", "Matter", "covered", "matter_of"]
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,20 @@ class Matter:
         """Unit vector against gravity; +z where there is none."""
         size = float(np.linalg.norm(self.gravity))
         return -self.gravity / size if size > 1e-9 else np.array([0.0, 0.0, 1.0])
+
+
+def covered(position: F64, up: F64, pitch: float) -> float:
+    """Area of the squares seen from above that hold a particle [m^2].
+
+    Args:
+        position: of the particles [m], shape (n, 3).
+        up: unit vector against gravity.
+        pitch: distance of the particles [m].
+    """
+    flat = np.eye(3)[np.argsort(np.abs(up))[:2]]
+    side = SPREAD_CELL * pitch
+    cells = np.unique(np.floor(position @ (flat - np.outer(flat @ up, up)).T / side), axis=0)
+    return len(cells) * side**2
 
 
 def matter_of(candidate: Candidate, entity: str) -> Matter | str:

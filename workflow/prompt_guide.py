@@ -66,6 +66,8 @@ class _Called(NamedTuple):
     name: str
     because: tuple[str, ...]
     """Words of the prompt."""
+    times: int
+    """How often such words stand there: a prompt that says `water` six times is about it."""
 
 
 def prompt_guide(prompt: str) -> dict[str, Any]:
@@ -80,7 +82,7 @@ def prompt_guide(prompt: str) -> dict[str, Any]:
         )
     words = [folded(u.text) for u in units_of(prompt)]
     called = _called(words)
-    told = called[:SKILLS_TOLD]
+    told = [c for c in called if c.name not in BASE][:SKILLS_TOLD]  # those of every world are told anyway
     data: dict[str, Any] = {
         "part": "guide",
         "marked": proposal_text(prompt[:MARKED]),
@@ -88,13 +90,15 @@ def prompt_guide(prompt: str) -> dict[str, Any]:
         **_events(prompt),
         "materials": _materials(prompt, words),
         "rules": json.loads((SKILLS / "world-building" / "rules.json").read_text("utf-8")),
-        "example": _example(words, [c.name for c in told]),
+        "example": _example(words, [c.name for c in called[:SKILLS_TOLD]]),
     }
-    data["sections"], left = _sections(words, told, CHARACTERS - size_of(data) - 1_400)
-    data["more"] = left
+    doubts = _doubts(prompt, called)
     then = "edit_spec(world=..., prompt=..., spec=..., claims=...): claims is `marked` with a target for each type, see world-building/SKILL.md#Claims"
     said = f"what the skills say of this prompt: {', '.join(c.name for c in told) or 'bodies alone'}"
-    return answer(data, said, then, _doubts(prompt, called))
+    # With the place of every section in `more`, where most of them then are.
+    bare = {**data, "sections": {}, "more": _sections(words, told, 0)[1]}
+    data["sections"], data["more"] = _sections(words, told, CHARACTERS - size_of(answer(bare, said, then, doubts)))
+    return answer(data, said, then, doubts)
 
 
 def _doubts(prompt: str, called: list[_Called]) -> list[str]:
@@ -139,9 +143,13 @@ def _among(entries: tuple[str, ...], words: list[str]) -> tuple[str, ...]:
 
 
 def _called(words: list[str]) -> list[_Called]:
-    """Skills by how many words of the prompt call for them."""
-    found = [_Called(name, _among(guide.words, words)) for name, guide in _guides().items()]
-    return sorted((c for c in found if c.because), key=lambda c: -len(c.because))
+    """Skills by how often words of the prompt call for them."""
+    found = [_called_by(name, _among(guide.words, words), words) for name, guide in _guides().items()]
+    return sorted((c for c in found if c.because), key=lambda c: (-c.times, -len(c.because)))
+
+
+def _called_by(name: str, because: tuple[str, ...], words: list[str]) -> _Called:
+    return _Called(name, because, sum(w in because for w in words))
 
 
 def _wanted(name: str, words: list[str]) -> list[str]:

@@ -196,7 +196,8 @@ def test_a_number_on_each_side_is_twice_as_many(tmp_path: Path) -> None:
 def test_a_number_on_each_side_is_held_to_the_sides(sides: tuple[float, ...], tmp_path: Path) -> None:
     spec = sided(*sides) if any(sides) else sided(*(0.4 * k for k in range(4)), step=0.0)
     found = rows(tmp_path, spec, TWO_EACH, prompt=EACH_SIDE)["two"]
-    assert found.status == "fail" and "on each of two sides" in found.evidence["explanation"], found.evidence
+    assert found.status == "fail"
+    assert "on each of two sides" in found.evidence["explanation"]
 
 
 def test_the_audit_counts_both_sides_and_without_them_one() -> None:

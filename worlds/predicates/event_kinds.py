@@ -53,7 +53,7 @@ BODY_EVENTS = (
         "stops",
         "s",
         "It came at least its half-size, then it is still (slower than 0.0005 m/s and 0.005 rad/s) for at least 0.25 s on end. A liquid: its root mean square "
-        "speed was at least 0.2 of sqrt(g depth), then it is at most 0.05 of it for at least 1 s on end, depth being its volume over its area from above.",
+        "speed was at least 0.2 of sqrt(g depth), then it is at most 0.05 of it for at least 1 s on end, depth being that of its columns, weighted by what they hold.",
         _OWN + "stillness as everywhere in the checks; a turning point is shorter than a quarter of a second",
         channels=_MOTION,
     ),

@@ -17,7 +17,7 @@ from ...predicates.conditions import Condition, happens
 from ...predicates.events.bounds import DRIFT_WORK, PUSH_ALONG, PUSH_TIME, PUSH_WAY
 from ...predicates.events.course import course_of
 from ...predicates.events.measures import onset, run_sums, span_of
-from ..granules import covered
+from ..granules import mean_depth
 from .bodies import Bodies, exchanged
 from .bounds import REST_FROM, REST_SECONDS, REST_SPEED
 from .told import liquid_or_none, painted
@@ -104,8 +104,9 @@ def stops(scope: Scope, p: BodyEvent) -> Outcome:
         own = frame.fluid == member
         mass = frame.mass[own]
         speed[i] = float(np.sqrt((frame.squared[own] @ mass) / max(float(mass.sum()), TINY)))
-        area = covered(frame.position[own], liquid.up, liquid.spacing)
-        bound[i] = REST_SPEED * float(np.sqrt(liquid.strength * frame.volume[own].sum() / area)) if area > 0.0 else 0.0
+        bound[i] = REST_SPEED * float(
+            np.sqrt(liquid.strength * mean_depth(frame.position[own], frame.volume[own], liquid.up, liquid.spacing))
+        )
     still = (speed <= bound) & (bound > 0.0)
     lasted = np.round(run_sums(still, np.full(scope.length, liquid.duration)), 9)
     conditions = (

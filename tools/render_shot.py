@@ -145,7 +145,7 @@ def _candidate(session: Session, asked: _Asked) -> tuple[Candidate, int]:
     from ..worlds.hints import did_you_mean
 
     session.require_audit("rendering", still=True)
-    candidate, frame, shots = latest_candidate(session, asked.stage), asked.frame, session.spec.shots
+    candidate, frame, shots = latest_candidate(session, asked.stage, sketches=True), asked.frame, session.spec.shots
     # Before any motion is known, the camera's way can be seen all the same: frame 0 from where the camera will be.
     still = candidate.stage == "static" and asked.camera is None and frame < session.spec.simulation.frames
     state = 0 if still else frame

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from ..worlds.begun import open_begun, unfinished
+from ..worlds.begun import begun_in, open_begun, unfinished
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.channels import QUANTITIES
-from ..worlds.coarsening import coarsened, read_overrides
+from ..worlds.coarsening import coarsened, read_factors, read_overrides, sketched
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.hints import did_you_mean
 from .answers import answer, call, paged
@@ -17,14 +17,24 @@ from .matter_states import rounded
 from .session import Session
 from .states import MAX_SAMPLES, motion_over, state_at
 
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..worlds.built import BuiltEntity
+
 __all__ = ["is_whole", "latest_candidate", "measured", "refuted"]
 
 DISTRUSTED = ("delivery:replay", "delivery:digests", "delivery:cache")
 """Rows of an acceptance that say of a bake that it is not what was simulated."""
 
 
-def latest_candidate(session: Session, stage: str = "best") -> Candidate:
+def latest_candidate(session: Session, stage: str = "best", *, sketches: bool = False) -> Candidate:
     """The bake of the present settings, else their probe, else as much of one as is written, else the static scene (for `static` or `best`).
+
+    Args:
+        session: the world.
+        stage: `best`, or the one that is asked for.
+        sketches: whether `best` may be the frames of a sketch: to be looked at, not to be judged.
 
     Raises:
         RefusedError: the asked stage is not there.
@@ -48,6 +58,8 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
             spec = coarsened(spec, read_overrides(session.folder.candidate(freeze) / "probe"))
         return Candidate(found.folder, spec, found.built, found.stage, found.caches, found.artifact, found.digest)
     begun = None if stage == "full" else _begun(session, freeze, ("full", "probe") if stage == "best" else ("probe",))
+    if begun is None and stage == "best" and sketches:
+        begun = _sketched(session, freeze, built)
     if begun is not None or stage == "best":
         return begun or static
     raise RefusedError(
@@ -68,6 +80,17 @@ def _begun(session: Session, freeze: str, stages: tuple[Literal["probe", "full"]
             spec = coarsened(spec, read_overrides(session.folder.candidate(freeze) / "probe"))
         return dataclasses.replace(found, spec=spec)
     return None
+
+
+def _sketched(session: Session, freeze: str, built: Mapping[str, BuiltEntity]) -> Candidate | None:
+    """The frames of a sketch of the present settings, whether it goes on or has ended; None where there are none."""
+    root = session.folder.candidate(freeze) / "sketch"
+    try:
+        factors = read_factors(root)
+        spec, _ = sketched(session.spec, factors.coarser, factors.steps)
+        return begun_in(session.folder, root, spec, built).candidate
+    except EvidenceError:
+        return None
 
 
 def _left(session: Session) -> str:
@@ -131,7 +154,7 @@ def measured(
         InputError: unknown entities or frames out of range.
         RefusedError: nothing is simulated yet.
     """
-    candidate = latest_candidate(session)
+    candidate = latest_candidate(session, sketches=True)
     world = session.folder.id
     if candidate.stage == "static" and part not in ("state", "account"):
         raise RefusedError(f"{part} need a probe or bake of the present settings; call probe_sim first")

@@ -13,6 +13,7 @@ from ..worlds.patch import differences, weakenings
 from ..worlds.provenance import stale_artifacts
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
+from .additions import only_builds_on
 from .earlier import has_motion
 from .joint_repairs import Joint, grouped, joint_objections
 from .opened import OpenedWorld
@@ -93,9 +94,17 @@ class Change:
                 + "; ".join(self.weaker[:6])
                 + ". Repair the scene or the solver instead; to ask for more, add a beat or requirement beside what is there; or give weakening_reason (>= 15 characters); it is printed with the acceptance."
             )
+        if self.causal and self._builds_on(unseen):
+            self.causal = []
         if self.causal and not self.undone:
             told += self._causal_objections()
         return told
+
+    def _builds_on(self, unseen: str) -> bool:
+        """True if the edit only adds entities while static rows alone fail: a scene that is being set up, and no repair."""
+        ledger, stages = self.world.ledger, self.world.ledger.stages()
+        static = all(stages.get(r.id) == "static" for r in self.failing) and not unseen
+        return static and all(is_static(ledger, i) for i in ledger.open_iterations()) and only_builds_on(*self._documents)
 
     def _version_objections(self) -> list[str]:
         """Objections to new clauses, and to the way back to them."""

@@ -123,7 +123,8 @@ def generator(name: str) -> Generator:
         InputError: there is none.
     """
     if name not in GENERATORS:
-        hint = did_you_mean(name, GENERATORS) or ";"
+        by_words = found(name)[:3]
+        hint = f"; its words find {', '.join(by_words)};" if by_words else did_you_mean(name, GENERATORS) or ";"
         raise InputError(f"there is no generator {name[:60]!r}{hint} inspect_world(part='assets', query=...) finds them by words")
     return GENERATORS[name]
 

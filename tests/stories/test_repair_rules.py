@@ -303,3 +303,26 @@ def test_a_claim_that_is_waived_stands_in_the_acceptance(accepted: Any) -> None:
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert verdict["verdict"] == "accepted"
     assert verdict["prompt"]["waivers"] == {"falls off": "only the blow was asked for in the end"}
+
+
+def _new_block(spec: dict[str, Any], x: float) -> list[dict[str, Any]]:
+    """Operations that add one more block, `b9`, beside the others on the shelf."""
+    block = spec["entities"]["b1"]
+    at = {**block["pose"], "position": [x, *block["pose"]["position"][1:]]}
+    return [
+        {"op": "add", "path": "/entities/b9", "value": {**block, "pose": at}},
+        {"op": "add", "path": "/simulation/solvers/rigid/members/-", "value": "b9"},
+    ]
+
+
+def test_a_scene_that_is_set_up_grows_without_a_hypothesis_and_a_failed_motion_does_not(agent: Any, failed: Any) -> None:
+    """A stone in mid-air fails a static row; what is placed next repairs nothing."""
+    spec = small_spec()
+    spec["entities"]["b1"]["pose"]["position"][2] += 0.4
+    agent.call("edit_spec", world="new", prompt=PROMPT, spec=spec)
+    assert not agent.call("place_object", world="new")["static_passed"]
+    more = _new_block(spec, spec["entities"]["b3"]["pose"]["position"][0] + 0.3)
+    agent.call("edit_spec", world="new", patch=more)
+    lower = [{"op": "replace", "path": "/entities/b1/pose/position/2", "value": 0.1}]
+    assert "hypothesis" in agent.refused("edit_spec", world="new", patch=lower)
+    assert "hypothesis" in failed.refused("edit_spec", world="w", patch=more)

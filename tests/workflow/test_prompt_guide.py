@@ -23,6 +23,7 @@ GUIDES = sorted(SKILLS.glob("*/guide.json"))
     [
         ("A kettle steams on a stove under a lamp.", {"gas"}, {"rises"}, "gas/kettle.json"),
         ("A clay pot falls onto the tiles and shatters.", {"fracture"}, {"falls"}, "fracture/pot.json"),
+        ("A wooden ball rolls along a table and pushes a glass tumbler over the edge. The tumbler falls and breaks on the stone floor.", {"fracture", "assets", "rigid-bodies"}, {"pushes", "breaks"}, "fracture/tumbler.json"),
         ("A log drifts down a river and jams at a footbridge.", {"coupled-systems", "liquids"}, {"drifts", "jams"}, "coupled-systems/stream.json"),
         ("A brass bowl slides on a tablecloth that lies on a table.", {"cloth"}, {"slides"}, "cloth/laid.json"),
         ("A duck floats beside the wall of a pool.", {"coupled-systems", "liquids"}, {"floats"}, "coupled-systems/crate.json"),

@@ -163,7 +163,8 @@ def _event(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
         kinds = ", ".join(sorted(EVENT_KINDS))
         yield Problem(
             f"/claims/{name}/by",
-            f"{claim.quote!r} is an event: name a beat that is mandatory, observed and tells of one ({why}); kinds of event are {kinds}",
+            f"{claim.quote!r} is an event: name a beat that is mandatory, observed and tells of one ({why}); "
+            f"how something is and stays is no event: mark it as property, by the same beat; kinds of event are {kinds}",
         )
 
     known = {e for o, c in spec.claims.items() if c.type in ("thing", "count") for e in named_in(spec, o, "entities")}

@@ -218,7 +218,8 @@ def unjudged(ledger: Ledger, *, untested: bool = False) -> str:
         return ""
     latest = looks[-1]
     if latest["stage"] == "sketch":
-        return f"rows failed in a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"
+        seen = "rows failed in, or frames were looked at without a verdict of,"
+        return f"{seen} a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"
     run = {"full": "bake"}.get(latest["stage"], latest["stage"])
     told = (
         f"frames 0..{latest['last']} of the {run} {latest['freeze'][:16]} (revision {latest['revision']}) were looked at, and it was "

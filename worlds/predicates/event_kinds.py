@@ -52,7 +52,8 @@ BODY_EVENTS = (
     _event(
         "stops",
         "s",
-        "It came at least its half-size, then it is still (slower than 0.0005 m/s and 0.005 rad/s; a soft body by its ways from frame to frame) for at least 0.25 s on end.",
+        "It came at least its half-size, then it is still (slower than 0.0005 m/s and 0.005 rad/s; a soft body by its ways from frame to frame) for at least 0.25 s on end. A liquid: its root mean square "
+        "speed was at least 0.2 of sqrt(g depth), then it is at most 0.05 of it for at least 1 s on end, depth being that of its columns, weighted by what they hold.",
         _OWN + "stillness as everywhere in the checks; a turning point is shorter than a quarter of a second",
         channels=_MOTION,
     ),
@@ -163,7 +164,7 @@ BODY_EVENTS = (
         "pushes",
         "m",
         "It presses `other`, which follows no path, by contact for at least 0.1 s on end, at least 0.5 of the impulse along the way of the other's centre, and works on it "
-        "over a way of at least 0.5 of the other's half-size.",
+        "over a way of at least 0.5 of the other's half-size. A liquid does so by what it gives level, with at least 0.5 of the work that drives the other along.",
         "work is force along a way; the time, longer than blows last, and the way are own choices",
         directed=True,
     ),

@@ -81,6 +81,7 @@ def test_equal_seeds_make_equal_things_and_others_vary() -> None:
     ("name", "parameters", "said"),
     [
         ("chairr", {}, "did you mean 'chair'"),
+        ("dining_table", {}, "its words find table, bedside_table"),
         ("chair", {"sea": 0.4}, "did you mean 'seat'"),
         ("chair", {"seat": 4.5}, r"'seat' of chair: .* 0.55 \(got 4.5\)"),
     ],

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from ..worlds.errors import InputError
 
-__all__ = ["convex_partition", "signed_area", "triangulate"]
+__all__ = ["convex_partition", "is_convex", "signed_area", "triangulate"]
 
 Point = tuple[float, float]
 
@@ -81,7 +81,8 @@ def triangulate(polygon: Sequence[Point]) -> list[tuple[int, int, int]]:
     return triangles
 
 
-def _is_convex(polygon: Sequence[Point], ring: Sequence[int]) -> bool:
+def is_convex(polygon: Sequence[Point], ring: Sequence[int]) -> bool:
+    """True if the corners of a ring (indices) never turn to the right."""
     n = len(ring)
     return all(_cross(polygon[ring[k - 1]], polygon[ring[k]], polygon[ring[(k + 1) % n]]) >= -1e-15 for k in range(n))
 
@@ -100,7 +101,7 @@ def _merge(a: Sequence[int], b: Sequence[int]) -> list[int] | None:
 
 def convex_partition(polygon: Sequence[Point]) -> list[list[int]]:
     """Convex rings (indices, counter-clockwise) that tile a simple counter-clockwise polygon."""
-    if _is_convex(polygon, range(len(polygon))) and signed_area(polygon) > 0:
+    if is_convex(polygon, range(len(polygon))) and signed_area(polygon) > 0:
         return [list(range(len(polygon)))]
     rings: list[list[int]] = [list(t) for t in triangulate(polygon)]
     merged = True
@@ -109,7 +110,7 @@ def convex_partition(polygon: Sequence[Point]) -> list[list[int]]:
         for i in range(len(rings)):
             for j in range(i + 1, len(rings)):
                 joined = _merge(rings[i], rings[j])
-                if joined is not None and _is_convex(polygon, joined):
+                if joined is not None and is_convex(polygon, joined):
                     rings[i] = joined
                     rings.pop(j)
                     merged = True

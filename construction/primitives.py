@@ -16,20 +16,24 @@ from ..worlds.arrays import F64, RigidPose
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
 from ..worlds.spec import (
+    Boolean,
     Box,
     Capsule,
     Cylinder,
     Extrusion,
     HeightField,
     Hull,
+    Loft,
     Mesh,
     Revolution,
     Shape,
     Sphere,
     StemField,
     Sweep,
+    Text,
     Wedge,
 )
+from .composed import combined, lettered, lofted
 from .imports import load_heights, load_mesh
 from .polygons import convex_partition, signed_area, triangulate
 from .stems import load_stems
@@ -265,6 +269,16 @@ def _convex_hull(shape: Hull) -> ShapeGeometry:
     return ShapeGeometry(_mesh(corners, faces), (_hull(corners),), False, 0.0, None)
 
 
+def _composed(shape: Loft | Text | Boolean, assets: Path) -> ShapeGeometry:
+    if isinstance(shape, Loft):
+        mesh, pieces = lofted(shape)
+    elif isinstance(shape, Text):
+        mesh, pieces = lettered(shape)
+    else:
+        mesh, pieces = combined(shape, lambda member: build_shape(member, assets).collision)
+    return ShapeGeometry(mesh, pieces, False, 0.0, None)
+
+
 def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:
     """Visible mesh and collision pieces of a shape.
 
@@ -295,6 +309,8 @@ def build_shape(shape: Shape, assets: Path) -> ShapeGeometry:
         case Sweep():
             mesh, pieces, smooth = swept(shape)
             return ShapeGeometry(mesh, pieces, smooth, 0.0, None)
+        case Loft() | Text() | Boolean():
+            return _composed(shape, assets)
         case HeightField():
             return _heightfield(shape, assets)
         case StemField():

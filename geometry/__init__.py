@@ -16,7 +16,7 @@ from .solids import Solid
 from .soup import Crossings, mutual_crossings, pierced, self_crossings
 from .sweep import Lowest, Sweep, lowest_clearance, lowest_clearances
 from .triangles import Nearest
-from .walls import wall_thickness
+from .walls import cut_thickness, wall_thickness
 
 __all__ = [
     "BatchClearance",
@@ -40,6 +40,7 @@ __all__ = [
     "clearance_batch",
     "clearance_series",
     "contains",
+    "cut_thickness",
     "distance_to_surface",
     "ground_solid",
     "is_convex_union",

@@ -70,7 +70,7 @@ name says so.
 Read first inspect_world(part='guide', prompt=...): what the skills say of your prompt. More as resource or by \
 part='guide', pointer=...: skill://world-building/SKILL.md, skill://outdoor-terrain/SKILL.md for land outdoors. \
 Then parts of the schema as you need them: inspect_world(part='schema', pointer='Shot'). worldagent://schema/world is all of it \
-(over 230 kB), worldagent://capabilities tells engines, species and caps."""
+(over 280 kB), worldagent://capabilities tells engines, species and caps."""
 """Text about this server that a client shows its model; clients cut it at 2 KB."""
 
 TOOLS_AT_A_TIME = 16

@@ -13,6 +13,7 @@ from ..worlds.patch import differences, weakenings
 from ..worlds.provenance import stale_artifacts
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
+from .additions import only_builds_on
 from .earlier import has_motion
 from .joint_repairs import Joint, grouped, joint_objections
 from .opened import OpenedWorld
@@ -67,7 +68,8 @@ class Change:
         """JSON pointers that differ."""
         self.groups = {group_of(p) for p in self.places}
         """Their parameter groups."""
-        self.causal = [] if derived else causal_groups(_own(self.places, follows), cut_grounds(world.spec, after))
+        along = {*follows, *_relations_of_new(world.spec, after)}
+        self.causal = [] if derived else causal_groups(_own(self.places, along), cut_grounds(world.spec, after))
         """Names of the groups of scene and solver among them."""
         self.stale = stale_artifacts(world.spec, after)
         """Artifacts that the edit makes stale."""
@@ -93,9 +95,17 @@ class Change:
                 + "; ".join(self.weaker[:6])
                 + ". Repair the scene or the solver instead; to ask for more, add a beat or requirement beside what is there; or give weakening_reason (>= 15 characters); it is printed with the acceptance."
             )
+        if self.causal and self._builds_on(unseen):
+            self.causal = []
         if self.causal and not self.undone:
             told += self._causal_objections()
         return told
+
+    def _builds_on(self, unseen: str) -> bool:
+        """True if the edit only adds entities while static rows alone fail: a scene that is being set up, and no repair."""
+        ledger, stages = self.world.ledger, self.world.ledger.stages()
+        static = all(stages.get(r.id) == "static" for r in self.failing) and not unseen
+        return static and all(is_static(ledger, i) for i in ledger.open_iterations()) and only_builds_on(*self._documents)
 
     def _version_objections(self) -> list[str]:
         """Objections to new clauses, and to the way back to them."""
@@ -186,6 +196,15 @@ class Change:
         }
 
 
+def _relations_of_new(before: WorldSpec, after: WorldSpec) -> set[str]:
+    """Pointers of new relations that name an entity which the edit adds: they say how that one stands, and follow from it."""
+    old, new = before.graph.relations, after.graph.relations
+    added = after.entities.keys() - before.entities.keys()
+    return {
+        f"/graph/relations/{k}" for k, r in new.items() if k not in old and {getattr(r, "a", ""), getattr(r, "b", "")} & added
+    }
+
+
 def _own(places: Sequence[str], follows: Collection[str]) -> list[str]:
     """Places of an edit without those at or below a pointer that only follows."""
     below = tuple(f"{pointer}/" for pointer in follows)
@@ -199,7 +218,8 @@ def unjudged(ledger: Ledger, *, untested: bool = False) -> str:
         return ""
     latest = looks[-1]
     if latest["stage"] == "sketch":
-        return f"rows failed in a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"
+        seen = "rows failed in, or frames were looked at without a verdict of,"
+        return f"{seen} a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"
     run = {"full": "bake"}.get(latest["stage"], latest["stage"])
     told = (
         f"frames 0..{latest['last']} of the {run} {latest['freeze'][:16]} (revision {latest['revision']}) were looked at, and it was "

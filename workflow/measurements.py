@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, Literal
 
-from ..worlds.begun import open_begun, unfinished
+from ..worlds.begun import begun_in, open_begun, unfinished
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.channels import QUANTITIES
-from ..worlds.coarsening import coarsened, read_overrides
+from ..worlds.coarsening import coarsened, read_factors, read_overrides, sketched
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.hints import did_you_mean
 from .answers import answer, call, paged
@@ -17,8 +17,10 @@ from .matter_states import rounded
 from .session import Session
 from .states import MAX_SAMPLES, motion_over, state_at
 
-__all__ = ["is_whole", "latest_candidate", "measured", "refuted"]
+__all__ = ["is_whole", "latest_candidate", "measured", "refuted", "run_of", "seen_candidate"]
 
+SKETCH = "sketch"
+"""Folder of a sketch beside the probe and bake of the same settings."""
 DISTRUSTED = ("delivery:replay", "delivery:digests", "delivery:cache")
 """Rows of an acceptance that say of a bake that it is not what was simulated."""
 
@@ -54,6 +56,32 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
         f"there is no {'bake' if stage == 'full' else stage} of the present settings; call {'bake_sim' if stage == 'full' else 'probe_sim'} "
         f"first{_left(session) if stage == 'probe' else ''}"
     )
+
+
+def seen_candidate(session: Session, stage: str = "best") -> Candidate:
+    """What can be looked at: as `latest_candidate`, and the frames of a sketch of the present settings, where `sketch` is asked or there is no other motion.
+
+    Raises:
+        RefusedError: the asked stage is not there.
+    """
+    found = latest_candidate(session, "static" if stage == "sketch" else stage)
+    if stage not in ("best", "sketch") or found.stage != "static":
+        return found
+    freeze = session.freeze()
+    root = session.folder.candidate(freeze) / SKETCH
+    try:
+        factors = read_factors(root)
+        spec, _ = sketched(session.spec, factors.coarser, factors.steps)
+        return begun_in(session.folder, root, spec, found.built).candidate
+    except EvidenceError:
+        if stage == "best":
+            return found
+        raise RefusedError("there is no sketch of the present settings; call probe_sim(sketch={'until': ...}) first") from None
+
+
+def run_of(candidate: Candidate) -> str:
+    """Word for the run that a candidate's motion is of: static, sketch, probe or full."""
+    return SKETCH if candidate.artifact.rpartition("/")[2] == SKETCH else candidate.stage
 
 
 def _begun(session: Session, freeze: str, stages: tuple[Literal["probe", "full"], ...]) -> Candidate | None:
@@ -131,7 +159,7 @@ def measured(
         InputError: unknown entities or frames out of range.
         RefusedError: nothing is simulated yet.
     """
-    candidate = latest_candidate(session)
+    candidate = seen_candidate(session)
     world = session.folder.id
     if candidate.stage == "static" and part not in ("state", "account"):
         raise RefusedError(f"{part} need a probe or bake of the present settings; call probe_sim first")
@@ -146,10 +174,10 @@ def measured(
             "; probe_sim gives motion" if candidate.stage == "static" else f" ({left})" if (left := unfinished(candidate)) else ""
         )
         raise InputError(
-            f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {candidate.stage} run{more}"
+            f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {run_of(candidate)} run{more}"
         )
     unjudged = session.shown(candidate, last)
-    head = {"source": candidate.artifact, "stage": candidate.stage, **({"unjudged": unjudged} if unjudged else {})}
+    head = {"source": candidate.artifact, "stage": run_of(candidate), **({"unjudged": unjudged} if unjudged else {})}
     head |= {"run": left} if (left := unfinished(candidate)) else {}
     same = {"entities": entities, "frames": None if frames is None else [first, last]}
     if part == "state":
@@ -158,7 +186,9 @@ def measured(
         found, place = (motion_over if over else state_at)(candidate, names, first, last, limit, offset)
         text = f"{len(found['entities'])} of {len(names)} entities at frame {first}" + (f" to {last}" if over else "")
         then = call("inspect_world", world=world, part="state", **same, offset=place.get("next_offset"))
-        return answer({**head, **found, **place}, f"{text} of the {candidate.stage} run", then if "next_offset" in place else "")
+        return answer(
+            {**head, **found, **place}, f"{text} of the {run_of(candidate)} run", then if "next_offset" in place else ""
+        )
     if part == "events":
         events = _events(candidate, set(entities or ()), first, last)
         page, place = paged(events, offset, limit)
@@ -169,7 +199,7 @@ def measured(
         from ..verifiers.account.text import account_of
 
         told = account_of(candidate)
-        text = f"{len(told.text)} characters on the {candidate.stage} run, without ids and texts of the specification"
+        text = f"{len(told.text)} characters on the {run_of(candidate)} run, without ids and texts of the specification"
         return answer({**head, "account": told.text, "left_out": told.left_out}, text, "")
     if part == "wet":
         from .wetness import wetness

@@ -40,7 +40,9 @@ MATERIALS = 8
 ALIKE = 4
 """Letters that a verb begins with as a kind of event does that is called after it; such a kind comes first."""
 SKILLS_TOLD = 4
-"""Skills of the prompt's own words whose sections are told."""
+"""Skills of the prompt's own words whose sections are told, beside those of every world."""
+VERB = 3
+"""Own choice: a verb of the story counts as so many other words: what happens decides more than what is there."""
 OWN_SHARE = 0.65
 """[1] Share of the room for sections that skills get which words of the prompt call for; what every world needs gets the rest."""
 ENDING = 3
@@ -79,8 +81,8 @@ def prompt_guide(prompt: str) -> dict[str, Any]:
             f"the prompt has {len(prompt)} characters and {word_count(prompt)} words; give 1 word to {LONGEST_PROMPT} characters of it, verbatim"
         )
     words = [folded(u.text) for u in units_of(prompt)]
-    called = _called(words)
-    told = called[:SKILLS_TOLD]
+    called = _called(words, {w for quote, _ in events_in(prompt) for w in folded(quote).split()})
+    told = [c for c in called if c.name not in BASE][:SKILLS_TOLD]
     data: dict[str, Any] = {
         "part": "guide",
         "marked": proposal_text(prompt[:MARKED]),
@@ -88,13 +90,15 @@ def prompt_guide(prompt: str) -> dict[str, Any]:
         **_events(prompt),
         "materials": _materials(prompt, words),
         "rules": json.loads((SKILLS / "world-building" / "rules.json").read_text("utf-8")),
-        "example": _example(words, [c.name for c in told]),
+        "example": _example(words, [c.name for c in called if c in told or c.name in BASE]),
     }
-    data["sections"], left = _sections(words, told, CHARACTERS - size_of(data) - 1_400)
-    data["more"] = left
+    doubts = _doubts(prompt, called)
     then = "edit_spec(world=..., prompt=..., spec=..., claims=...): claims is `marked` with a target for each type, see world-building/SKILL.md#Claims"
     said = f"what the skills say of this prompt: {', '.join(c.name for c in told) or 'bodies alone'}"
-    return answer(data, said, then, _doubts(prompt, called))
+    # With the place of every section in `more`, where most of them then are.
+    bare = {**data, "sections": {}, "more": _sections(words, told, 0)[1]}
+    data["sections"], data["more"] = _sections(words, told, CHARACTERS - size_of(answer(bare, said, then, doubts)))
+    return answer(data, said, then, doubts)
 
 
 def _doubts(prompt: str, called: list[_Called]) -> list[str]:
@@ -138,10 +142,10 @@ def _among(entries: tuple[str, ...], words: list[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(w for w in words if any(_meant(e, w) for e in entries)))
 
 
-def _called(words: list[str]) -> list[_Called]:
-    """Skills by how many words of the prompt call for them."""
+def _called(words: list[str], verbs: set[str]) -> list[_Called]:
+    """Skills by how many words of the prompt call for them, verbs first."""
     found = [_Called(name, _among(guide.words, words)) for name, guide in _guides().items()]
-    return sorted((c for c in found if c.because), key=lambda c: -len(c.because))
+    return sorted((c for c in found if c.because), key=lambda c: -sum(VERB if w in verbs else 1 for w in c.because))
 
 
 def _wanted(name: str, words: list[str]) -> list[str]:

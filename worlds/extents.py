@@ -11,14 +11,14 @@ from .arrays import F64, pose_of
 from .sweeps import sweep_rings, sweep_volume
 
 if TYPE_CHECKING:
-    from .shapes import Shape
+    from .shapes import Boolean, Member, Shape
     from .spec import Entity
 
 __all__ = ["box_extent", "box_size", "initial_box", "initial_volume", "least_extent", "part_box", "shape_volume"]
 
 
 def _ends(shape: Shape) -> tuple[F64, F64] | None:
-    """Lowest and highest corner of a box around a shape in its own frame [m]; None for files, which are not read here."""
+    """Lowest and highest corner of a box around a shape in its own frame [m]; None for files, which are not read here, and for letters."""
 
     if shape.kind == "box" or shape.kind == "wedge":
         low, high = -0.5 * np.array(shape.size), 0.5 * np.array(shape.size)
@@ -36,6 +36,8 @@ def _ends(shape: Shape) -> tuple[F64, F64] | None:
         profile = np.array(shape.profile)
         reach = profile[:, 0].max()
         low, high = np.array([-reach, -reach, profile[:, 1].min()]), np.array([reach, reach, profile[:, 1].max()])
+    elif shape.kind == "boolean":
+        return _boolean_ends(shape)
     else:
         points = _points(shape)
         if points is None:
@@ -44,10 +46,39 @@ def _ends(shape: Shape) -> tuple[F64, F64] | None:
     return low, high
 
 
+def _boolean_ends(shape: Boolean) -> tuple[F64, F64] | None:
+    """Box that the solid does not leave: that of all members, of the first of a difference, what the boxes of an intersection share."""
+    boxes = [_member_ends(m) for m in (shape.of[:1] if shape.operation == "difference" else shape.of)]
+    if any(b is None for b in boxes):
+        return None
+    low, high = (np.array([b[k] for b in boxes if b is not None]) for k in (0, 1))
+    return (low.max(0), high.min(0)) if shape.operation == "intersection" else (low.min(0), high.max(0))
+
+
+def _member_ends(member: Member) -> tuple[F64, F64] | None:
+    """Box around a member of a boolean and its copies."""
+    corners = _corners(member.shape)
+    if corners is None:
+        return None
+    placed = [pose_of(member.pose).apply(corners)]
+    if (copies := member.repeat) is not None:
+        c, s = math.cos(copies.turn), math.sin(copies.turn)
+        for _ in range(copies.count - 1):
+            placed.append(placed[-1] @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + np.array(copies.move))
+    points = np.concatenate(placed)
+    if member.mirror is not None:
+        points = np.concatenate([points, points * np.where(np.array(list("xyz")) == member.mirror, -1.0, 1.0)])
+    return points.min(0), points.max(0)
+
+
 def _points(shape: Shape) -> F64 | None:
     """Corners of a shape that says them [m], shape (n, 3); None for files and fields, and for sweeps that are refused where they are built."""
     if shape.kind == "hull":
         return np.array(shape.points)
+    if shape.kind == "loft":
+        return np.concatenate(
+            [pose_of(s.pose).apply(np.column_stack([np.array(s.polygon), np.zeros(len(s.polygon))])) for s in shape.sections]
+        )
     if shape.kind == "mesh" and shape.vertices is not None and shape.faces is not None:
         return np.array(shape.vertices) * shape.scale
     if shape.kind == "sweep":
@@ -106,7 +137,7 @@ def part_box(entity: Entity, part: str) -> tuple[F64, F64] | None:
 
 
 def shape_volume(shape: Shape) -> float | None:
-    """Volume of a shape [m^3], smooth ones without facets; None for files."""
+    """Volume of a shape [m^3], smooth ones without facets; None for files and for what is composed of others."""
 
     if shape.kind == "box":
         return math.prod(shape.size)

@@ -193,6 +193,10 @@ def check_workspace(workspace: Path, more: float) -> None:
         raise LimitError(f"disk: estimated {more:,.0f} bytes, free {free:,}. Knob: free space, or fewer bodies or frames")
 
 
+LETTER_TRIANGLES, MEMBER_TRIANGLES = 300, 400
+"""Triangles of a letter and of a copy of a member of a boolean, about (measured on signs, drilled plates and gears)."""
+
+
 def _cells(shape: Shape) -> int:
     rows, columns = _grid(shape)
     return (rows - 1) * (columns - 1)
@@ -228,6 +232,13 @@ def _triangles(entity: Entity) -> int:
             total += 2 * len(shape.points)
         elif shape.kind == "sweep":
             total += 2 * len(shape.profile) * (len(shape.path) + 1)
+        elif shape.kind == "loft":
+            total += 4 * sum(len(s.polygon) for s in shape.sections)
+        elif shape.kind == "text":
+            total += LETTER_TRIANGLES * len(shape.text)
+        elif shape.kind == "boolean":
+            copies = sum((m.repeat.count if m.repeat else 1) * (2 if m.mirror else 1) for m in shape.of)
+            total += MEMBER_TRIANGLES * copies
         else:
             total += SMOOTH_TRIANGLES[shape.kind]
     return total

@@ -10,8 +10,10 @@ from .spec import WorldSpec
 
 __all__ = ["scaled_entity"]
 
-LENGTHS = ("size", "radius", "height", "length", "polygon", "profile", "points", "path")
-"""Fields of shapes that are lengths [m], alone or in lists."""
+LENGTHS = ("size", "radius", "height", "length", "depth", "polygon", "profile", "points", "path", "position", "move")
+"""Fields of shapes, of their members and of poses that are lengths [m], alone or in lists."""
+NESTED = ("of", "sections", "shape", "pose", "repeat")
+"""Fields that hold members, sections, or their shapes and places."""
 FIXED = ("heightfield", "stems", "sheet")
 """Shapes of other matter or of files that stand for places, which are not scaled."""
 
@@ -36,7 +38,7 @@ def scaled_entity(spec: WorldSpec, name: str, factor: float) -> dict[str, Any]:
         if shape["kind"] == "mesh":
             shape["scale"] = factor * shape.get("scale", 1.0)
         else:
-            shape.update({k: _times(shape[k], factor) for k in LENGTHS if k in shape})
+            _scale(shape, factor)
         part["pose"]["position"] = _times(part["pose"]["position"], factor)
     document["dimensions"]["size"] = _times(document["dimensions"]["size"], factor)
     if "nominal_diagonal" in document:
@@ -44,6 +46,15 @@ def scaled_entity(spec: WorldSpec, name: str, factor: float) -> dict[str, Any]:
     if "mass" in document["physics"]:
         document["physics"]["mass"] *= factor**3
     return document
+
+
+def _scale(document: dict[str, Any], factor: float) -> None:
+    """Multiply every length of a shape's document, those of its members and sections too."""
+    document.update({k: _times(document[k], factor) for k in LENGTHS if k in document})
+    for key in NESTED:
+        below = document.get(key)
+        for inner in below if isinstance(below, list) else [below] if below else []:
+            _scale(inner, factor)
 
 
 def _times(value: Any, factor: float) -> Any:

@@ -9,20 +9,26 @@ from pydantic import Field, StringConstraints, model_validator
 from .vocabulary import Finite, NonNegative, Positive, SpecModel, Vec2, Vec3
 
 __all__ = [
+    "Boolean",
     "Box",
     "Capsule",
     "Cylinder",
     "Extrusion",
     "HeightField",
     "Hull",
+    "Loft",
+    "Member",
     "Mesh",
     "Pose",
+    "Repeat",
     "Revolution",
+    "Section",
     "Shape",
     "Sheet",
     "Sphere",
     "StemField",
     "Sweep",
+    "Text",
     "Wedge",
 ]
 
@@ -142,6 +148,107 @@ class Sweep(SpecModel):
         return self
 
 
+class Section(SpecModel):
+    """One cross-section of a loft: a simple polygon in the xy plane of its pose, counter-clockwise."""
+
+    polygon: Annotated[list[Vec2], Field(min_length=3, max_length=64)]
+    pose: Pose = Pose()
+
+
+class Loft(SpecModel):
+    """Solid over cross-sections, the convex hull from each to the next: hulls of boats, blades, handles, bonnets, bottles that are not round.
+
+    Sections may differ in their number of corners while they are convex; concave ones have equally many, in the same order.
+    """
+
+    kind: Literal["loft"] = "loft"
+    sections: Annotated[list[Section], Field(min_length=2, max_length=64)]
+
+    @model_validator(mode="after")
+    def _equal_corners(self) -> Loft:
+        counts = {len(s.polygon) for s in self.sections}
+        if len(counts) > 1 and not all(_convex(s.polygon) for s in self.sections):
+            raise ValueError(
+                f"concave sections of a loft have equally many corners, these have {sorted(counts)}; add corners, or give convex ones"
+            )
+        return self
+
+
+def _convex(polygon: list[Vec2]) -> bool:
+    """True if every corner of a polygon turns to the same side or goes straight on."""
+    turns = []
+    for k, (x, y) in enumerate(polygon):
+        (px, py), (nx, ny) = polygon[k - 1], polygon[(k + 1) % len(polygon)]
+        turns.append((x - px) * (ny - y) - (y - py) * (nx - x))
+    return all(t >= -1e-12 for t in turns) or all(t <= 1e-12 for t in turns)
+
+
+LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZÄÖÜ0123456789.,:-!?'&/+ "
+"""Characters that a text may hold; small letters are drawn as capitals."""
+
+
+class Text(SpecModel):
+    """Letters as solids, reading along +x, up along +y, centred at the origin: raised as a part of a sign, cut in as a member of a boolean."""
+
+    kind: Literal["text"] = "text"
+    text: Annotated[str, StringConstraints(min_length=1, max_length=32)] = Field(
+        description="letters A-Z, Ä, Ö, Ü, digits, . , : - ! ? ' & / + and spaces"
+    )
+    height: Positive = Field(description="height of a capital [m]")
+    depth: Positive = Field(description="extent along z [m]")
+    stroke: Annotated[float, Field(ge=0.04, le=0.25)] = Field(default=0.12, description="width of a stroke / height")
+
+    @model_validator(mode="after")
+    def _letters_known(self) -> Text:
+        unknown = sorted(set(self.text.upper()) - set(LETTERS))
+        if unknown or not self.text.strip():
+            raise ValueError(f"no letter for {', '.join(map(repr, unknown)) or 'blanks alone'}; there are {LETTERS.strip()}")
+        return self
+
+
+class Repeat(SpecModel):
+    """Copies in a row, a ring or a helix: each is turned about the z axis of the whole, then moved, from the one before."""
+
+    count: int = Field(ge=2, le=64, description="copies, the first included")
+    move: Vec3 = Field(default=(0.0, 0.0, 0.0), description="from one to the next [m]")
+    turn: Finite = Field(default=0.0, description="about z, from one to the next [rad]")
+
+
+class Member(SpecModel):
+    """One solid of a boolean, in its place, with its copies."""
+
+    shape: Annotated[
+        Box | Sphere | Cylinder | Capsule | Wedge | Extrusion | Revolution | Hull | Sweep | Loft | Text,
+        Field(discriminator="kind"),
+    ]
+    pose: Pose = Pose()
+    repeat: Repeat | None = None
+    mirror: Literal["x", "y", "z"] | None = Field(
+        default=None, description="adds the image of all copies across the plane x = 0, y = 0 or z = 0 of the whole"
+    )
+
+
+class Boolean(SpecModel):
+    """Union, difference or intersection of solids: drilled plates, notches, mortises, engraved text, gears, gratings, domes.
+
+    `difference` takes all later members away from the first. Round members have 32 sides, spheres 320 faces. Collision pieces are the
+    exact convex parts, at most 512; a hollow round thing has fewer as a `revolution`.
+    """
+
+    kind: Literal["boolean"] = "boolean"
+    operation: Literal["union", "difference", "intersection"]
+    of: Annotated[list[Member], Field(min_length=1, max_length=16)]
+
+    @model_validator(mode="after")
+    def _members_enough(self) -> Boolean:
+        first = self.of[0]
+        if len(self.of) < 2 and (self.operation != "union" or (first.repeat is None and first.mirror is None)):
+            raise ValueError(
+                f"a {self.operation} has at least 2 members; a union of one has copies (repeat) or an image (mirror)"
+            )
+        return self
+
+
 class Mesh(SpecModel):
     """Closed triangle mesh, from a file in the world's `assets/` folder or written inline."""
 
@@ -214,6 +321,21 @@ class StemField(SpecModel):
 
 
 Shape = Annotated[
-    Box | Sphere | Cylinder | Capsule | Wedge | Extrusion | Revolution | Hull | Sweep | Mesh | Sheet | HeightField | StemField,
+    Box
+    | Sphere
+    | Cylinder
+    | Capsule
+    | Wedge
+    | Extrusion
+    | Revolution
+    | Hull
+    | Sweep
+    | Loft
+    | Text
+    | Boolean
+    | Mesh
+    | Sheet
+    | HeightField
+    | StemField,
     Field(discriminator="kind"),
 ]

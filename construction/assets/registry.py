@@ -16,7 +16,9 @@ from . import (
     boats,
     books,
     candles,
+    cannons,
     carts,
+    castles,
     catapults,
     chairs,
     containers,
@@ -72,6 +74,8 @@ MODULES = (
     books,
     candles,
     carts,
+    castles,
+    cannons,
     catapults,
     chairs,
     containers,
@@ -123,7 +127,8 @@ def generator(name: str) -> Generator:
         InputError: there is none.
     """
     if name not in GENERATORS:
-        hint = did_you_mean(name, GENERATORS) or ";"
+        by_words = found(name)[:3]
+        hint = f"; its words find {', '.join(by_words)};" if by_words else did_you_mean(name, GENERATORS) or ";"
         raise InputError(f"there is no generator {name[:60]!r}{hint} inspect_world(part='assets', query=...) finds them by words")
     return GENERATORS[name]
 

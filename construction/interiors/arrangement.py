@@ -148,11 +148,8 @@ class Arrangement:
         low, high = (room.x0 - TOUCHING, room.y0 - TOUCHING, -TOUCHING), (room.x1 + TOUCHING, room.y1 + TOUCHING, above)
         if not swept.within(low, high):
             return "the walls, as it opens,"
-        for other in (*self.fixtures, *self.standing):
-            if swept.meets(other.solid):
-                name = other.name if isinstance(other, Fixture) else other.piece.generator
-                return f"a {name}, as it opens,"
-        return None
+        named = [*((f.name, f.solid) for f in self.fixtures), *((s.piece.generator, s.solid) for s in self.standing)]
+        return next((f"a {name}, as it opens," for name, there in named if swept.meets(there)), None)
 
     def shut(self, solid: Volume, *, seat_of: str = "") -> str | None:
         """What could not open any more if something took a volume, in words."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import trimesh
-from worldagent.geometry import Motion, State, clearance_series, lowest_clearance, wall_thickness
+from worldagent.geometry import Motion, Solid, State, clearance_series, cut_thickness, lowest_clearance, wall_thickness
 from worldagent.geometry.motions import relative_travel
 from worldagent.geometry.sweep import Sweep
 from worldagent.worlds.arrays import rotation_matrix
@@ -210,3 +210,18 @@ def test_walls_of_shells_are_thin_and_of_solids_thick():
     inverted = trimesh.creation.annulus(0.5, 0.52, 0.3, sections=10)
     inverted.invert()
     assert wall_thickness(solid_of(inverted)) == pytest.approx(0.02, rel=0.1)
+
+
+def _prism(corners: list[tuple[float, float]]) -> Solid:
+    """A convex plan (x, z) from y = 0 to 1."""
+    points = np.array([(x, y, z) for y in (0.0, 1.0) for x, z in corners])
+    return solid_of(trimesh.convex.convex_hull(points))
+
+
+def test_an_oblique_cut_makes_no_wall_thinner_and_a_sliver_is_thin() -> None:
+    """A plate of 10 mm, cut at 11 degrees to its surface, and split into two sheets on one side of the cut."""
+    left = _prism([(0.0, 0.0), (0.50, 0.0), (0.45, 0.01), (0.0, 0.01)])
+    under = _prism([(0.50, 0.0), (1.0, 0.0), (1.0, 0.009), (0.455, 0.009)])
+    above = _prism([(0.455, 0.009), (1.0, 0.009), (1.0, 0.01), (0.45, 0.01)])
+    assert cut_thickness([left, under, above]) == pytest.approx([0.01, 0.009, 0.001], rel=0.05)
+    assert cut_thickness([left]) == pytest.approx([0.01], rel=0.05)

@@ -1,4 +1,5 @@
-"""The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, planks splinter, a flag flutters, a jelly wobbles, sand
+"""The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, a ball pushes a
+glass off a table and it breaks, planks splinter, a flag flutters, a jelly wobbles, sand
 topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out, a
 banner beside a campfire catches fire, a boulder that rolls off a ledge raises dust, a block comes to rest on a laid table, a crate floats beside
 a wall, a boulder rolls onto a scree."""
@@ -39,6 +40,10 @@ JUDGED: dict[str, tuple[str, ...]] = {
             for a, b in (("rolls", "crashes"), ("crashes", "splinters"), ("splinters", "fall"), ("fall", "float"))
         ),
         "category:liquid:exchange:liquid",
+    ),
+    "fracture/tumbler": (
+        *("causal:roll:push", "causal:push:fall", "causal:fall:break", "causal:without:roll:push", "causal:without:fall:break"),
+        *(f"category:fracture:{n}:tumbler" for n in ("bonded", "events", "cause", "pieces")),
     ),
     "gas/banner": (
         *("causal:lit:burns", "causal:burns:catches", "causal:without:lit:burns", "causal:without:burns:catches"),

@@ -41,6 +41,20 @@ def test_two_causal_groups_at_once_are_refused_after_a_failure(failed: Any, patc
     assert "step" in text
 
 
+def test_a_new_thing_comes_with_the_relations_that_say_how_it_stands(failed: Any, patch: Patch) -> None:
+    """One edit, of one group, and no weakening: nothing was asked of it before, its foundation in the floor included."""
+    body = {"shape": {"kind": "box", "size": [0.1, 0.1, 0.4]}}
+    post = {
+        "role": "post", "motion": "static", "material": "wood", "dimensions": {"size": [0.1, 0.1, 0.4]},
+        "pose": {"position": [2, 2, 0.1]}, "parts": {"body": body},
+    }  # fmt: skip
+    members = [*small_spec()["simulation"]["solvers"]["rigid"]["members"], "post"]
+    sunk = {"kind": "fastened", "a": "floor", "b": "post", "max_depth": 0.2, "reason": "it stands in the floor"}
+    edits = patch(("/entities/post", post), ("/simulation/solvers/rigid/members", members), ("/graph/relations/sunk", sunk))
+    done = failed.call("edit_spec", world="w", patch=edits, hypothesis="a post holds the blocks that fall short")
+    assert done["groups"] == ["relations", "shape"]
+
+
 @pytest.mark.slow
 def test_a_second_change_waits_for_the_test_of_the_first(failed: Any, patch: Patch) -> None:
     failed.edit(("/entities/ball/physics/linear_velocity/0", 0.6), hypothesis=WHY)
@@ -303,3 +317,26 @@ def test_a_claim_that_is_waived_stands_in_the_acceptance(accepted: Any) -> None:
     verdict = accepted.call("run_checks", world="w", scope="acceptance")
     assert verdict["verdict"] == "accepted"
     assert verdict["prompt"]["waivers"] == {"falls off": "only the blow was asked for in the end"}
+
+
+def _new_block(spec: dict[str, Any], x: float) -> list[dict[str, Any]]:
+    """Operations that add one more block, `b9`, beside the others on the shelf."""
+    block = spec["entities"]["b1"]
+    at = {**block["pose"], "position": [x, *block["pose"]["position"][1:]]}
+    return [
+        {"op": "add", "path": "/entities/b9", "value": {**block, "pose": at}},
+        {"op": "add", "path": "/simulation/solvers/rigid/members/-", "value": "b9"},
+    ]
+
+
+def test_a_scene_that_is_set_up_grows_without_a_hypothesis_and_a_failed_motion_does_not(agent: Any, failed: Any) -> None:
+    """A stone in mid-air fails a static row; what is placed next repairs nothing."""
+    spec = small_spec()
+    spec["entities"]["b1"]["pose"]["position"][2] += 0.4
+    agent.call("edit_spec", world="new", prompt=PROMPT, spec=spec)
+    assert not agent.call("place_object", world="new")["static_passed"]
+    more = _new_block(spec, spec["entities"]["b3"]["pose"]["position"][0] + 0.3)
+    agent.call("edit_spec", world="new", patch=more)
+    lower = [{"op": "replace", "path": "/entities/b1/pose/position/2", "value": 0.1}]
+    assert "hypothesis" in agent.refused("edit_spec", world="new", patch=lower)
+    assert "hypothesis" in failed.refused("edit_spec", world="w", patch=more)

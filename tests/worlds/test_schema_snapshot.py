@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "de54cbf085c3c28fe46fb986db7045ecd9184512b17b121ebb49c8f34f9d970f"
+SCHEMA = "d9523ed3bdefdc0672b3b7a3407041aca956f0c48f304eb512f82424ae560262"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

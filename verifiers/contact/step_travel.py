@@ -9,7 +9,8 @@ only if they could meet: they are in the contact log of the frame, or the boxes 
 - **Boxes** hold each part at both ends of the frame, as far about its middle as it reaches, and what the path may lie beside the
   straight one. What stands still has its own box.
 - **Thickness** of a part is the least width of its collision piece. Pieces that tile one part are no walls by themselves: there it
-  is the thickness of the part's own walls, where that is more.
+  is the thickness of the part's own walls, where that is more. A piece of a body that was cut beforehand has the walls of the whole
+  body, or its own where it is deepest: the sharp edges of an oblique cut are no thin wall.
 """
 
 from __future__ import annotations
@@ -20,15 +21,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Solid, wall_thickness
+from ...geometry import Solid, cut_thickness, wall_thickness
 from ...worlds.arrays import F64, rotation_matrix
+from ...worlds.built import TriangleMesh
 from ...worlds.errors import EvidenceError
 from ..rows.corrections import LEAST_STEP, correction, set_value, thicken
 from ..rows.findings import Finding
 from .bounds import EXPLAINED, THICKNESS_SHARE
 
 if TYPE_CHECKING:
-    from ...worlds.built import BuiltPart, Convex
+    from ...worlds.built import BuiltEntity, BuiltPart, Convex
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Status
@@ -115,11 +117,22 @@ class _Steps:
         self.logged = cache.ragged("contact/pair")
         self.bound_bodies = self._bound()
 
+    def _pieces(self, entity: BuiltEntity) -> dict[str, float]:
+        """Thickness [m] by part of the pieces of an entity that is cut, where one of them collides by several convex pieces."""
+        if all(len(p.collision) <= 1 or not p.closed for p in entity.parts) or len(entity.parts) < 2:
+            return {}
+        solids = []
+        for part in entity.parts:
+            points = self.candidate.pose(entity.entity, 0, part.body).apply(part.render.vertices)
+            solids.append(Solid.from_mesh(TriangleMesh(points, part.render.faces), closed=part.closed))
+        return dict(zip((p.part for p in entity.parts), cut_thickness(solids), strict=True))
+
     def _collect(self) -> _Parts:
         rows = {b: i for i, b in enumerate(self.cache.index.bodies)}
         names, colliders, row, thick, middle, half = [], [], [], [], [], []
         for index, name in enumerate(self.cache.index.colliders):
             entity = self.candidate.entity(name)
+            cut = self._pieces(entity) if self.candidate.spec.entities[name].breakable is not None else {}
             for part in entity.parts:
                 if not part.collision:
                     continue
@@ -135,7 +148,7 @@ class _Steps:
                 names.append(name)
                 colliders.append(index)
                 row.append(own)
-                thick.append(_part_thickness(part))
+                thick.append(max(_part_thickness(part), cut.get(part.part, 0.0)))
                 middle.append(center)
                 half.append(reach)
         return _Parts(

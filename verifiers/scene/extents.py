@@ -11,18 +11,21 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64, cross, pose_of, rotation_matrix
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import (
+    Boolean,
     Box,
     Capsule,
     Cylinder,
     Extrusion,
     HeightField,
     Hull,
+    Loft,
     Mesh,
     Revolution,
     Sheet,
     Sphere,
     StemField,
     Sweep,
+    Text,
     Wedge,
 )
 from ...worlds.sweeps import sweep_rings
@@ -48,7 +51,7 @@ class Extent(NamedTuple):
 
 
 def specified_extent(part: Part) -> Extent | None:
-    """Box of a part in the entity's frame, from the numbers of its shape and pose alone; None for an imported file.
+    """Box of a part in the entity's frame, from the numbers of its shape and pose alone; None for a file, letters and booleans.
 
     Round shapes by their support function h(u) = max x . u; the others by their corners, meshes without dust.
     """
@@ -70,7 +73,7 @@ def specified_extent(part: Part) -> Extent | None:
             return None
         vertices = np.array(shape.vertices, dtype=np.float64) * shape.scale
         return _extent(pose.apply(vertices), np.array(shape.faces, dtype=np.intp))
-    elif isinstance(shape, StemField) or (isinstance(shape, HeightField) and shape.heights is None):
+    elif isinstance(shape, StemField | Text | Boolean) or (isinstance(shape, HeightField) and shape.heights is None):
         return None
     else:
         placed = pose.apply(_corners(shape))
@@ -87,6 +90,10 @@ def _corners(shape: Shape) -> F64:
         return np.array([[sx * shape.size[0] / 2, sy * shape.size[1] / 2, 0.0] for sx in (-1, 1) for sy in (-1, 1)])
     if isinstance(shape, Hull):
         return np.array(shape.points, dtype=np.float64)
+    if isinstance(shape, Loft):
+        return np.concatenate(
+            [pose_of(s.pose).apply(np.column_stack([np.array(s.polygon), np.zeros(len(s.polygon))])) for s in shape.sections]
+        )
     if isinstance(shape, Sweep):
         return sweep_rings(shape).reshape(-1, 3)
     if isinstance(shape, Extrusion):

@@ -24,7 +24,10 @@ def sharing_problems(spec: WorldSpec, reading: Reading) -> Iterator[Problem]:
             first = of.setdefault(pointer, name)
             if first != name:
                 quote = spec.claims[first].quote
-                text = f"{claim.quote!r} and {quote!r} are both {pointer}; give each its own, or same_as {first!r} if they are one thing"
+                text = (
+                    f"{claim.quote!r} and {quote!r} are both {pointer}; give each its own, or same_as {first!r} if they are one thing, "
+                    f"in marked text [{claim.quote}](thing same_as={first})"
+                )
                 yield Problem(f"/claims/{name}/by", text)
             keys = pointer.strip("/").split("/")
             if keys[0] == "entities" and keys[1] in spec.entities:

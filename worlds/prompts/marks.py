@@ -111,7 +111,8 @@ def _faults(item: _Raw, quote: str) -> list[str]:
     kind, targets = item.words[0], item.words[1:]
     if kind not in TYPES:
         near = get_close_matches(kind, TYPES, 1)
-        found.append(f"{shown} has the type {kind!r}: write " + (f"{near[0]!r}" if near else f"one of {', '.join(TYPES)}"))
+        known = f"{near[0]!r}" if near else f"one of {', '.join(TYPES)}; what says nothing of the world stays without a mark"
+        found.append(f"{shown} has the type {kind!r}: write {known}")
     unknown = [key for key in item.options if key not in OPTIONS]
     if unknown:
         found.append(f"{shown} has the key {unknown[0]!r}: the keys are {', '.join(OPTIONS)}")

@@ -6,10 +6,11 @@ grammar are left out; every other word is `unknown`, to be typed or left as fill
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from .languages import REVIEWED, function_words, held_words, language_of
-from .lexicon import labelled
+from .lexicon import labelled, lemmas
 from .marks import Mark, MarkType, marked_text
 from .numbers import number_in, quantity_in
 from .units import Unit, folded, units_of, word_count
@@ -25,6 +26,14 @@ LONGEST_EVENT = 8
 """Words of an event or quantity."""
 LONGEST_UNIT = 5
 """Text units that are looked at behind a number for its unit of measure: own choice; `kilometres per hour` has three, `立方厘米` four."""
+
+
+STANCES = frozenset({"stand", "lie", "sit", "hang", "lean", "rest", "stay", "remain"})
+"""Verbs that say how something is, not what happens: the stance verbs of Quirk et al. (1985), A Comprehensive Grammar of the English Language, 4.32, and
+their like. With a particle (`sits down`) they tell of an event."""
+
+
+_DEFINITE = re.compile(r"\bthe\s+$", re.IGNORECASE)
 
 
 class Proposal(NamedTuple):
@@ -48,13 +57,26 @@ def proposed(text: str) -> tuple[Proposal, ...]:
 
 
 def proposal_text(prompt: str) -> str:
-    """The prompt as marked text without targets: `A [steel](property) [ball](thing) [rolls off](event) the [table](thing).`"""
-    marks = [Mark(start, end, prompt[start:end], cast("MarkType", kind)) for start, end, kind in proposed(prompt)]
+    """The prompt as marked text without targets: `A [steel](property) [ball](thing) [rolls off](event) the [table](thing).`
+
+    A noun that stands once more behind `the` is proposed as the same thing: a definite noun phrase points back (Quirk et al. 1985, 5.30).
+    """
+    marks = []
+    first: dict[str, str] = {}
+    for start, end, kind in proposed(prompt):
+        word = folded(prompt[start:end])
+        again = kind == "thing" and word in first and _DEFINITE.search(prompt[:start]) is not None
+        options = {"same_as": first[word]} if again else {}
+        marks.append(Mark(start, end, prompt[start:end], cast("MarkType", kind), options=options))
+        if kind == "thing":
+            first.setdefault(word, prompt[start:end])
     return marked_text(prompt, marks)
 
 
 def _english(text: str) -> Iterator[Proposal]:
-    yield from (Proposal(label.start, label.end, label.type) for label in labelled(text))
+    for label in labelled(text):
+        lasts = label.type == "event" and not STANCES.isdisjoint(lemmas(text[label.start : label.end], "v"))
+        yield Proposal(label.start, label.end, "property" if lasts else label.type)
 
 
 def _short(text: str, span: Proposal) -> Proposal:

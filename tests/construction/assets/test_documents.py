@@ -81,6 +81,7 @@ def test_equal_seeds_make_equal_things_and_others_vary() -> None:
     ("name", "parameters", "said"),
     [
         ("chairr", {}, "did you mean 'chair'"),
+        ("dining_table", {}, "its words find table, bedside_table"),
         ("chair", {"sea": 0.4}, "did you mean 'seat'"),
         ("chair", {"seat": 4.5}, r"'seat' of chair: .* 0.55 \(got 4.5\)"),
     ],
@@ -129,6 +130,15 @@ def test_the_checks_of_assets_see_what_is_broken() -> None:
     far = _chest()
     far.joints["slide"] = Joint("drawer", "slide", (0, 0.4, 0.2), axis=(0, -1, 0), range=(0.0, 0.25))
     assert any("acts more than" in f for f in faults(far, stands=False))
+    # Each is reached somewhere on the axis, and at no one point of it.
+    wheel = Made.of(Body("post", "oak"))
+    wheel.main.box("post", (-0.05, -0.05, 0), (0.05, 0.05, 0.3))
+    wheel.bodies["wheel"] = Body("wheel", "oak")
+    wheel.bodies["wheel"].cylinder("disc", (0.07, 0, 0.2), (0.1, 0, 0.2), 0.2)
+    wheel.joints["wheel"] = Joint("wheel", "hinge", (0.085, 0, 0.2), axis=(1, 0, 0))
+    assert any("acts more than" in f for f in faults(wheel))
+    wheel.main.cylinder("axle", (0.05, 0, 0.2), (0.067, 0, 0.2), 0.02)
+    assert not any("acts more than" in f for f in faults(wheel))
     tipping = Made.of(Body("post", "oak"))
     tipping.main.box("foot", (0, 0, 0), (0.1, 0.1, 0.1))
     tipping.main.box("arm", (0.1, 0, 0.05), (2.0, 0.1, 0.1))

@@ -44,6 +44,28 @@ def test_in_other_languages_numbers_negations_and_order_are_typed(text: str, quo
     assert (quote, kind) in quoted(text)
 
 
+def test_a_noun_behind_the_is_proposed_as_the_thing_that_was_named_before() -> None:
+    marked = proposal_text("A vase stands on a table. The vase falls, and a cup falls on the table.")
+    assert "The [vase](thing same_as=vase) [falls](event)" in marked
+    assert marked.endswith("on the [table](thing same_as=table).")
+    assert "same_as" not in proposal_text("A ball hits a ball, and the cup falls.")
+
+
+@pytest.mark.parametrize(
+    ("text", "verb", "kind"),
+    [
+        ("A gear and a bottle stand on a floor.", "stand", "property"),
+        ("Five books lay on a table.", "lay", "property"),
+        ("A lamp is hanging from the ceiling.", "hanging", "property"),
+        ("The bench stays where it is.", "stays", "property"),
+        ("The man sits down on a chair.", "sits down", "event"),
+        ("A vase falls off a shelf.", "falls off", "event"),
+    ],
+)
+def test_how_something_is_and_stays_is_proposed_as_a_property(text: str, verb: str, kind: str) -> None:
+    assert (verb, kind) in quoted(text)
+
+
 def test_an_article_that_is_also_a_number_is_no_count() -> None:
     assert ("einen", "count") not in quoted("Lass einen Mehlsack von der Leiter fallen.")
 

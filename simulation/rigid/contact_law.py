@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64
 from .contact_points import ContactPoints
 from .crumbling import scale_rows
+from .impact_friction import stop_slides
 from .impact_sequence import Blow, ImpactSequence
 from .impacts import Impact, calm
 from .sides import sides_of
@@ -115,7 +116,7 @@ class ContactLaw:
         self._passes = 0 if model.nflex else SLIP_PASSES
         self._sequence = None if model.nflex or kin is not None else ImpactSequence(model)
         self.blow: Blow | None = None
-        self.points = ContactPoints(model)
+        self._points = ContactPoints(model)
         table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
         self._keys = np.array([k for k, _ in table], dtype=np.int64)
         self._values = np.array([e for _, e in table])
@@ -139,6 +140,9 @@ class ContactLaw:
             slowest: closing speed from which on a contact bounces [m/s].
         """
         self._weak, self._found, self._impact, self.blow = None, False, None, None
+        self._points.apply(data)
+        if self.kin is not None:
+            stop_slides(self, data, dt, slowest)
         if not data.ncon or not data.nefc:
             return
         contact = data.contact

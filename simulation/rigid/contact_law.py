@@ -7,14 +7,17 @@ in one step, but its accelerations alternate from step to step and double the it
 
 Three things are added between the velocity stage of a step and its solution, in the reference accelerations:
 
-- **Restitution.** A contact that closes faster than `rest_speed` is solved for -(1 + e) v / dt: within one step, so
+- **Impacts.** Contacts that close faster than `rest_speed` are struck one after another at the beginning of the step (`impact_sequence.py`); what
+  lasts is solved for afterwards, with the speeds that they leave.
+- **Impacts of debris and beside elastic bodies.** Such a contact is solved for -(1 + e) v / dt instead: within one step, so
   that a body enters a skin by v dt at most, whatever the phase of the impact. This is Newton's law v' = -e v (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988, for several contacts
   at once). What else a step with impacts asks for is in `impacts.py`. A calibrated spring-damper gave e +-0.02 depending on the phase of the impact and dipped N times deeper.
 - **Pieces of one breakable body** meet as `crumbling` says.
 - **No lift.** The convex friction cone of MuJoCo makes a contact that slides at speed s separate at mu s: a sliding box
   hops, and a ball that hits obliquely bounces too high. Taking mu s / dt out of the normal reference makes the cone
   Coulomb's (G. De Saxce and Z.-Q. Feng, Mathematical and Computer Modelling 28 (1998) 225; F. Cadoux, 2009, for the
-  fixed-point iteration). In lasting contacts s is that of the step before; in steps with impacts it is iterated.
+  fixed-point iteration). In lasting contacts s is
+  that which the accelerations of the step before leave; in steps with impacts of debris it is iterated.
 """
 
 from __future__ import annotations

@@ -68,7 +68,8 @@ class Change:
         """JSON pointers that differ."""
         self.groups = {group_of(p) for p in self.places}
         """Their parameter groups."""
-        self.causal = [] if derived else causal_groups(_own(self.places, follows), cut_grounds(world.spec, after))
+        along = {*follows, *_relations_of_new(world.spec, after)}
+        self.causal = [] if derived else causal_groups(_own(self.places, along), cut_grounds(world.spec, after))
         """Names of the groups of scene and solver among them."""
         self.stale = stale_artifacts(world.spec, after)
         """Artifacts that the edit makes stale."""
@@ -195,6 +196,15 @@ class Change:
         }
 
 
+def _relations_of_new(before: WorldSpec, after: WorldSpec) -> set[str]:
+    """Pointers of new relations that name an entity which the edit adds: they say how that one stands, and follow from it."""
+    old, new = before.graph.relations, after.graph.relations
+    added = after.entities.keys() - before.entities.keys()
+    return {
+        f"/graph/relations/{k}" for k, r in new.items() if k not in old and {getattr(r, "a", ""), getattr(r, "b", "")} & added
+    }
+
+
 def _own(places: Sequence[str], follows: Collection[str]) -> list[str]:
     """Places of an edit without those at or below a pointer that only follows."""
     below = tuple(f"{pointer}/" for pointer in follows)
@@ -208,7 +218,8 @@ def unjudged(ledger: Ledger, *, untested: bool = False) -> str:
         return ""
     latest = looks[-1]
     if latest["stage"] == "sketch":
-        return f"rows failed in a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"
+        seen = "rows failed in, or frames were looked at without a verdict of,"
+        return f"{seen} a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"
     run = {"full": "bake"}.get(latest["stage"], latest["stage"])
     told = (
         f"frames 0..{latest['last']} of the {run} {latest['freeze'][:16]} (revision {latest['revision']}) were looked at, and it was "

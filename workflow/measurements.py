@@ -8,7 +8,7 @@ from typing import Any, Literal
 from ..worlds.begun import begun_in, open_begun, unfinished
 from ..worlds.candidate import Candidate, open_candidate
 from ..worlds.channels import QUANTITIES
-from ..worlds.coarsening import coarsened, read_overrides, read_sketch, sketched
+from ..worlds.coarsening import coarsened, read_factors, read_overrides, sketched
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.hints import did_you_mean
 from .answers import answer, call, paged
@@ -70,7 +70,8 @@ def seen_candidate(session: Session, stage: str = "best") -> Candidate:
     freeze = session.freeze()
     root = session.folder.candidate(freeze) / SKETCH
     try:
-        spec, _ = sketched(session.spec, *read_sketch(root))
+        factors = read_factors(root)
+        spec, _ = sketched(session.spec, factors.coarser, factors.steps)
         return begun_in(session.folder, root, spec, found.built).candidate
     except EvidenceError:
         if stage == "best":

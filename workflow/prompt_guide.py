@@ -92,11 +92,13 @@ def prompt_guide(prompt: str) -> dict[str, Any]:
         "rules": json.loads((SKILLS / "world-building" / "rules.json").read_text("utf-8")),
         "example": _example(words, [c.name for c in called if c in told or c.name in BASE]),
     }
-    data["sections"], left = _sections(words, told, CHARACTERS - size_of(data) - 1_400)
-    data["more"] = left
+    doubts = _doubts(prompt, called)
     then = "edit_spec(world=..., prompt=..., spec=..., claims=...): claims is `marked` with a target for each type, see world-building/SKILL.md#Claims"
     said = f"what the skills say of this prompt: {', '.join(c.name for c in told) or 'bodies alone'}"
-    return answer(data, said, then, _doubts(prompt, called))
+    # With the place of every section in `more`, where most of them then are.
+    bare = {**data, "sections": {}, "more": _sections(words, told, 0)[1]}
+    data["sections"], data["more"] = _sections(words, told, CHARACTERS - size_of(answer(bare, said, then, doubts)))
+    return answer(data, said, then, doubts)
 
 
 def _doubts(prompt: str, called: list[_Called]) -> list[str]:

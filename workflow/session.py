@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..worlds.audits.audit import AuditReport, audit
 from ..worlds.canonical import spec_digest
+from ..worlds.coarsening import read_factors
 from ..worlds.documents import text_of
 from ..worlds.errors import RefusedError
 from ..worlds.limits import check_cap
@@ -132,6 +133,10 @@ class Session(OpenedWorld):
             return ""
         root = (self.folder.root / candidate.artifact).parent
         freeze = str(self.folder.read_json(root / "candidate.json")["freeze"])
+        if candidate.artifact.endswith("/sketch"):
+            if not read_factors(self.folder.root / candidate.artifact).judged:
+                self.ledger.add_look(freeze, "sketch", self.revision, last)
+            return "frames of a sketch, coarse and without a verdict: no row of the matrix is from it"
         if candidate.stage == "full":
             known = self.ledger.bake(freeze)
             judged = None if known is None else known["digest"]

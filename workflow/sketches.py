@@ -51,7 +51,7 @@ def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Simulate a sketch, judge its frames by the checks that decide, and count it as the test of what was changed."""
     from ..simulation.schedule import run_groups
     from ..worlds.bake_plan import groups_of
-    from ..worlds.coarsening import sketched, write_sketch
+    from ..worlds.coarsening import Factors, sketched, write_factors
 
     work = open_work(payload)
     session, freeze = work.session, work.freeze
@@ -60,7 +60,8 @@ def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     end, began = end_of(spec, asked), time.monotonic()
     root = session.folder.candidate(freeze) / "sketch"
     shutil.rmtree(root, ignore_errors=True)
-    write_sketch(root, asked.coarser, asked.steps)
+    factors = Factors(asked.coarser, asked.steps, judged=False)
+    write_factors(root, factors)
     told, groups = Part(context.progress, 0.0, SIMULATING), len(groups_of(spec))
     run_groups(
         spec, work.built, root, frames=end + 1, check=context.check, reuse=False,
@@ -68,6 +69,7 @@ def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     )  # fmt: skip
     simulated = time.monotonic() - began
     told_of = _judged(work, spec, root, Part(context.progress, SIMULATING, 1.0))
+    write_factors(root, factors._replace(judged=True))
     spent = {"simulated": round(simulated, 1), "judged": round(time.monotonic() - began - simulated, 1)}
     return {"frames_sketched": end + 1, "seconds": spent, "left_coarser": coarsened, **told_of}
 

@@ -10,7 +10,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from .categories.registry import CATEGORIES
 from .errors import EvidenceError, InputError
@@ -20,8 +20,17 @@ if TYPE_CHECKING:
     from .spec import WorldSpec
 
 __all__ = [
-    "COARSEST", "OVERRIDES", "coarsened", "overrides_for", "read_overrides", "read_sketch", "sketched", "write_overrides", "write_sketch",
-]  # fmt: skip
+    "COARSEST",
+    "OVERRIDES",
+    "Factors",
+    "coarsened",
+    "overrides_for",
+    "read_factors",
+    "read_overrides",
+    "sketched",
+    "write_factors",
+    "write_overrides",
+]
 
 COARSEST = 2.0
 """Own choice: a liquid of twice the spacing, or grains of twice the radius, have an eighth of the particles and about a sixteenth of the cost; coarser ones lose the
@@ -33,7 +42,7 @@ LONGEST_STEP = 5e-3
 OVERRIDES = "overrides.json"
 """File of them in the folder of a probe."""
 FACTORS = "factors.json"
-"""File of the factors of a sketch in its folder."""
+"""File in the folder of a sketch that says by what it is coarser."""
 
 
 def overrides_for(spec: WorldSpec, factor: float) -> dict[str, float]:
@@ -118,6 +127,38 @@ def sketched(spec: WorldSpec, coarser: float, steps: float) -> tuple[WorldSpec, 
     return _with_knobs(spec, values).model_copy(update={"simulation": plan}), told
 
 
+class Factors(NamedTuple):
+    """By what a sketch is coarser."""
+
+    coarser: float
+    """Factor of spacings, cells and radii."""
+    steps: float
+    """Factor of the steps of rigid instances."""
+    judged: bool
+    """True once its rows are told."""
+
+
+def write_factors(sketch: Path, factors: Factors) -> None:
+    """Record by what the sketch in a folder is coarser, so that its frames can be read."""
+    sketch.mkdir(parents=True, exist_ok=True)
+    write_atomically(sketch / FACTORS, json.dumps(factors._asdict()).encode())
+
+
+def read_factors(sketch: Path) -> Factors:
+    """Factors of the sketch in a folder.
+
+    Raises:
+        EvidenceError: there is none, or its record is damaged.
+    """
+    try:
+        held = json.loads((sketch / FACTORS).read_text())
+        return Factors(float(held["coarser"]), float(held["steps"]), bool(held["judged"]))
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise EvidenceError(
+            f"{FACTORS} of the sketch is missing or damaged ({error}); call probe_sim(sketch=...) again"
+        ) from error
+
+
 def read_overrides(probe: Path) -> dict[str, float]:
     """Overrides of the probe in a folder; empty where it runs at production settings.
 
@@ -136,21 +177,3 @@ def read_overrides(probe: Path) -> dict[str, float]:
 def write_overrides(probe: Path, overrides: Mapping[str, float]) -> None:
     """Record the overrides of a probe."""
     write_atomically(probe / OVERRIDES, json.dumps(overrides, sort_keys=True).encode())
-
-
-def read_sketch(folder: Path) -> tuple[float, float]:
-    """Factors of the sketch in a folder, as `sketched` takes them: of spacings, and of the steps of rigid instances.
-
-    Raises:
-        EvidenceError: there is no sketch, or its record is damaged.
-    """
-    try:
-        found = json.loads((folder / FACTORS).read_text())
-        return float(found["coarser"]), float(found["steps"])
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        raise EvidenceError(f"no sketch can be read ({error}); call probe_sim with sketch") from error
-
-
-def write_sketch(folder: Path, coarser: float, steps: float) -> None:
-    """Record the factors of a sketch."""
-    write_atomically(folder / FACTORS, json.dumps({"coarser": coarser, "steps": steps}).encode())

@@ -295,7 +295,7 @@ class Ledger(ReviewLedger):
 
         Args:
             freeze: of the motion.
-            stage: `probe` or `full`; `sketch`, where rows of one failed.
+            stage: `probe` or `full`; `sketch`, where rows of one failed, or it was looked at before they were told.
             revision: present one.
             last: last frame that was shown.
         """

@@ -53,6 +53,19 @@ def test_a_sketch_tests_a_hypothesis_and_opens_no_gate(slow: Agent) -> None:
     assert again["next"] == "probe_sim(world='w')"
 
 
+def test_the_frames_of_a_sketch_can_be_read_and_drawn_and_are_not_judged(slow: Agent) -> None:
+    slow.call("probe_sim", world="w", sketch={"until": 12, "steps": 2})
+    seen = slow.call("inspect_world", world="w", part="state", entities=["ball"], frames=[0, 10])
+    assert seen["source"].endswith("/sketch")
+    places = seen["entities"]["ball"]["position"]
+    assert places[10][0] > places[0][0] + 0.05
+    assert not slow.result("render_shot", world="w", kind="preview", frame=10).is_error
+    assert "out of range" in slow.refused("render_shot", world="w", kind="preview", frame=13)
+    assert "no probe" in slow.refused("run_checks", world="w", scope="probe")
+    slow.call("edit_spec", world="w", patch=CURE, hypothesis="the ball is too slow to come there in time")
+    assert slow.call("inspect_world", world="w", part="state", entities=["ball"])["source"] == "world.json", "other settings"
+
+
 def test_a_sketch_is_the_test_of_the_change_that_a_failed_probe_asked_for(slow: Agent) -> None:
     assert not slow.call("probe_sim", world="w")["passed"]
     slow.call("edit_spec", world="w", patch=CURE[:1], hypothesis="it need not spin, only be quick")

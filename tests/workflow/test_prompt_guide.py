@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from worldagent.bench.evaluation.prompts.reading import load_prompts
 from worldagent.testing.prompts import strangers
 from worldagent.workflow.answers import size_of
 from worldagent.workflow.prompt_guide import CHARACTERS, SKILLS, prompt_guide
@@ -104,3 +105,10 @@ def test_what_a_guide_names_is_there(path: Path) -> None:
 
 def test_every_skill_but_that_of_repair_has_its_guide() -> None:
     assert {p.parent.name for p in GUIDES} == {p.parent.name for p in SKILLS.glob("*/SKILL.md")} - {"repair"}
+
+
+def test_what_a_prompt_speaks_of_again_and_again_comes_before_what_it_names_once() -> None:
+    """The flooded corridor names many things once and the water six times; of liquids it told nothing before."""
+    told = prompt_guide(load_prompts("agenticsimbench")["hotel_corridor"].text)
+    assert "liquids" in list(told["skills"])[:4]
+    assert any(place.startswith("liquids/") for place in told["sections"])

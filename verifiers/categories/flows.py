@@ -19,9 +19,8 @@ from .bounds import (
     RIDES,
     SPREAD,
     SPREAD_BORNE,
-    SPREAD_CELL,
 )
-from .granules import matter_of
+from .granules import covered, matter_of
 from .liquid.solids import pieces_of
 from .liquid.told import painted
 
@@ -120,7 +119,7 @@ def spreads(scope: Scope, p: SpreadEvent) -> Outcome:
     area, borne = np.zeros(scope.length), np.full(scope.length, np.nan)
     for i, index in enumerate(range(first, last + 1)):
         now = matter.at(index)
-        area[i] = _covered(now, matter)
+        area[i] = covered(now.position, matter.up, matter.pitch)
         if index > 0:
             borne[i] = _borne(now, matter.at(index - 1), matter, strength)
     start = area[0] if area[0] > 0.0 else np.nan
@@ -129,14 +128,6 @@ def spreads(scope: Scope, p: SpreadEvent) -> Outcome:
         Condition("share of its weight that is borne", borne, SPREAD_BORNE),
     )
     return happens(scope, p.entity, conditions, lambda i: {"area_m2": float(area[i]), "from_m2": float(area[0])})
-
-
-def _covered(now: Granules, matter: Matter) -> float:
-    """Area of the squares seen from above that hold a particle [m^2]."""
-    flat = np.eye(3)[np.argsort(np.abs(matter.up))[:2]]
-    side = SPREAD_CELL * matter.pitch
-    cells = np.unique(np.floor(now.position @ (flat - np.outer(flat @ matter.up, matter.up)).T / side), axis=0)
-    return len(cells) * side**2
 
 
 def _borne(now: Granules, before: Granules, matter: Matter, strength: float) -> float:

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from ...worlds.errors import EvidenceError
-from .bounds import PACKING
+from .bounds import PACKING, SPREAD_CELL
 from .liquid.told import liquid_or_none
 from .particles.frames import swarm_of
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
 
-__all__ = ["Granules", "Matter", "matter_of"]
+__all__ = ["Granules", "Matter", "covered", "matter_of", "mean_depth"]
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,33 @@ class Matter:
         """Unit vector against gravity; +z where there is none."""
         size = float(np.linalg.norm(self.gravity))
         return -self.gravity / size if size > 1e-9 else np.array([0.0, 0.0, 1.0])
+
+
+def covered(position: F64, up: F64, pitch: float) -> float:
+    """Area of the squares seen from above that hold a particle [m^2].
+
+    Args:
+        position: of the particles [m], shape (n, 3).
+        up: unit vector against gravity.
+        pitch: distance of the particles [m].
+    """
+    return len(np.unique(_squares(position, up, pitch), axis=0)) * (SPREAD_CELL * pitch) ** 2
+
+
+def mean_depth(position: F64, volume: F64, up: F64, pitch: float) -> float:
+    """Depth of the matter at the place of the mean particle: volume over area of each square, weighted by the volumes [m]; 0 without any."""
+    if not len(position):
+        return 0.0
+    _, square = np.unique(_squares(position, up, pitch), axis=0, return_inverse=True)
+    held = np.bincount(square.ravel(), weights=volume)
+    return float((held @ held) / held.sum()) / (SPREAD_CELL * pitch) ** 2
+
+
+def _squares(position: F64, up: F64, pitch: float) -> F64:
+    """Square that each particle is in, seen from above, shape (n, 2)."""
+    flat = np.eye(3)[np.argsort(np.abs(up))[:2]]
+    squares: F64 = np.floor(position @ (flat - np.outer(flat @ up, up)).T / (SPREAD_CELL * pitch))
+    return squares
 
 
 def matter_of(candidate: Candidate, entity: str) -> Matter | str:

@@ -62,7 +62,12 @@ def count_of(candidate: Candidate, name: str) -> Finding:
         return repeats_of(candidate, name)
     spec, counted = candidate.spec, counted_of(candidate.spec, name)
     asked, quote = float(counted.asked or 0), spec.claims[name].quote
-    tallies = [*_pieces(candidate, name, counted), *_stories(candidate, name, counted), *_events(candidate, name, counted)]
+    tallies = [
+        *_pieces(candidate, name, counted),
+        *_sides(candidate, counted),
+        *_stories(candidate, name, counted),
+        *_events(candidate, name, counted),
+    ]
     evidence = {
         "rivals": [f"{asked - 1:g}", f"{asked + 1:g}"],
         "counts": {t.text: t.found for t in tallies},
@@ -105,6 +110,30 @@ def _pieces(candidate: Candidate, name: str, counted: Counted) -> list[Tally]:
     if more:
         why += f"; {listed(more, SHOWN)} beside them looks the same, and no claim speaks of it"
     return [Tally(lumps + len(more), f"{lumps + len(more)} separate bodies{why}")]
+
+
+def _sides(candidate: Candidate, counted: Counted) -> list[Tally]:
+    """Number of the counted bodies that stand in equal groups on two sides, where the words give their number to each.
+
+    They do where a level direction parts them by a gap that is wider than either group is deep in it.
+    """
+    known = [n for n in counted.bodies if n in candidate.solids]
+    if counted.sides != 2 or len(known) < 2:
+        return []
+    boxes = [candidate.vertices(n, 0) for n in known]
+    places = np.array([0.5 * (b.min(axis=0) + b.max(axis=0)) for b in boxes])
+    flat = places[:, :2] - places[:, :2].mean(axis=0)
+    half, best, fuller = len(known) // 2, -np.inf, len(known)
+    for axis in (*np.linalg.eigh(flat.T @ flat)[1].T, *np.eye(2)):
+        along = np.sort(flat @ axis)
+        gaps = np.diff(along)
+        cut = int(np.argmax(gaps)) + 1
+        deep = max(along[cut - 1] - along[0], along[-1] - along[cut])
+        if gaps[cut - 1] > deep and gaps[cut - 1] - deep > best:
+            best, fuller = float(gaps[cut - 1] - deep), max(cut, len(known) - cut)
+    found = len(known) if 2 * fuller == len(known) == 2 * half else 2 * (len(known) - fuller)
+    text = f"{half} stand on each side" if found == len(known) else f"they do not stand {half} on each of two sides"
+    return [Tally(found, text)]
 
 
 def _short(unit: str) -> str:

@@ -20,8 +20,10 @@ from ..categories.gas import events as gas_events
 from ..categories.gas import flames
 from ..categories.gas import predicates as gas
 from ..categories.gas.judge import GasJudge
+from ..categories.liquid import deeds as liquid_deeds
 from ..categories.liquid import floating, splashing
 from ..categories.liquid import predicates as liquid
+from ..categories.liquid.judge import LiquidJudge
 from ..categories.particles import events as particle_events
 from ..categories.particles import predicates as particle
 from . import combine, comparing, kinematic, landscape, touching
@@ -112,7 +114,7 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "or": combine.or_,
     "not": combine.not_,
 }
-OWN: Mapping[str, Mapping[str, Evaluator]] = {GasJudge.name: gas_events.EVENTS}
+OWN: Mapping[str, Mapping[str, Evaluator]] = {GasJudge.name: gas_events.EVENTS, LiquidJudge.name: liquid_deeds.EVENTS}
 """By category, kinds of event that such matter meets by a definition of its own."""
 
 

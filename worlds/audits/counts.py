@@ -14,6 +14,8 @@ from ..predicates import And, Count, entities_of
 from ..problems import Problem
 from ..prompts.languages import language_of
 from ..prompts.numbers import number_in
+from ..prompts.quotes import occurrence
+from ..prompts.shares import sides_behind
 from ..repeats import is_repeat
 from ..slices import geometry_slice
 from ..spec import Beat, Claim, Requirement, SpecModel, WorldSpec
@@ -37,13 +39,15 @@ class Counted(NamedTuple):
     """Things that a claim counts, and the number of its words."""
 
     number: float | None
-    """That its words state; None where they are not understood."""
+    """That its words state, of all sides together; None where they are not understood."""
     units: tuple[str, ...]
     """Pointers of the things that it counts: of entities, or of parts of them."""
     bodies: tuple[str, ...]
     """Entities among them."""
     stories: tuple[tuple[str, str], ...]
     """Beats and requirements that count for it: (group, id)."""
+    sides: int = 1
+    """To each of which its words give their number: 2 where they say `on each side`."""
 
     @property
     def asked(self) -> float | None:
@@ -60,8 +64,10 @@ def counted_of(spec: WorldSpec, name: str) -> Counted:
             units[pointer] = None
     bodies = dict.fromkeys(u.split("/")[2] for u in units)
     stories = tuple((group, n) for group in _STORY for n in named_in(spec, name, group))
-    number = number_in(spec.claims[name].quote, language_of(spec.prompt))
-    return Counted(number, tuple(units), tuple(bodies), stories)
+    claim, language = spec.claims[name], language_of(spec.prompt)
+    number = number_in(claim.quote, language)
+    sides = sides_behind(spec.prompt, occurrence(spec.prompt, claim.quote, claim.nth)[1], language)
+    return Counted(None if number is None else sides * number, tuple(units), tuple(bodies), stories, sides)
 
 
 def countings_of(predicate: SpecModel) -> list[Count]:
@@ -94,9 +100,7 @@ def count_problems(spec: WorldSpec, name: str, claim: Claim, leaves: Mapping[str
         return
     if number is not None and len(found.units) != number:
         named = ", ".join(u.removeprefix("/entities/") for u in found.units[:4])
-        text = (
-            f"{claim.quote!r} counts {number:g}, by names {len(found.units)} ({named}); name exactly {number:g} separate entities"
-        )
+        text = f"{claim.quote!r} counts {number:g}{_shared(found)}, by names {len(found.units)} ({named}); name exactly {number:g} separate entities"
         yield Problem(place, text)
         return
     yield from _parts(spec, claim, found, place)
@@ -107,6 +111,11 @@ def count_problems(spec: WorldSpec, name: str, claim: Claim, leaves: Mapping[str
     yield from _more(spec, name, claim, set(found.bodies), place)
     yield from _partly_told(spec, name, claim, set(found.bodies))
     yield from _untold(spec, name, claim, set(found.bodies))
+
+
+def _shared(found: Counted) -> str:
+    """Why the number is more than the one that stands there."""
+    return f" ({(found.number or 0) / found.sides:g} on each of {found.sides} sides)" if found.sides > 1 else ""
 
 
 def _told_by(spec: WorldSpec, claim: Claim, found: Counted, place: str) -> Iterator[Problem]:

@@ -198,7 +198,8 @@ def _without_bodies(spec: WorldSpec) -> list[Problem]:
                 if entity == matter:
                     continue
                 category = CATEGORIES[spec.entities[entity].physics.category] if entity in spec.entities else None
-                if category is not None and category.asked and kind not in category.meets:
+                itself = kind in category.meets and entity == getattr(atom, "entity", entity) if category is not None else False
+                if category is not None and category.asked and not itself:
                     text = f"{kind} asks for a body, and {entity!r} is {category.name}: ask {category.asked}"
                     problems.append(Problem(place, text))
     return problems

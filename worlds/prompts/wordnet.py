@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from .english import KINDS
 from .english import SHARES as REVIEWED
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def _data() -> _Data:
     types = dict(line.split(" ") for line in lines["types"])
     kinds = {lemma: frozenset(found) for lemma, *found in (line.split() for line in lines["kinds"])}
     facts = {key: value for key, _, value in (line.rpartition(" ") for line in head.splitlines())}
-    return _Data({**facts, "source": _source(head)}, {**types, **REVIEWED}, forms, kinds)
+    return _Data({**facts, "source": _source(head)}, {**types, **REVIEWED}, forms, {**kinds, **KINDS})
 
 
 def _source(head: str) -> str:
@@ -164,6 +165,6 @@ def verb_kinds(verb: str, after: Sequence[str] = ()) -> frozenset[str] | None:
     """
     head, *rest = verb.casefold().split() or [""]
     later = [word.casefold() for word in after]
-    texts = [head, *(f"{head}_{word}" for word in (*rest, *later)), *(f"{head}_{a}_{b}" for a, b in pairwise(later))]
+    texts = [head, *(f"{head}_{word}" for word in (*rest, *later)), *(f"{head}_{a}_{b}" for a, b in pairwise((*rest, *later)))]
     found = [_data().kinds[lemma] for text in texts for lemma in _candidates(text, "v") if lemma in _data().kinds]
     return frozenset().union(*found) if found else None

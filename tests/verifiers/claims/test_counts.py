@@ -171,3 +171,41 @@ def test_a_length_that_happens_to_be_three_counts_nothing() -> None:
     high = spec.entities["b1"].model_copy(update={"pose": pose((0, 0, 3.0))})
     spec = spec.model_copy(update={"entities": {**spec.entities, "b1": high}})
     assert any("by names 0" in t for t in problems(claims, spec, beats=falls(1, 2, 3)))
+
+
+def sided(*sides: float, step: float = 0.5) -> WorldSpec:
+    """Blocks along a way, each at a distance to its side."""
+    row = {f"b{k + 1}": box(0.2, 0.2, 0.2, motion="dynamic", at=(step * (k // 2), y, LOW)) for k, y in enumerate(sides)}
+    return world({"floor": ground(20.0), **row}, frames=2, settings=RigidSettings(step=1e-3))
+
+
+TWO_EACH = {
+    "two": {"quote": "Two", "type": "count", "by": ids(1, 2, 3, 4)},
+    "blocks": {"quote": "blocks", "type": "thing", "by": ids(1, 2, 3, 4)},
+}
+EACH_SIDE = "Two blocks stand on each side of the way."
+
+
+def test_a_number_on_each_side_is_twice_as_many(tmp_path: Path) -> None:
+    found = rows(tmp_path, sided(1, -1, 1, -1), TWO_EACH, prompt=EACH_SIDE)["two"]
+    assert (found.status, found.measured, found.bound) == ("pass", 4.0, 4.0), found.evidence
+    assert "2 stand on each side" in found.evidence["explanation"]
+
+
+@pytest.mark.parametrize("sides", [(1, 1, 1, -1), (0, 0, 0, 0)], ids=["three and one", "in one row"])
+def test_a_number_on_each_side_is_held_to_the_sides(sides: tuple[float, ...], tmp_path: Path) -> None:
+    spec = sided(*sides) if any(sides) else sided(*(0.4 * k for k in range(4)), step=0.0)
+    found = rows(tmp_path, spec, TWO_EACH, prompt=EACH_SIDE)["two"]
+    assert found.status == "fail"
+    assert "on each of two sides" in found.evidence["explanation"]
+
+
+def test_the_audit_counts_both_sides_and_without_them_one() -> None:
+    def said(prompt: str, counted: tuple[int, ...]) -> list[str]:
+        claims = {**TWO_EACH, "two": {"quote": "Two", "type": "count", "by": ids(*counted)}}
+        return [p.text for p in claim_problems(claimed(sided(1, -1, 1, -1), claims, prompt=prompt)) if "counts" in p.text]
+
+    assert said(EACH_SIDE, (1, 2, 3, 4)) == []
+    assert "(2 on each of 2 sides)" in said(EACH_SIDE, (1, 2))[0]
+    assert said("Two blocks stand on the far side of the way.", (1, 2, 3, 4)) != []
+    assert said("Two blocks stand there, and a wall on each side.", (1, 2, 3, 4)) != [], "those words are of another clause"

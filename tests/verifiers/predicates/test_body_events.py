@@ -9,6 +9,7 @@ from typing import Any, get_args
 import pytest
 from worldagent.testing.defects._films import Film, copied, film_of
 from worldagent.testing.worlds.event_worlds import event_world
+from worldagent.testing.worlds.small_worlds import pose
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.predicates.combine import substitute
 from worldagent.verifiers.predicates.events import EVENTS, bounds
@@ -16,7 +17,7 @@ from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.predicates import BodyEvent, Compares, PairEvent, TouchEvent
 from worldagent.worlds.predicates.event_kinds import BODY_EVENTS
 from worldagent.worlds.predicates.events import EVENT_KINDS, event_atoms
-from worldagent.worlds.spec import SlideJoint
+from worldagent.worlds.spec import Box, Part, SlideJoint
 
 MODELS = (BodyEvent, TouchEvent, PairEvent)
 
@@ -41,7 +42,7 @@ TRUE: dict[str, list[tuple[str, ...]]] = {
     "opens": [("door_opens", "door"), ("door_opens", "door", "frame")],
     "closes": [("door_closes", "door")],
     "pulls": [("pull", "hand", "box")],
-    "lifts": [("lifted", "hand", "box"), ("toss", "hand", "box")],
+    "lifts": [("lifted", "hand", "box"), ("toss", "hand", "box"), ("seesaw", "beam", "cube")],
     "lowers": [("lowered", "hand", "box")],
     "throws": [("toss", "hand", "box")],
     "rests_against": [("lean", "plank", "wall")],
@@ -299,6 +300,23 @@ def test_what_a_slide_opens_is_not_told_by_surfaces(tmp_path: Any) -> None:
     outcome = evaluate(copied(film_of(spec)).candidate(tmp_path), event("opens", "door"), (0, 35))
     assert outcome.status == "unverified"
     assert "joint_angle" in outcome.explanation
+
+
+@pytest.mark.parametrize(("world", "kind"), [("door_opens", "opens"), ("door_closes", "closes")])
+def test_a_door_over_a_floor_that_is_of_one_body_with_its_frame_opens_and_closes(world: str, kind: str, tmp_path: Any) -> None:
+    """The lower end of its free edge is near that floor however it stands."""
+    base = event_world(world)
+    sill = Part(shape=Box(size=(3.0, 3.0, 0.02)), pose=pose((0.43, 0, -0.915)))
+    frame = base.entities["frame"]
+    room = frame.model_copy(update={
+        "parts": {**frame.parts, "sill": sill}, "dimensions": frame.dimensions.model_copy(update={"size": (3.0, 3.0, 2.0)}),
+    })  # fmt: skip
+    spec = base.model_copy(update={"entities": {**base.entities, "frame": room}})
+    other = {"opens": "closes", "closes": "opens"}[kind]
+    candidate = copied(film_of(spec)).candidate(tmp_path)
+    outcome = evaluate(candidate, event(kind, "door"), (0, candidate.last_frame))
+    assert outcome.status == "pass", outcome.explanation
+    assert evaluate(candidate, event(other, "door"), (0, candidate.last_frame)).status == "fail"
 
 
 def test_a_body_that_a_rope_entity_holds_is_pulled_through_it(tmp_path: Any) -> None:

@@ -128,6 +128,23 @@ def test_figures_of_words_verbs_and_warnings_stay_above_their_floors() -> None:
     assert kinds["unseen"]["precision"] >= 0.86
 
 
+@pytest.mark.parametrize(
+    ("text", "quote", "kind"),
+    [
+        ("The double door bursts open.", "bursts open", "opens"),
+        ("The lid slams shut.", "slams shut", "closes"),
+        ("In the end the water comes to rest in the hall.", "comes to rest", "stops"),
+        ("The water rushes into the hall.", "rushes", "flows"),
+    ],
+)
+def test_a_verb_is_one_thing_with_the_word_behind_it_and_fits_its_kind(text: str, quote: str, kind: str) -> None:
+    """The first said "breaks, jumps", the last two "no kind of event for this verb"."""
+    readings = [reading(text, quote, "event", kind)]
+    assert [w.word for w in warnings_for(readings, text, "en") if w.marked.startswith("an event")] == []
+    readings = [reading(text, quote, "event", "spins")]
+    assert [w.word for w in warnings_for(readings, text, "en") if w.marked.startswith("an event")] != []
+
+
 @pytest.mark.parametrize("verb", ["hum", "melts", "walking", "travels", "xyzzyqs", ""])
 def test_a_verb_of_no_kind_is_said_to_have_none(verb: str) -> None:
     assert verb_kinds(verb) is None

@@ -214,3 +214,10 @@ SPLASH_CREST = 8
 """[particles] Own choice: as for `splash_height`."""
 SPLASH_ABOUT = 2.0
 """[1] Own choice: of the body's greatest extent, how far off it the liquid about it is looked at."""
+
+REST_SPEED = 0.05
+"""[1] Own choice: of sqrt(g depth), root mean square speed below which a liquid is at rest: its waves are a twentieth of its depth high."""
+REST_SECONDS = 1.0
+"""[s] Own choice: a standing wave in a room turns round in less."""
+REST_FROM = 4.0
+"""[1] Own choice: of that speed, what it had before: waves a fifth of its depth high."""

@@ -108,3 +108,5 @@ OPEN_GAP = 0.25
 """[1] of the reach from the hinge. Own choice: about 15 degrees, through which one sees."""
 SHUT_GAP = 0.05
 """[1] of the reach from the hinge. Own choice: 3 degrees; what is farther from its frame is ajar."""
+MIDDLE = 0.35
+"""[1] Own choice: from an end of a free edge towards the other; what is between is its middle, off what lies over and under it."""

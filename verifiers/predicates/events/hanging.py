@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ....worlds.arrays import F64, compose, pose_of, rotation_matrix
 from ....worlds.errors import EvidenceError
@@ -12,12 +13,14 @@ from ....worlds.spec import BallJoint, DetachDriver, HingeJoint, Rope, SlideJoin
 from ...ledgers import motion
 from ...scene.surfaces import surfaces_of
 from ..outcome import Outcome
-from .bounds import LOOSE_WAY, OPEN_GAP, SHUT_GAP, SWING_BLOW, SWING_EVEN, SWING_SLOW, SWING_TURN
+from .bounds import LOOSE_WAY, MIDDLE, OPEN_GAP, SHUT_GAP, SWING_BLOW, SWING_EVEN, SWING_SLOW, SWING_TURN
 from .course import Course, course_of
 from .measures import happened, span_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from numpy.typing import NDArray
 
     from ....worlds.candidate import Candidate
     from ....worlds.predicates import BodyEvent, TouchEvent
@@ -179,21 +182,18 @@ def opens(scope: Scope, p: TouchEvent) -> Outcome:
     """Measured: gap between the leaf's free edge and what it lay against [1] of its reach from the hinge."""
     if not _hung(scope, p):
         return _unhung(scope, p, "open")
-    gap, span, other = _gap(scope, p)
-    shut = gap <= SHUT_GAP
-    was = np.maximum.accumulate(shut)
-    value = np.where(was, gap, 0.0)[1:]
-    return _leaf(scope, p, span, value, gap, other, max(OPEN_GAP, p.min or 0.0), "opens")
+    gaps, span, other = _gap(scope, p)
+    values = [np.where(np.maximum.accumulate(gap <= SHUT_GAP), gap, 0.0)[1:] for gap in gaps]
+    return _leaf(scope, p, span, values, gaps, other, max(OPEN_GAP, p.min or 0.0), "opens")
 
 
 def closes(scope: Scope, p: TouchEvent) -> Outcome:
     """Measured: how far its free edge had been off when it comes to what it lies against [1] of its reach from the hinge."""
     if not _hung(scope, p):
         return _unhung(scope, p, "close")
-    gap, span, other = _gap(scope, p)
-    widest = np.maximum.accumulate(gap)
-    value = np.where(gap <= SHUT_GAP, widest, 0.0)[1:]
-    return _leaf(scope, p, span, value, gap, other, max(OPEN_GAP, p.min or 0.0), "closes")
+    gaps, span, other = _gap(scope, p)
+    values = [np.where(gap <= SHUT_GAP, np.maximum.accumulate(gap), 0.0)[1:] for gap in gaps]
+    return _leaf(scope, p, span, values, gaps, other, max(OPEN_GAP, p.min or 0.0), "closes")
 
 
 def _hung(scope: Scope, p: TouchEvent) -> bool:
@@ -209,7 +209,13 @@ def _unhung(scope: Scope, p: TouchEvent, verb: str) -> Outcome:
     return happened(scope, p.entity, np.zeros(span.stop - span.start), OPEN_GAP, "1", lambda i: text)
 
 
-def _leaf(scope: Scope, p: TouchEvent, span: slice, value: F64, gap: F64, other: str, least: float, verb: str) -> Outcome:
+def _leaf(
+    scope: Scope, p: TouchEvent, span: slice, values: list[F64], gaps: tuple[F64, F64], other: str, least: float, verb: str
+) -> Outcome:
+    """Outcome by the whole free edge, or by the middle of it where that tells more."""
+    edge = int(np.argmax([v.max(initial=0.0) for v in values]))
+    value, gap = values[edge], gaps[edge]
+
     def tell(i: int) -> str:
         if value[i] <= 0.0:
             return f"{p.entity} never {verb} on {other}: its free edge is {gap.min():.2g} to {gap.max():.2g} of its reach off"
@@ -221,8 +227,12 @@ def _leaf(scope: Scope, p: TouchEvent, span: slice, value: F64, gap: F64, other:
     return happened(scope, p.entity, value, least, "1", tell, detail)
 
 
-def _gap(scope: Scope, p: TouchEvent) -> tuple[F64, slice, str]:
-    """Distance of the leaf's farthest points from what it closes against, by their reach from the hinge, per frame of the span."""
+def _gap(scope: Scope, p: TouchEvent) -> tuple[tuple[F64, F64], slice, str]:
+    """Distance of the leaf's farthest points from what it closes against, by their reach from the hinge, per frame of the span.
+
+    Of the whole free edge, and of the middle of it: the floor under a door may be of the same body as its frame, and the lower end of the
+    edge is near it however the door stands.
+    """
     candidate, span = scope.candidate, span_of(scope)
     hinge = next(
         (j for j in candidate.spec.simulation.joints.values() if isinstance(j, HingeJoint) and j.child == p.entity), None
@@ -243,14 +253,31 @@ def _gap(scope: Scope, p: TouchEvent) -> tuple[F64, slice, str]:
     far = reach >= (1.0 - SHUT_GAP) * reach.max()
     surfaces = surfaces_of(candidate)
     frames = range(span.start, span.stop + 1)
-    return np.array([_nearest(surfaces, candidate, p.entity, far, other, k) for k in frames]) / float(reach.max()), span, other
+    across = _opposite(arms[far], axis)
+    whole, middle = [], []
+    for k in frames:
+        ends = candidate.vertices(p.entity, k)[far]
+        whole.append(_nearest(surfaces, ends, other, k))
+        middle.append(_nearest(surfaces, ends + MIDDLE * (ends[across] - ends), other, k))
+    return (np.array(whole) / float(reach.max()), np.array(middle) / float(reach.max())), span, other
 
 
-def _nearest(surfaces: Any, candidate: Candidate, entity: str, far: F64, other: str, frame: int) -> float:
-    """Distance of the farthest vertices from a surface [m]."""
+def _opposite(arms: F64, axis: F64) -> NDArray[np.intp]:
+    """For each point of a free edge the nearest in line with it at the other end of the edge; itself where none is, shape (n,)."""
+    along = arms @ axis
+    side = along > 0.5 * (along.min() + along.max())
+    flat, found = arms - along[:, None] * axis, np.arange(len(arms))
+    for mine in (side, ~side):
+        if mine.any() and not mine.all():
+            found[mine] = np.flatnonzero(~mine)[cKDTree(flat[~mine]).query(flat[mine])[1]]
+    return found
+
+
+def _nearest(surfaces: Any, points: F64, other: str, frame: int) -> float:
+    """Distance of points from a surface at a frame [m]."""
     from ....geometry import distance_to_surface
 
-    points, least = candidate.vertices(entity, frame)[far], np.inf
+    least = np.inf
     for row in surfaces.parts_of[other]:
         part = surfaces.parts[row]
         pose = surfaces.track(other, part.body).at(frame)

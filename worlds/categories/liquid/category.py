@@ -26,7 +26,8 @@ LIQUID = CategorySpec(
     instances=(DfsphInstance, FlipInstance),
     drivers=(InflowDriver, OutflowDriver, WavesDriver),
     predicates=(*PREDICATES, *EVENTS),
-    asked="liquid_arrives, liquid_volume_in, liquid_level_at or liquid_speed of it, submerged_fraction or reaches of what it meets",
+    asked="liquid_arrives, liquid_volume_in, liquid_level_at or liquid_speed of it, submerged_fraction or reaches of what it meets; it pushes, it stops",
+    meets=("pushes", "stops"),
     groups=(GroupInfo("liquid", "solver", "viscosity, surface tension, heat of liquids, friction and roughness of walls"),),
     parameters=(
         *parameters(

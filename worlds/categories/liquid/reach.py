@@ -99,11 +99,16 @@ def thin_problems(spec: WorldSpec, name: str, instance: LiquidInstance) -> Itera
 
 
 def thin_warnings(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[Problem]:
-    """The same where only bodies or drivers could bring the liquid to them."""
+    """The same where only bodies or drivers could bring the liquid to them; of each entity its thinnest part, with the number of the others."""
     own = own_reach(spec, name)
+    by_entity: dict[str, list[_Solid]] = {}
     for solid in _thin(spec, name, instance, own, _driven_reach(spec, name)):
-        why = f"bodies or drivers may throw the liquid of {name!r} there (by itself it rises to {own:.3g} m): category:liquid:obstacles fails where it is wet"
-        yield _thin_problem(solid, spec, name, instance, why)
+        by_entity.setdefault(solid.entity, []).append(solid)
+    for solids in by_entity.values():
+        thinnest = min(solids, key=lambda s: s.thick)
+        more = f" ({len(solids) - 1} more of its parts are too thin there)" if len(solids) > 1 else ""
+        why = f"bodies or drivers may throw the liquid of {name!r} there (by itself it rises to {own:.3g} m): category:liquid:obstacles fails where it is wet{more}"
+        yield _thin_problem(thinnest, spec, name, instance, why)
 
 
 def _thin(spec: WorldSpec, name: str, instance: LiquidInstance, above: float | None, below: float) -> Iterator[_Solid]:

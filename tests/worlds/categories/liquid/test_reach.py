@@ -101,6 +101,18 @@ def test_a_thin_part_to_which_a_falling_crate_may_throw_water_is_warned_of(tmp_p
     assert audit(with_plank(0.008, DRY, crate_at=0.26)).warnings == (), "from there it lifts nothing so high"
 
 
+def test_thin_parts_of_one_entity_that_water_may_be_thrown_to_are_one_warning() -> None:
+    """The digits on eight doors made sixty-nine, which hid all others."""
+    spec = with_plank(0.008, DRY, crate_at=0.6)
+    pier = spec.entities["pier"]
+    plank = pier.parts["plank"]
+    thinner = plank.model_copy(update={"shape": plank.shape.model_copy(update={"size": (0.2, 0.1, 0.004)})})
+    more = pier.model_copy(update={"parts": {"plank": plank, "slat": thinner, "other": plank}})
+    (told,) = audit(spec.model_copy(update={"entities": {**spec.entities, "pier": more}})).warnings
+    assert told.startswith("/entities/pier/parts/slat/shape: ")
+    assert "2 more of its parts are too thin there" in told
+
+
 def test_a_thin_part_on_a_path_is_told_wherever_it_starts(tmp_path: Path) -> None:
     spec = with_plank(0.008, DRY, motion="kinematic")
     (told,) = problems(audit(spec))

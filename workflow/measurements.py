@@ -59,7 +59,7 @@ def latest_candidate(session: Session, stage: str = "best") -> Candidate:
 
 
 def seen_candidate(session: Session, stage: str = "best") -> Candidate:
-    """What can be looked at: as `latest_candidate`, and the frames of a sketch of the present settings, where `sketch` is asked or there is no other motion.
+    """A candidate to look at: as `latest_candidate`, or the frames of a sketch of the present settings, where `sketch` is asked or no other motion is there.
 
     Raises:
         RefusedError: the asked stage is not there.
@@ -144,6 +144,21 @@ def refuted(session: Session, freeze: str) -> bool:
     return any(r["status"] == "fail" and r["id"].startswith(DISTRUSTED) for r in rows)
 
 
+def _span(candidate: Candidate, frames: tuple[int, int] | None) -> tuple[int, int]:
+    """First and last frame that are asked for, all by default.
+
+    Raises:
+        InputError: they are not there.
+    """
+    first, last = frames or (0, candidate.last_frame)
+    if 0 <= first <= last <= candidate.last_frame:
+        return first, last
+    more = "; probe_sim gives motion" if candidate.stage == "static" else f" ({left})" if (left := unfinished(candidate)) else ""
+    raise InputError(
+        f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {run_of(candidate)} run{more}"
+    )
+
+
 def measured(
     session: Session,
     part: str,
@@ -168,14 +183,7 @@ def measured(
     if unknown:
         hint = did_you_mean(unknown[0], session.spec.entities) or ";"
         raise InputError(f"unknown entities {unknown}{hint} the world has {sorted(session.spec.entities)[:30]}")
-    first, last = frames or (0, candidate.last_frame)
-    if not 0 <= first <= last <= candidate.last_frame:
-        more = (
-            "; probe_sim gives motion" if candidate.stage == "static" else f" ({left})" if (left := unfinished(candidate)) else ""
-        )
-        raise InputError(
-            f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {run_of(candidate)} run{more}"
-        )
+    first, last = _span(candidate, frames)
     unjudged = session.shown(candidate, last)
     head = {"source": candidate.artifact, "stage": run_of(candidate), **({"unjudged": unjudged} if unjudged else {})}
     head |= {"run": left} if (left := unfinished(candidate)) else {}

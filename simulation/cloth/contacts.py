@@ -346,7 +346,7 @@ class Contacts:
         return sorted({int(k) for k in (self.host_kinds[solid[pressed & own]] - 2) // 4})
 
     def books(self) -> tuple[F64, F64]:
-        """What soft bodies have felt so far, for `reopen`."""
+        """Impulses and works that soft bodies have felt so far, for `reopen`."""
         return self._felt.copy(), self._work_by_row.copy()
 
     def reopen(self, books: tuple[F64, F64]) -> None:

@@ -17,6 +17,7 @@ from ..worlds.slices import MOTION_VERSION, geometry_slice
 from ..worlds.spec import ElasticPhysics, Entity, Part, RigidPhysics, Rope, WorldSpec
 from .fracture.build import Whole, build_pieces
 from .imports import mesh_digest
+from .kept_shapes import kept_shape
 from .primitives import ShapeGeometry, build_shape
 from .ropes import rope_segments
 from .sheets import build_cloth
@@ -126,12 +127,12 @@ def _build_part(
     spec: WorldSpec, entity: Entity, name: str, part: Part, assets: Path, body: str, where: str
 ) -> tuple[BuiltPart, Any]:
     try:
-        geometry = build_shape(part.shape, assets)
+        kept = kept_shape(part.shape, assets)
     except InputError as error:
         raise InputError(f"{where}/parts/{name}/shape: {error}") from error
     material = part.material or entity.material
-    pose = pose_of(part.pose)
-    mass, center, inertia, volume = _mass_of(geometry, spec.materials[material].density)
+    geometry, pose, density = kept.geometry, pose_of(part.pose), spec.materials[material].density
+    mass, center, inertia, volume = kept.measured(("mass", density), lambda: _mass_of(geometry, density))
     turn = rotation_matrix(pose.quaternion)
     built = BuiltPart(
         part=name,
@@ -140,7 +141,7 @@ def _build_part(
         render=_placed(geometry.render, pose),
         collision=tuple(_moved(c, pose) for c in geometry.collision) if part.collides else (),
         closed=True,
-        deviation=_deviation(part.shape.kind, geometry),
+        deviation=kept.measured("deviation", lambda: _deviation(part.shape.kind, geometry)),
         smooth=geometry.smooth,
     )
     return built, (mass, pose.apply(center[None])[0], turn @ inertia @ turn.T, volume)

@@ -25,8 +25,8 @@ COPLANAR = 1e-11
 """Own choice: triangles whose corners lie this close to one plane, relative to the size, count as one facet."""
 FEW_FACES = 16
 """Own choice: faces, evenly over the list, that are tried first for a vertex above them."""
-CHUNK = 4_000_000
-"""Elements of a temporary matrix; bounds memory to tens of megabytes."""
+CHUNK = 100_000
+"""Elements of a temporary matrix: it stays in the cache, which is several times as fast as tens of megabytes."""
 
 
 @dataclass(frozen=True)
@@ -155,8 +155,8 @@ class Solid:
         few = np.linspace(0, len(self.faces) - 1, min(FEW_FACES, len(self.faces))).astype(np.intp)
         blocks: list[slice | NDArray[np.intp]] = [few, *(slice(i, i + step) for i in range(0, len(self.faces), step))]
         for rows in blocks:
-            height = self.face_normals[rows] @ self.vertices.T - offsets[rows, None]
-            if height.max() > CONVEX_TOLERANCE * self.size:
+            highest = (self.face_normals[rows] @ self.vertices.T).max(axis=1)
+            if (highest - offsets[rows]).max() > CONVEX_TOLERANCE * self.size:
                 return False
         return True
 
@@ -187,7 +187,8 @@ class Solid:
         normals = self.face_normals[largest]
         first = t[largest, 1] - t[largest, 0]
         first /= np.linalg.norm(first, axis=1)[:, None]
-        centers = (members @ self.vertices) / members.sum(axis=1)[:, None]
+        sums = [members[i : i + step] @ self.vertices for i in range(0, len(keys), step)]
+        centers = np.concatenate(sums) / members.sum(axis=1)[:, None]
         return Facets(
             normals=normals,
             offsets=np.einsum("ij,ij->i", normals, t[largest, 0]),

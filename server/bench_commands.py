@@ -18,6 +18,7 @@ BENCHMARKS: dict[str, str] = {
     "edit-latency": "worldagent.bench.edit_latency:run",
     "first-verdict": "worldagent.bench.first_verdict:run",
     "rigid-dominoes": "worldagent.bench.rigid_dominoes:run",
+    "rigid-impacts": "worldagent.bench.rigid_impacts:run",
     "fracture": "worldagent.bench.fracture:run",
     "clearance": "worldagent.bench.clearance:run",
     "contact-scale": "worldagent.bench.contact_scale:run",

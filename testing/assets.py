@@ -144,9 +144,10 @@ def _own(name: str, solids: Sequence[_Solid]) -> Iterator[str]:
         elif abs(part.pieces / part.volume - 1) > COLLISION:
             yield f"part {part.name} of {name}: collision pieces have {part.pieces / part.volume:.4f} of its volume"
     near = []
-    for (i, a), (j, b) in itertools.combinations(enumerate(solids), 2):
-        if (a.points.max(0) < b.points.min(0) - TOUCH).any() or (b.points.max(0) < a.points.min(0) - TOUCH).any():
+    for i, j in _close(solids, solids, TOUCH):
+        if i >= j:
             continue
+        a, b = solids[i], solids[j]
         shared = float((a.solid ^ b.solid).volume())
         if shared > OVERLAP * min(a.volume, b.volume):
             yield f"parts {a.name} and {b.name} of {name} share {100 * shared / min(a.volume, b.volume):.3g} % of the smaller one"
@@ -171,24 +172,31 @@ def _between(made: Made, bodies: Mapping[str, Sequence[_Solid]]) -> Iterator[str
         if joined.get(pair) == "weld":
             continue
         least, reach = (APART if pair in joined else SKINS), 2 * LOOSE
-        gap = min((s.solid.min_gap(t.solid, reach) for s in bodies[a] for t in bodies[b] if _near(s, t, reach)), default=math.inf)
+        near = _close(bodies[a], bodies[b], reach)
+        gap = min((bodies[a][i].solid.min_gap(bodies[b][j].solid, reach) for i, j in near), default=math.inf)
         if gap < least - ROUNDED:
             yield f"bodies {a!r} and {b!r} are {1000 * gap:.3g} mm apart, less than {1000 * least:g} mm"
         elif pair in loose and gap > LOOSE:
             yield f"body {b!r} is {1000 * min(gap, reach):.3g} mm or more from {a!r}, on which it is said to lie"
 
 
-def _near(a: _Solid, b: _Solid, reach: float) -> bool:
-    return bool((a.points.max(0) + reach >= b.points.min(0)).all() and (b.points.max(0) + reach >= a.points.min(0)).all())
+def _close(one: Sequence[_Solid], two: Sequence[_Solid], reach: float) -> list[tuple[int, int]]:
+    """Pairs of parts whose boxes are no further apart than `reach` [m] on any axis."""
+    if not one or not two:
+        return []
+    low, high = (np.array([f(s.points, axis=0) for s in one])[:, None] for f in (np.min, np.max))
+    other_low, other_high = (np.array([f(s.points, axis=0) for s in two])[None] for f in (np.min, np.max))
+    found = np.argwhere((high + reach >= other_low).all(-1) & (other_high + reach >= low).all(-1))
+    return [(int(i), int(j)) for i, j in found]
 
 
 def _shared(one: Sequence[_Solid], two: Sequence[_Solid]) -> float:
     """Volume that two bodies have in common, less what rounding to single precision leaves [m^3]."""
     shared = 0.0
-    for s, t in itertools.product(one, two):
-        if _near(s, t, 0.0):
-            volume = float((s.solid ^ t.solid).volume())
-            shared += volume if volume > OVERLAP * min(s.volume, t.volume) else 0.0
+    for i, j in _close(one, two, 0.0):
+        s, t = one[i], two[j]
+        volume = float((s.solid ^ t.solid).volume())
+        shared += volume if volume > OVERLAP * min(s.volume, t.volume) else 0.0
     return shared
 
 
@@ -215,21 +223,27 @@ def _moved(made: Made, bodies: Mapping[str, Sequence[_Solid]], name: str, joint:
 
 
 def _held(bodies: Mapping[str, Sequence[_Solid]], name: str, joint: Joint) -> Iterator[str]:
-    """That a joint acts where both bodies are: at its anchor, or at some point of a hinge's axis."""
+    """That a joint acts where both bodies are: at its anchor, or at one point of a hinge's axis."""
     from manifold3d import Manifold
 
     anchor = np.array(joint.anchor, dtype=np.float64)
     axis = (
         np.array(joint.axis, dtype=np.float64) / np.linalg.norm(np.array(joint.axis)) if joint.axis is not None else np.zeros(3)
     )
-    for end in (joint.child, joint.parent):
-        points = np.concatenate([s.points for s in bodies[end]])
-        along = (points - anchor) @ axis if joint.kind == "hinge" else np.zeros(1)
-        places = [anchor + q * axis for q in np.linspace(along.min(), along.max(), 60 if joint.kind == "hinge" else 1)]
-        probes = [Manifold.sphere(1e-4, 8).translate(tuple(p)) for p in places]
-        gap = min(s.solid.min_gap(q, 2 * HELD) for q in probes for s in bodies[end])
-        if gap > HELD:
-            yield f"joint {name} acts more than {1000 * HELD:g} mm away from {end or 'the asset'!r}: give that body a pin or knuckle on its axis"
+    ends = (joint.child, joint.parent)
+    spans = [((np.concatenate([s.points for s in bodies[end]]) - anchor) @ axis) for end in ends]
+    low, high = sorted((max(float(s.min()) for s in spans), min(float(s.max()) for s in spans)))
+    count = 1 + math.ceil((high - low + 2 * HELD) / (0.5 * HELD))
+    places = [0.0, *np.linspace(low - HELD, high + HELD, count)] if joint.kind == "hinge" else [0.0]
+    least, far = math.inf, ""
+    for q in places:
+        probe = Manifold.sphere(1e-4, 8).translate(tuple(anchor + q * axis))
+        gap, end = max((min(s.solid.min_gap(probe, 2 * HELD) for s in bodies[end]), end) for end in ends)
+        if gap < least:
+            least, far = gap, end
+        if least <= HELD:
+            return
+    yield f"joint {name} acts more than {1000 * HELD:g} mm away from {far or 'the asset'!r}: give that body a pin or knuckle on its axis"
 
 
 def _at(part: _Solid, joint: Joint, q: float) -> _Solid:

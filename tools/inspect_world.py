@@ -121,7 +121,7 @@ def inspect_world(
 
     Use it to decide by numbers: which rows fail and why, where a body is and how fast, what touched what and when. Poses are
     [x, y, z] in m and quaternions (w, x, y, z); speeds in m/s, impulses in N s. state, events, records and wet read the bake of the
-    present settings if there is one, else the probe, else (state only) frame 0. Lists are paged: a reply says total and
+    present settings if there is one, else the probe or sketch, else (state only) frame 0. Lists are paged: a reply says total and
     next_offset. Not for pictures (render_shot), nor for judging anew (run_checks). `next` names the call that usually follows.
     """
     from ..workflow import parts

@@ -57,8 +57,8 @@ def render_shot(
     ] = None,
     terrain: Annotated[str | None, Field(description="For field: id under /terrains; default the only one")] = None,
     stage: Annotated[
-        Literal["best", "static", "probe", "full"],
-        Field(description="What to show: default the bake, else the probe, else frame 0"),
+        Literal["best", "static", "sketch", "probe", "full"],
+        Field(description="What to show: default the bake, else the probe, else the sketch, else frame 0"),
     ] = "best",
     width: Annotated[
         int | None,
@@ -106,6 +106,7 @@ def _pictured(session: Session, asked: _Asked) -> ToolReply:
     """Draws a picture of the candidate, keeps it in the world folder and tells where."""
     from ..rendering import shot_of
     from ..workflow.answers import answer
+    from ..workflow.measurements import run_of
     from ..workflow.own_camera import buried, own_camera
     from ..worlds.canonical import digest_of
 
@@ -130,7 +131,7 @@ def _pictured(session: Session, asked: _Asked) -> ToolReply:
         at = f" of frame {frame} ({time:g} s)"
     data["file"] = f"pictures/{link.name}"
     data["camera"] = "own" if camera is not None else shot or shot_of(session.spec, frame) or "automatic"
-    text = f"{kind}{at}, from the {candidate.stage} candidate, camera {data['camera']}"
+    text = f"{kind}{at}, from the {run_of(candidate)} candidate, camera {data['camera']}"
     then = "judge by numbers: inspect_world(part='state' or 'matrix')"
     return ToolReply(answer(data, text, then, warnings), pictures=(image,), links=(link,))
 
@@ -141,16 +142,16 @@ def _candidate(session: Session, asked: _Asked) -> tuple[Candidate, int]:
     Raises:
         InputError: the frame or the shot is not there.
     """
-    from ..workflow.measurements import latest_candidate
+    from ..workflow.measurements import run_of, seen_candidate
     from ..worlds.hints import did_you_mean
 
     session.require_audit("rendering", still=True)
-    candidate, frame, shots = latest_candidate(session, asked.stage, sketches=True), asked.frame, session.spec.shots
+    candidate, frame, shots = seen_candidate(session, asked.stage), asked.frame, session.spec.shots
     # Before any motion is known, the camera's way can be seen all the same: frame 0 from where the camera will be.
     still = candidate.stage == "static" and asked.camera is None and frame < session.spec.simulation.frames
     state = 0 if still else frame
     if state > candidate.last_frame:
-        raise InputError(f"frame {frame} is out of range; the {candidate.stage} candidate has frames 0..{candidate.last_frame}")
+        raise InputError(f"frame {frame} is out of range; the {run_of(candidate)} candidate has frames 0..{candidate.last_frame}")
     if asked.shot is not None and asked.shot not in shots:
         raise InputError(f"unknown shot {asked.shot!r}{did_you_mean(asked.shot, shots) or ';'} the world has {sorted(shots)}")
     return candidate, state

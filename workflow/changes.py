@@ -68,7 +68,8 @@ class Change:
         """JSON pointers that differ."""
         self.groups = {group_of(p) for p in self.places}
         """Their parameter groups."""
-        self.causal = [] if derived else causal_groups(_own(self.places, follows), cut_grounds(world.spec, after))
+        along = {*follows, *_relations_of_new(world.spec, after)}
+        self.causal = [] if derived else causal_groups(_own(self.places, along), cut_grounds(world.spec, after))
         """Names of the groups of scene and solver among them."""
         self.stale = stale_artifacts(world.spec, after)
         """Artifacts that the edit makes stale."""
@@ -193,6 +194,15 @@ class Change:
             "stale": _shorten(self.stale),
             **({"undoes_revisions": [i["revision"] for i in self.undone]} if self.undone else {}),
         }
+
+
+def _relations_of_new(before: WorldSpec, after: WorldSpec) -> set[str]:
+    """Pointers of new relations that name an entity which the edit adds: they say how that one stands, and follow from it."""
+    old, new = before.graph.relations, after.graph.relations
+    added = after.entities.keys() - before.entities.keys()
+    return {
+        f"/graph/relations/{k}" for k, r in new.items() if k not in old and {getattr(r, "a", ""), getattr(r, "b", "")} & added
+    }
 
 
 def _own(places: Sequence[str], follows: Collection[str]) -> list[str]:

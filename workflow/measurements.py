@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from ..worlds.begun import begun_in, open_begun, unfinished
 from ..worlds.candidate import Candidate, open_candidate
@@ -17,24 +17,16 @@ from .matter_states import rounded
 from .session import Session
 from .states import MAX_SAMPLES, motion_over, state_at
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+__all__ = ["is_whole", "latest_candidate", "measured", "refuted", "run_of", "seen_candidate"]
 
-    from ..worlds.built import BuiltEntity
-
-__all__ = ["is_whole", "latest_candidate", "measured", "refuted"]
-
+SKETCH = "sketch"
+"""Folder of a sketch beside the probe and bake of the same settings."""
 DISTRUSTED = ("delivery:replay", "delivery:digests", "delivery:cache")
 """Rows of an acceptance that say of a bake that it is not what was simulated."""
 
 
-def latest_candidate(session: Session, stage: str = "best", *, sketches: bool = False) -> Candidate:
+def latest_candidate(session: Session, stage: str = "best") -> Candidate:
     """The bake of the present settings, else their probe, else as much of one as is written, else the static scene (for `static` or `best`).
-
-    Args:
-        session: the world.
-        stage: `best`, or the one that is asked for.
-        sketches: whether `best` may be the frames of a sketch: to be looked at, not to be judged.
 
     Raises:
         RefusedError: the asked stage is not there.
@@ -58,14 +50,38 @@ def latest_candidate(session: Session, stage: str = "best", *, sketches: bool = 
             spec = coarsened(spec, read_overrides(session.folder.candidate(freeze) / "probe"))
         return Candidate(found.folder, spec, found.built, found.stage, found.caches, found.artifact, found.digest)
     begun = None if stage == "full" else _begun(session, freeze, ("full", "probe") if stage == "best" else ("probe",))
-    if begun is None and stage == "best" and sketches:
-        begun = _sketched(session, freeze, built)
     if begun is not None or stage == "best":
         return begun or static
     raise RefusedError(
         f"there is no {'bake' if stage == 'full' else stage} of the present settings; call {'bake_sim' if stage == 'full' else 'probe_sim'} "
         f"first{_left(session) if stage == 'probe' else ''}"
     )
+
+
+def seen_candidate(session: Session, stage: str = "best") -> Candidate:
+    """What can be looked at: as `latest_candidate`, and the frames of a sketch of the present settings, where `sketch` is asked or there is no other motion.
+
+    Raises:
+        RefusedError: the asked stage is not there.
+    """
+    found = latest_candidate(session, "static" if stage == "sketch" else stage)
+    if stage not in ("best", "sketch") or found.stage != "static":
+        return found
+    freeze = session.freeze()
+    root = session.folder.candidate(freeze) / SKETCH
+    try:
+        factors = read_factors(root)
+        spec, _ = sketched(session.spec, factors.coarser, factors.steps)
+        return begun_in(session.folder, root, spec, found.built).candidate
+    except EvidenceError:
+        if stage == "best":
+            return found
+        raise RefusedError("there is no sketch of the present settings; call probe_sim(sketch={'until': ...}) first") from None
+
+
+def run_of(candidate: Candidate) -> str:
+    """Word for the run that a candidate's motion is of: static, sketch, probe or full."""
+    return SKETCH if candidate.artifact.rpartition("/")[2] == SKETCH else candidate.stage
 
 
 def _begun(session: Session, freeze: str, stages: tuple[Literal["probe", "full"], ...]) -> Candidate | None:
@@ -80,17 +96,6 @@ def _begun(session: Session, freeze: str, stages: tuple[Literal["probe", "full"]
             spec = coarsened(spec, read_overrides(session.folder.candidate(freeze) / "probe"))
         return dataclasses.replace(found, spec=spec)
     return None
-
-
-def _sketched(session: Session, freeze: str, built: Mapping[str, BuiltEntity]) -> Candidate | None:
-    """The frames of a sketch of the present settings, whether it goes on or has ended; None where there are none."""
-    root = session.folder.candidate(freeze) / "sketch"
-    try:
-        factors = read_factors(root)
-        spec, _ = sketched(session.spec, factors.coarser, factors.steps)
-        return begun_in(session.folder, root, spec, built).candidate
-    except EvidenceError:
-        return None
 
 
 def _left(session: Session) -> str:
@@ -154,7 +159,7 @@ def measured(
         InputError: unknown entities or frames out of range.
         RefusedError: nothing is simulated yet.
     """
-    candidate = latest_candidate(session, sketches=True)
+    candidate = seen_candidate(session)
     world = session.folder.id
     if candidate.stage == "static" and part not in ("state", "account"):
         raise RefusedError(f"{part} need a probe or bake of the present settings; call probe_sim first")
@@ -169,10 +174,10 @@ def measured(
             "; probe_sim gives motion" if candidate.stage == "static" else f" ({left})" if (left := unfinished(candidate)) else ""
         )
         raise InputError(
-            f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {candidate.stage} run{more}"
+            f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {run_of(candidate)} run{more}"
         )
     unjudged = session.shown(candidate, last)
-    head = {"source": candidate.artifact, "stage": candidate.stage, **({"unjudged": unjudged} if unjudged else {})}
+    head = {"source": candidate.artifact, "stage": run_of(candidate), **({"unjudged": unjudged} if unjudged else {})}
     head |= {"run": left} if (left := unfinished(candidate)) else {}
     same = {"entities": entities, "frames": None if frames is None else [first, last]}
     if part == "state":
@@ -181,7 +186,9 @@ def measured(
         found, place = (motion_over if over else state_at)(candidate, names, first, last, limit, offset)
         text = f"{len(found['entities'])} of {len(names)} entities at frame {first}" + (f" to {last}" if over else "")
         then = call("inspect_world", world=world, part="state", **same, offset=place.get("next_offset"))
-        return answer({**head, **found, **place}, f"{text} of the {candidate.stage} run", then if "next_offset" in place else "")
+        return answer(
+            {**head, **found, **place}, f"{text} of the {run_of(candidate)} run", then if "next_offset" in place else ""
+        )
     if part == "events":
         events = _events(candidate, set(entities or ()), first, last)
         page, place = paged(events, offset, limit)
@@ -192,7 +199,7 @@ def measured(
         from ..verifiers.account.text import account_of
 
         told = account_of(candidate)
-        text = f"{len(told.text)} characters on the {candidate.stage} run, without ids and texts of the specification"
+        text = f"{len(told.text)} characters on the {run_of(candidate)} run, without ids and texts of the specification"
         return answer({**head, "account": told.text, "left_out": told.left_out}, text, "")
     if part == "wet":
         from .wetness import wetness

@@ -41,7 +41,7 @@ HEADER_BYTES = 512
 """Longest head of an array in a container; those of the channels have 128."""
 _LOCAL = struct.Struct("<4s22xHH")
 """Head of a member: signature, length of the name, length of what else there is."""
-PAIRS = ("contact/pair", "event/pair")
+PAIRS = ("contact/pair", "event/pair", "impact/pair")
 """Channels of indices into `CacheIndex.colliders`."""
 KEPT_BYTES = 256_000_000
 """Caches up to this size are kept in memory while a verification reads them."""

@@ -295,7 +295,8 @@ def _robustness_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> It
                 yield f"{place}/{field} {before} -> {after}"
 
 
-def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], there: Collection[str]) -> Iterator[str]:
+    """Relations and regions that ask for less; nobody asked anything of two of which one was not `there` before the edit."""
     now = new["relations"]
     for key, relation in old["relations"].items():
         if relation == now.get(key):
@@ -306,7 +307,8 @@ def _graph_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterato
         else:
             yield from relation_weakenings(f"/graph/relations/{key}", relation, now[key])
     for key, relation in now.items():
-        if relation["kind"] == "fastened" and old["relations"].get(key, {}).get("kind") != "fastened":
+        fastened = relation["kind"] == "fastened" and old["relations"].get(key, {}).get("kind") != "fastened"
+        if fastened and {relation["a"], relation["b"]} <= set(there):
             yield f"/graph/relations/{key}: overlap of {relation['a']} and {relation['b']} declared intended"
     for key, region in old["regions"].items():
         if key in new["regions"] and {**region, "role": ""} != {**new["regions"][key], "role": ""}:
@@ -358,7 +360,7 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     old, new = bare_document(before), bare_document(after)
     found = list(story_weakenings(old["story"], new["story"]))
     found += _robustness_weakenings(old["story"]["robustness"], new["story"]["robustness"])
-    found += _graph_weakenings(old["graph"], new["graph"])
+    found += _graph_weakenings(old["graph"], new["graph"], old["entities"])
     found += entity_weakenings(old["entities"], new["entities"])
     found += surface_weakenings(old["entities"], new["entities"], judged)
     places = list(differences(document_of(before), document_of(after)))

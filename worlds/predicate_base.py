@@ -91,6 +91,8 @@ class PredicateInfo:
     """Its measure adds up over the interval, as bonds that break or what flows through do."""
     directed: bool = False
     """The event is done by `entity` to `other`, and is another one with the two exchanged."""
+    ends: bool = False
+    """Its subject is no longer seen once it has come true, so that pictures show it before."""
     gloss: str = ""
     """Definition of an event with its thresholds, in one plain sentence."""
     source: str = ""

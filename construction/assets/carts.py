@@ -187,6 +187,7 @@ def _wheelbarrow(p: WheelbarrowParameters, rng: np.random.Generator) -> Made:
                 for v, z in ((-0.05, rail - 0.05), (0.05, rail - 0.05), (-0.025, probe - 0.03), (0.025, probe - 0.03))
             ],
         )
+        body.cylinder(f"axle_{side}", (s * (c - 0.012), y, probe), (s * (0.75 * wide + 0.001), y, probe), 0.01)
         leg = floor[0] / 2 + 0.02
         body.hull(
             f"leg_{side}",

@@ -83,6 +83,8 @@ def _catapult(p: CatapultParameters, rng: np.random.Generator) -> Made:
         for s, side in ((-1, "left"), (1, "right")):
             name = f"wheel_{end_name}_{side}"
             _disc(made, name, (s * (x + 0.012 + 0.5 * beam), wy, low), wheel, 0.8 * beam, p)
+            stub = ((s * x, wy, low), (s * (x + 0.011 + 0.1 * beam), wy, low))
+            body.cylinder(f"axle_{end_name}_{side}", *stub, 0.25 * beam, material=p.metal)
     return made
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from ...worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ...worlds.assemblies import pose_json
 from ...worlds.shapes import Pose
-from ..primitives import build_shape
+from ..kept_shapes import kept_shape
 from .made import MAIN, Body, Joint, Made
 
-__all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_boxes", "body_id", "feet"]
+__all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_boxes", "body_id", "feet", "part_boxes"]
 
 DIGITS = 9
 """Decimals to which lengths [m] and directions are written."""
@@ -94,18 +94,23 @@ def _entity(body: Body, box: tuple[F64, F64], pose: RigidPose, motion: str, *, w
     }
 
 
-def _box(body: Body) -> tuple[F64, F64]:
-    """Least and greatest corner of a body's visible surfaces in the asset's frame [m]."""
+def _boxes(body: Body) -> tuple[F64, F64]:
+    """Least and greatest corners of the visible surfaces of a body's parts in the asset's frame [m], shape (n, 3) each."""
     points = [
-        pose_of(Pose.model_validate(p.pose)).apply(build_shape(p.shape, Path()).render.vertices) for p in body.parts.values()
+        pose_of(Pose.model_validate(p.pose)).apply(kept_shape(p.shape, Path()).geometry.render.vertices)
+        for p in body.parts.values()
     ]
-    corners = np.concatenate(points)
-    return corners.min(0), corners.max(0)
+    return np.array([p.min(0) for p in points]), np.array([p.max(0) for p in points])
+
+
+def part_boxes(made: Made) -> dict[str, tuple[F64, F64]]:
+    """Least and greatest corners of the parts of each body of an asset, in its own frame [m], shape (n, 3) each."""
+    return {name: _boxes(body) for name, body in made.bodies.items()}
 
 
 def body_boxes(made: Made) -> dict[str, tuple[F64, F64]]:
     """Least and greatest corner of each body of an asset, in its own frame [m], shape (3,) each."""
-    return {name: _box(body) for name, body in made.bodies.items()}
+    return {name: (low.min(0), high.max(0)) for name, (low, high) in part_boxes(made).items()}
 
 
 def feet(made: Made, boxes: Mapping[str, tuple[F64, F64]] | None = None, *, stands: bool = True) -> list[str]:

@@ -170,6 +170,9 @@ def _gate_leaf(made: Made, p: GardenGateParameters, base: float, gap: float) -> 
         a, b, c = axis + 0.0065, 0.15 * w, z + 0.045
         strap = [(a, c - 0.02), (a, c + 0.02), (b - 0.05, c + 0.013), (b - 0.05, c - 0.013), (b, c)]
         leaf.hull(f"strap_{j}", [(u, v, h) for u, h in strap for v in (face - 0.005, face)], material=p.metal)
+        made.main.box(
+            f"pintle_{j}", (-w - gap - 0.02, y - 0.0065, z + 0.091), (axis + 0.0065, -half, z + 0.103), material=p.metal
+        )
     z = rails[1] + 0.045
     leaf.cylinder("latch", (w - 0.1, -half + thick, z), (w - 0.1, -half + thick + 0.03, z), 0.018, material=p.metal)
     tube = circle(0.007, 8)

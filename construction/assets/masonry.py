@@ -14,7 +14,7 @@ from .generator import Generator, Parameters, material
 from .made import MAIN, Body, Made, Place
 from .railings import spindle
 
-__all__ = ["GENERATORS", "block"]
+__all__ = ["GENERATORS", "BattlementParameters", "battlement", "block"]
 
 GAP = 1.1e-3
 """Between loose stones [m]."""
@@ -272,7 +272,8 @@ class BattlementParameters(Parameters):
     material: str = material("limestone", "sandstone", "granite", "gneiss")
 
 
-def _battlement(p: BattlementParameters, rng: np.random.Generator) -> Made:
+def battlement(p: BattlementParameters, rng: np.random.Generator) -> Made:
+    """A curtain wall, see `BattlementParameters`."""
     body = Body("battlement", p.material)
     half, front = p.length / 2, -p.thickness / 2
     grown = max(1.0, math.sqrt(p.length / 0.75 * (p.height / 0.4) / 60))
@@ -338,6 +339,6 @@ GENERATORS = (
               ("vault", "gateway", "ruin", "stone", "masonry", "castle", "door"), motion="static"),
     Generator("wall_by_courses", "wall of bricks or stones in running bond, of one piece or of loose stones", WallParameters, _wall,
               ("masonry", "brick", "garden", "ruin", "building", "demolition")),
-    Generator("battlement", "castle wall with a wall walk, merlons and crenels", BattlementParameters, _battlement,
+    Generator("battlement", "castle wall with a wall walk, merlons and crenels", BattlementParameters, battlement,
               ("castle", "fortress", "curtain", "crenellated", "rampart", "wall", "parapet"), motion="static"),
 )  # fmt: skip

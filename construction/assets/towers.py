@@ -12,7 +12,7 @@ from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 from .masonry import block
 
-__all__ = ["GENERATORS"]
+__all__ = ["GENERATORS", "TowerParameters", "clipped", "ring", "tower"]
 
 SIDES = 24
 """Sides of round towers."""
@@ -45,7 +45,7 @@ class TowerParameters(Parameters):
     material: str = material("limestone", "sandstone", "granite", "gneiss", "basalt")
 
 
-def _ring(radius: float) -> Plan:
+def ring(radius: float) -> Plan:
     """Plan of a drum with a side to the front."""
     turn = math.pi / SIDES
     return [
@@ -57,7 +57,7 @@ def _ring(radius: float) -> Plan:
 def _drum(body: Body, name: str, outline: list[tuple[float, float]], slot: tuple[float, float] | None = None) -> None:
     """A course from its outline (r, z) upwards; with a slot of a width, open at the front as far as y = -reach."""
     if slot is None:
-        body.hull(name, [(x, y, z) for r, z in outline for x, y in _ring(r)])
+        body.hull(name, [(x, y, z) for r, z in outline for x, y in ring(r)])
         return
     half, reach = slot[0] / 2, slot[1]
     cuts = {
@@ -68,14 +68,15 @@ def _drum(body: Body, name: str, outline: list[tuple[float, float]], slot: tuple
     for side, planes in cuts.items():
         points = []
         for r, z in outline:
-            plan = _ring(r)
+            plan = ring(r)
             for plane in planes:
                 plan = clipped(plan, *plane)
             points += [(x, y, z) for x, y in plan]
         body.hull(f"{name}_{side}", points)
 
 
-def _tower(p: TowerParameters, rng: np.random.Generator) -> Made:
+def tower(p: TowerParameters, rng: np.random.Generator) -> Made:
+    """A round tower, see `TowerParameters`."""
     body = Body("tower", p.material)
     made = Made.of(body)
     foot = p.diameter / 2
@@ -119,7 +120,7 @@ def _tower(p: TowerParameters, rng: np.random.Generator) -> Made:
 def _crown(made: Made, r: float, z: float, p: TowerParameters) -> None:
     """Corbels with a platform and crenels, or with a pointed roof."""
     body, out, top = made.main, 0.28, p.height
-    body.hull("neck", [(x, y, h) for h in (z, top - 0.25) for x, y in _ring(r - 0.02)])
+    body.hull("neck", [(x, y, h) for h in (z, top - 0.25) for x, y in ring(r - 0.02)])
     flat = (r - 0.02) * math.cos(math.pi / SIDES)
     for k in range(SIDES):
         a, w = 2 * math.pi * k / SIDES - math.pi / 2, 0.28 * (2 * math.pi * r / SIDES)
@@ -129,9 +130,7 @@ def _crown(made: Made, r: float, z: float, p: TowerParameters) -> None:
             [(d * math.cos(a) - s * w * math.sin(a), d * math.sin(a) + s * w * math.cos(a), h) for d, h in line for s in (-1, 1)],
         )
     wide = r + out + 0.06
-    body.hull(
-        "platform", [(x, y, h) for d, h in ((wide - 0.03, top - 0.25), (wide, top - 0.2), (wide, top)) for x, y in _ring(d)]
-    )
+    body.hull("platform", [(x, y, h) for d, h in ((wide - 0.03, top - 0.25), (wide, top - 0.2), (wide, top)) for x, y in ring(d)])
     if p.top == "cone":
         tiers, tall = 9, 1.5 * wide
         for k in range(tiers):
@@ -139,7 +138,7 @@ def _crown(made: Made, r: float, z: float, p: TowerParameters) -> None:
             low, high = (wide + 0.12) * (1 - k / tiers), (wide + 0.12) * (1 - (k + 1) / tiers)
             body.hull(
                 f"tier_{k + 1}",
-                [(x, y, h) for d, h in ((low, a), (low, a + 0.05), (max(high - 0.05, 0.03), b)) for x, y in _ring(d)],
+                [(x, y, h) for d, h in ((low, a), (low, a + 0.05), (max(high - 0.05, 0.03), b)) for x, y in ring(d)],
                 material=p.tiles,
             )
         body.turned(
@@ -150,7 +149,7 @@ def _crown(made: Made, r: float, z: float, p: TowerParameters) -> None:
         )
         return
     thick, breast, merlon = 0.35, top + 0.55, top + 1.25
-    outer, inner = _ring(wide - 0.05), _ring(wide - 0.05 - thick)
+    outer, inner = ring(wide - 0.05), ring(wide - 0.05 - thick)
     for k in range(SIDES):
         j = (k + 1) % SIDES
         plan = [outer[k], outer[j], inner[j], inner[k]]
@@ -276,7 +275,7 @@ def _arch_bridge(p: ArchBridgeParameters, rng: np.random.Generator) -> Made:
 
 
 GENERATORS = (
-    Generator("tower", "round stone tower with a doorway, corbels and crenels or a pointed roof", TowerParameters, _tower,
+    Generator("tower", "round stone tower with a doorway, corbels and crenels or a pointed roof", TowerParameters, tower,
               ("castle", "keep", "turret", "fortress", "battlement", "medieval"), motion="static"),
     Generator("chimney", "brick chimney stack with a corbelled head and pots", ChimneyParameters, _chimney,
               ("roof", "house", "brick", "smoke", "stack")),

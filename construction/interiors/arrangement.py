@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +12,12 @@ import numpy as np
 from .floor_space import APART, FloorSpace, Spot
 from .pieces import Piece
 from .plans import Rect
+from .swept import Volume
 
-__all__ = ["Arrangement", "Frame", "Hung", "Mark", "Standing", "over", "within"]
+__all__ = ["Arrangement", "Fixture", "Frame", "Hung", "Mark", "Standing", "over", "within"]
+
+TOUCHING = 0.02
+"""[m] Own choice: what opens may come so far over the face of a wall; boxes of what turns are a little too large."""
 
 
 @dataclass
@@ -36,6 +41,24 @@ class Standing:
     """Where it stands on the floor or hangs; None of what lies on other things."""
     row: bool = False
     """It is one of a row of cabinets."""
+
+    @cached_property
+    def solid(self) -> Volume:
+        """Boxes of its bodies in the room."""
+        return self.piece.solid.placed(self.x, self.y, self.z, self.yaw)
+
+    @cached_property
+    def swept(self) -> Volume:
+        """What its joints sweep, in the room."""
+        return self.piece.swept.placed(self.x, self.y, self.z, self.yaw)
+
+
+class Fixture(NamedTuple):
+    """What is in the walls of a room and opens into it: a window."""
+
+    name: str
+    solid: Volume
+    swept: Volume
 
 
 class Frame(NamedTuple):
@@ -65,7 +88,6 @@ class Mark(NamedTuple):
     flat: int
     solid: int
     access: int
-    drawn: int
 
 
 @dataclass
@@ -78,6 +100,7 @@ class Arrangement:
     standing: list[Standing] = field(default_factory=list)
     hung: list[Hung] = field(default_factory=list)
     flat: list[Rect] = field(default_factory=list)
+    fixtures: list[Fixture] = field(default_factory=list)
     """Footprints of what lies flat on the floor and is walked over."""
 
     def put(self, own: Piece, spot: Spot, z: float, carrier: str, *, still: bool = False) -> Standing:
@@ -95,7 +118,7 @@ class Arrangement:
     def mark(self) -> Mark:
         """This state, to come back to."""
         space = self.space
-        return Mark(*(len(v) for v in (self.standing, self.hung, self.flat, space.solid, space.access, space.drawn)))
+        return Mark(*(len(v) for v in (self.standing, self.hung, self.flat, space.solid, space.access)))
 
     def back(self, mark: Mark) -> None:
         """Take away all that was placed since."""
@@ -104,7 +127,42 @@ class Arrangement:
         del self.flat[mark.flat :]
         del self.space.solid[mark.solid :]
         del self.space.access[mark.access :]
-        del self.space.drawn[mark.drawn :]
+
+    def barred(self, own: Piece, at: tuple[float, float, float], yaw: float, *, seat_of: str = "") -> str | None:
+        """What opens and would meet a thing at a point [m], or what keeps the thing's own doors and drawers shut, in words.
+
+        Args:
+            own: the thing.
+            at: where its own frame stands.
+            yaw: its turn about z [rad].
+            seat_of: generator of what it stands at on purpose, as a chair at its desk: it is pulled out to sit on.
+        """
+        solid, swept = own.solid.placed(*at, yaw), own.swept.placed(*at, yaw)
+        skin = self.frame.gap
+        if any(f.solid.meets(Volume(solid.low - skin, solid.high + skin)) for f in self.fixtures):
+            return "a window"
+        why = self.shut(solid, seat_of=seat_of)
+        if why is not None or len(swept.low) == 0:
+            return why
+        room, above = self.space.room, self.frame.height
+        low, high = (room.x0 - TOUCHING, room.y0 - TOUCHING, -TOUCHING), (room.x1 + TOUCHING, room.y1 + TOUCHING, above)
+        if not swept.within(low, high):
+            return "the walls, as it opens,"
+        for other in (*self.fixtures, *self.standing):
+            if swept.meets(other.solid):
+                name = other.name if isinstance(other, Fixture) else other.piece.generator
+                return f"a {name}, as it opens,"
+        return None
+
+    def shut(self, solid: Volume, *, seat_of: str = "") -> str | None:
+        """What could not open any more if something took a volume, in words."""
+        for fixture in self.fixtures:
+            if fixture.swept.meets(solid):
+                return f"the sashes of a {fixture.name}"
+        for other in self.standing:
+            if other.piece.swept.low.size and other.piece.generator != seat_of and other.swept.meets(solid):
+                return f"what opens of a {other.piece.generator}"
+        return None
 
     def on_floor(self) -> Iterator[tuple[Standing, Rect]]:
         """Things on the floor with their footprints [m]."""

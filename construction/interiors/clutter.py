@@ -15,6 +15,7 @@ from .arrangement import Arrangement, Standing, over
 from .pieces import Piece, Stock
 from .plans import Rect
 from .programs import NOTHING_ON
+from .swept import LIGHT, Volume
 from .wishes import RoomKind
 
 __all__ = ["Wanted", "fill"]
@@ -35,8 +36,6 @@ MOST_ON_SURFACE = 9
 """Own choice: small things on one surface at density 1."""
 CROWDED = 16
 """Own choice: small things on one surface at most, where a number of things is asked for."""
-BULKY = 5e-3
-"""[m^3] Own choice: what is larger (a crate, no jar) does not stand where a window's sash swings; smaller things it pushes away."""
 CLOSED = 0.3
 """[m] Own choice: drawers and shelves with less free height than this are filled last; what lies in drawers is not seen."""
 
@@ -205,13 +204,16 @@ def _free(room: Arrangement, own: Piece, surface: _Surface) -> tuple[float, floa
 
 
 def _before_opening(room: Arrangement, own: Piece, surface: _Surface, at: tuple[float, float]) -> bool:
-    """True where a thing about a place of a surface would stand before a turning door, or is bulky before a window's sash."""
+    """True where a thing about a place of a surface would stand before a turning door, or heavy where something else opens."""
     carrier, place = surface.carrier, surface.place
     half = math.hypot(own.foot.x1 - own.foot.x0, own.foot.y1 - own.foot.y0) / 2
     around = _corners(carrier, (float(place.center[0]) + at[0], float(place.center[1]) + at[1]), (0.0, 0.0))
     around = Rect(around.x0 - half, around.y0 - half, around.x1 + half, around.y1 + half)
-    top = carrier.z + float(place.center[2]) + own.height
-    return room.space.before_door(around) or (half * half * own.height > BULKY and room.space.before_sash(around, top))
+    if room.space.before_door(around):
+        return True
+    level = carrier.z + float(place.center[2])
+    box = Volume(np.array([[around.x0, around.y0, level]]), np.array([[around.x1, around.y1, level + own.height]]))
+    return room.shut(box) is not None and own.mass > LIGHT
 
 
 def _flush(surface: _Surface, half: F64, size: F64) -> list[tuple[float, float]]:

@@ -17,10 +17,6 @@ GRID = 0.05
 """[m] Own choice: cells in which ways are looked for."""
 WALKER = 0.6
 """[m] Width of the way that stays between furniture: a person with something in the hands (Neufert); S4 asks for 0.51 m."""
-SASH = 0.12
-"""[m] Own choice: how far boards and knuckles of windows stand into the room, see `assets/openings.py`."""
-SWING = 0.6
-"""[m] Own choice: how far sashes swing into the room: half of a window of 1.2 m."""
 BESIDE_LEAF = 0.2
 """[m] From the middle of a door away from its hinges, where one enters beside the open leaf."""
 APART = 0.01
@@ -90,8 +86,6 @@ class FloorSpace:
     """Footprints of what stands there."""
     access: list[Rect] = field(default_factory=list)
     """Floor from which things are used; free of other things."""
-    drawn: list[Rect] = field(default_factory=list)
-    """Floor over which drawers come out; free of other furniture than what belongs to their thing."""
     name: str = ""
     """Room of the plan; doors that belong to it open into it."""
 
@@ -120,17 +114,13 @@ class FloorSpace:
             return (x, y + (reach if y < (self.room.y0 + self.room.y1) / 2 else -reach))
         return (x + (reach if x < (self.room.x0 + self.room.x1) / 2 else -reach), y)
 
-    def fits(
-        self, foot: Rect, use: Rect | None, height: float, *, drawn: Rect | None = None, belongs: bool = False
-    ) -> str | None:
-        """The constraint that stands in the way of a thing, in words; None where it fits, ways not asked yet.
+    def fits(self, foot: Rect, use: Rect | None, height: float) -> str | None:
+        """The constraint that stands in the way of a thing, in words; None where it fits, ways and what opens not asked yet.
 
         Args:
             foot: its footprint.
             use: floor from which it is used.
             height: [m]
-            drawn: floor over which its drawers come out.
-            belongs: it stands at another thing on purpose, as a chair at its desk.
         """
         if not _inside(foot, self.room):
             return "the walls"
@@ -142,26 +132,13 @@ class FloorSpace:
             return "a window"
         if any(_meet(foot, a) for a in self.access):
             return "floor from which other furniture is used"
-        if not belongs and any(_meet(foot, d) for d in self.drawn):
-            return "a drawer of other furniture"
-        if drawn is not None and not self._comes_out(drawn, height):
-            return "too little room for its drawers"
         if use is not None and (not _inside(use, self.room) or any(_meet(use, s) for s in self.solid)):
             return "too little room before it"
         return None
 
-    def before_sash(self, foot: Rect, top: float) -> bool:
-        """True where a window's sash would swing against what is on a piece of the room and reaches up to a height [m]."""
-        return any(top > sill and _meet(foot, w, SWING) for w, sill in self.windows)
-
     def before_door(self, foot: Rect) -> bool:
         """True where a door's leaf would turn over a piece of the room."""
         return any(_meet(foot, d) for d in self.doors)
-
-    def _comes_out(self, drawn: Rect, height: float) -> bool:
-        """True if drawers come out over a piece of floor: between the walls, before no furniture, beside no sill and sash."""
-        beside = any(height > sill and _meet(drawn, w, SASH) for w, sill in self.windows)
-        return _inside(drawn, self.room) and not any(_meet(drawn, s) for s in self.solid) and not beside
 
     def add(self, foot: Rect, use: Rect | None) -> bool:
         """Put a thing there if one can still walk from every door to every thing; says whether it stands."""

@@ -17,6 +17,7 @@ from ..assets.made import Place
 from .arrangement import Arrangement, Frame, Standing, over, within
 from .clutter import Wanted, fill
 from .fitting import Fitted, Item, everything, fitted
+from .fittings import windows_in
 from .floor_space import FloorSpace, Spot
 from .hanging import ROOM_ABOVE, hang
 from .pieces import Piece, Stock
@@ -70,7 +71,7 @@ def furnished(
         things: surfaces are filled evenly until there are so many in the room, whatever `density` says.
     """
     asked = fitted(frame, kind, space, stock, rng)
-    room = Arrangement(frame, space, rng)
+    room = Arrangement(frame, space, rng, fixtures=windows_in(space))
     failed = _best_round(room, asked)
     for item in asked.extras:
         _put(room, item, None)
@@ -111,13 +112,13 @@ def _best_round(room: Arrangement, asked: Fitted) -> list[tuple[str, str]]:
     assert best is not None
     told, kept = best
     room.standing, room.hung, room.flat = kept.standing, kept.hung, kept.flat
-    room.space.solid, room.space.access, room.space.drawn = kept.space.solid, kept.space.access, kept.space.drawn
+    room.space.solid, room.space.access = kept.space.solid, kept.space.access
     return told
 
 
 def _copy(room: Arrangement) -> Arrangement:
-    space = replace(room.space, solid=[*room.space.solid], access=[*room.space.access], drawn=[*room.space.drawn])
-    return Arrangement(room.frame, space, room.rng, [*room.standing], [*room.hung], [*room.flat])
+    space = replace(room.space, solid=[*room.space.solid], access=[*room.space.access])
+    return Arrangement(room.frame, space, room.rng, [*room.standing], [*room.hung], [*room.flat], room.fixtures)
 
 
 def _round(room: Arrangement, items: list[Item], urgency: Counter[int], number: int) -> list[tuple[Item, str]]:
@@ -187,32 +188,25 @@ def _stand(room: Arrangement, item: Item, spot: Spot, size: int) -> str | None:
             return "the walls"
         if any(over(foot, s) for _, s in room.on_floor()) or any(over(foot, f) for f in room.flat):
             return "furniture"
-        room.flat.append(foot)
-        room.put(own, spot, room.frame.gap, "floor")
-        return None
+        why = room.barred(own, (spot.x, spot.y, room.frame.gap), spot.yaw)
+        if why is None:
+            room.flat.append(foot)
+            room.put(own, spot, room.frame.gap, "floor")
+        return why
     before = spot.rect(Rect(own.foot.x0, own.foot.y0 - wish.use, own.foot.x1, own.foot.y0)) if wish.use else None
-    drawers = _drawers(own)
-    drawn = None if drawers is None else spot.rect(drawers)
-    # A chair stands before drawers of its desk on purpose: it is pulled out to sit on.
-    why = room.space.fits(foot, before, own.height, drawn=drawn, belongs=wish.seat and bool(wish.to))
+    why = room.space.fits(foot, before, own.height)
     if why is None and any(over(foot, f) for f in room.flat):
         why = "a rug"
     free = ROOM_ABOVE if own.made.places else 0.03
     if why is None and any(over(foot, h.foot) and own.height + free > h.low for h in room.hung):
         why = "what hangs there"
+    if why is None:
+        why = room.barred(own, (spot.x, spot.y, room.frame.gap), spot.yaw, seat_of=wish.to if wish.seat else "")
     if why is None and not room.space.add(foot, foot if before is None and wish.seat else before):
         why = "a way that has to stay free"
     if why is None:
-        if drawn is not None:
-            room.space.drawn.append(drawn)
         room.put(own, spot, room.frame.gap, "floor").row = wish.rule == "row"
     return why
-
-
-def _drawers(own: Piece) -> Rect | None:
-    """Floor before a thing over which its drawers come out, in its own frame; None where it has none."""
-    travel = max((j.range[1] for j in own.made.joints.values() if j.kind == "slide" and j.range is not None), default=0.0)
-    return Rect(own.foot.x0, own.foot.y0 - travel, own.foot.x1, own.foot.y0) if travel > 0.0 else None
 
 
 def _fits_on(own: Piece, place: Place) -> bool:
@@ -221,7 +215,7 @@ def _fits_on(own: Piece, place: Place) -> bool:
 
 
 def _lay_on(room: Arrangement, item: Item, anchor: Standing | None) -> str | None:
-    """Put a thing in the middle of the highest surface of another."""
+    """Put a thing in the middle of the highest surface of another, where it shuts nothing."""
     if anchor is None:
         return f"no {item.wish.to} to put it on"
     places = anchor.piece.made.places.values()
@@ -233,5 +227,7 @@ def _lay_on(room: Arrangement, item: Item, anchor: Standing | None) -> str | Non
     y = float(place.center[1]) - (own.foot.y0 + own.foot.y1) / 2
     at = anchor.spot.rect(Rect(x, y, x, y))
     z = anchor.z + float(place.center[2]) + room.frame.gap
-    room.lay(Standing(own, at.x0, at.y0, z, anchor.yaw, anchor.id, place.body))
-    return None
+    why = room.barred(own, (at.x0, at.y0, z), anchor.yaw)
+    if why is None:
+        room.lay(Standing(own, at.x0, at.y0, z, anchor.yaw, anchor.id, place.body))
+    return why

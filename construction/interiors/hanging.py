@@ -45,7 +45,7 @@ def hang(
     for own in item.pieces[item.size :]:
         for spot, z in _places(room, item, own, anchor):
             foot = spot.rect(own.foot)
-            why = _barred(room, own, foot, z, close=item.wish.rule == "above")
+            why = _barred(room, own, foot, z, close=item.wish.rule == "above") or room.barred(own, (spot.x, spot.y, z), spot.yaw)
             mark, deep = room.mark(), own.foot.y1 - own.foot.y0 > SHALLOW
             if why is None and deep and not room.space.add(foot, None):
                 why = "a way that has to stay free"

@@ -23,7 +23,7 @@ from .ground import GroundCover, cover
 from .layers import shape_land
 from .relief import horizons, relief, sunlight, wind_exposure
 from .vegetation import HECTARE, Plants, Species, biomes_of, fitness, scatter, species_of
-from .water import WaterBodies, WaterLimits, find_water
+from .water import WaterBodies, WaterLimits, find_lakes, find_water
 from .weathering import Say, weather
 from .zones import along, declared_zone, zone_distance
 
@@ -209,7 +209,17 @@ def _remedy(kind: str, terrain: Terrain, drainage: Drainage) -> str:
         low = float(np.nanmin(drainage.height))
         return f"nothing at the edge lies below sea_level {terrain.sea_level}; the lowest land is at {low:.1f} m. Raise /sea_level or add a coast layer"
     if kind == "lake":
-        deepest = float(np.nanmax(drainage.depth))
+        deepest, plan = float(np.nanmax(drainage.depth)), terrain.hydrology
+        nowhere = np.zeros(drainage.depth.shape, dtype=bool)
+        _, found = find_lakes(drainage, nowhere, least_area=0.0, least_depth=plan.least_lake_depth)
+        if found:
+            area, smallest = max(one.area for one in found), LAKE_CELLS * drainage.grid.cell_area
+            least = max(plan.least_lake_area, smallest)
+            lower = f", or lower /hydrology/least_lake_area to {0.9 * area:.3g}" if area > smallest else ", or take smaller cells"
+            return (
+                f"its largest depression of at least {plan.least_lake_depth:g} m covers {area:.4g} m^2, and smaller ones than {least:g} m^2 stay "
+                f"dry: make it wider{lower}"
+            )
         return f"its deepest depression is {deepest:.2f} m; add a crater or valley without outlet, or lower /hydrology/least_lake_depth"
     return "raise /hydrology/density, give an inflow at the edge, or more relief: water gathers only where land falls together"
 

@@ -336,6 +336,26 @@ class Contacts:
         over = self.over.numpy()
         return bool(over[0]), bool(over[1])
 
+    def solids_at(self, vertex: int) -> list[int]:
+        """Rows of the bodies that a vertex of a sheet gets impulses from in the last step, those of its triangles' pairs included."""
+        if self.count == 0 or self.solid is None:
+            return []
+        solid = np.flatnonzero(self.host_kinds[: self.count] > 1)
+        pressed = np.linalg.norm(self.impulse.numpy()[: self.count][solid], axis=1) > 0.0
+        own = (self.pairs.numpy()[: self.count][solid] == vertex).any(axis=1)
+        return sorted({int(k) for k in (self.host_kinds[solid[pressed & own]] - 2) // 4})
+
+    def books(self) -> tuple[F64, F64]:
+        """What soft bodies have felt so far, for `reopen`."""
+        return self._felt.copy(), self._work_by_row.copy()
+
+    def reopen(self, books: tuple[F64, F64]) -> None:
+        """Forget what was found and given since these books; pairs are looked for anew."""
+        self.collect()
+        self._felt[:], self._work_by_row[:] = books
+        self.over.zero_()
+        self.fresh = False
+
     def collect(self) -> F64:
         """Impulses given to the bodies since the last call, (b, 6)."""
         total = np.zeros((self.bodies, 6))

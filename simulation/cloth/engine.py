@@ -40,8 +40,15 @@ QUICK = 0.2
 """Share of what vertices may move between two searches for contacts that one may move in a step."""
 CATCH = 0.3
 """Share of the distance of contact that a solid may move in a step."""
+HALVINGS = 6
+"""Most times that explicit steps are taken again, half as long, where a vertex outran the search for contacts: what slips off an edge under
+tension, or is struck, moves at once many times as fast as anything moved when the step was chosen."""
 STIFFENING = 4
 """Calls between two looks at how much stretch stiffens the sheets."""
+
+
+class _OutranError(Exception):
+    """A vertex moved further in one step than the search for contacts allows."""
 
 
 class Cloth(ClothArrays):
@@ -98,7 +105,7 @@ class Cloth(ClothArrays):
         """Go on for at most `limit` seconds, with bodies that go on as they move at its start.
 
         Raises:
-            EngineError: a vertex moved further in one step than the search for contacts allows.
+            EngineError: a vertex moved further in one step than the search for contacts allows, however short the step.
         """
         if not self._known:
             self.place_solids(bodies)
@@ -137,10 +144,31 @@ class Cloth(ClothArrays):
         start, speed = self.x.numpy()[: self.n].copy(), self.v.numpy().copy()
         push = self.blow(time, start)
         count = max(1, math.ceil(span / self._longest(speed, push, span, solid_speed) - 1e-6))
-        total = self._run(span / count, count, solid_speed)
+        before = self._moment()
+        for halving in range(HALVINGS + 1):
+            try:
+                total = self._run(span / count, count, solid_speed)
+                break
+            except _OutranError as error:
+                if halving == HALVINGS:
+                    raise EngineError(str(error)) from None
+                self._back(before)
+                count *= 2
         given = self.mass[:, None] * push
         air += [*(given.sum(0) * span), float((given * (self.x.numpy()[: self.n] - start)).sum())]
         return total, count
+
+    def _moment(self) -> tuple[Any, ...]:
+        """All that explicit steps change, for `_back`."""
+        arrays = (self.x, self.v, self.u, self.clock, self.reaction, self.contacts.held_back)
+        return (*((a, a.numpy().copy()) for a in arrays), self.contacts.books())
+
+    def _back(self, moment: tuple[Any, ...]) -> None:
+        """Return to a moment; what has been looked for since is looked for anew."""
+        *arrays, books = moment
+        for array, values in arrays:
+            array.assign(values)
+        self.contacts.reopen(books)
 
     def _longest(self, speed: F64, push: F64, span: float, solid_speed: float) -> float:
         """Longest step [s]: stable, and such that no vertex outruns in one step what the search for contacts leaves between its
@@ -188,9 +216,26 @@ class Cloth(ClothArrays):
             if contacts.active:
                 worn, broken = contacts.worn()
                 if broken:
-                    raise EngineError(f"cloth moved further in a step of {dt:g} s than contacts are looked for; shorten max_step")
+                    raise _OutranError(self._outran(dt))
                 contacts.fresh = not worn
         return total + contacts.collect()
+
+    def _outran(self, dt: float) -> str:
+        """Words on the vertex that went farthest from where contacts were last looked for, and what it touches."""
+        moved = np.linalg.norm(self.x.numpy()[: self.n] - self.contacts.anchor.numpy(), axis=1)
+        worst = int(moved.argmax())
+        place = np.round(self.x.numpy()[worst], 3).tolist()
+        rows = self.contacts.solids_at(worst)
+        touched = [self.setup.boundaries[row].name for row in rows]
+        where = f"between {' and '.join(touched[:3])}" if len(rows) > 1 else f"at {touched[0]}" if rows else "at no solid"
+        cure = (
+            "what presses a sheet from two sides throws it: give it room, or let it pass through one of them by `ignores`"
+            if len(rows) > 1
+            else "a sheet snaps back at its stretch times sqrt(stretch_stiffness / area_density): let what holds it give way, let it tear at a "
+            "lower strength, or lower its stretch_stiffness"
+        )
+        speed = float(np.linalg.norm(self.v.numpy()[worst]))
+        return f"cloth at {place} m moves at {speed:.3g} m/s {where}, further in a step of {dt:g} s than contacts are looked for; {cure}"
 
     def lead(self) -> Any:
         """The pass that leads what bodies take along."""

@@ -25,7 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from .contact_points import ContactPoints
 from .crumbling import scale_rows
+from .impact_sequence import Blow, ImpactSequence
 from .impacts import Impact, calm
 from .sides import sides_of
 
@@ -45,6 +47,9 @@ JOINT_STEPS = 4.0
 """Natural period / 2 pi of welds, connections and limits, in steps; they are critically damped."""
 DAMPING_STEPS = 4.0
 """Time constant of contact damping and of sticking friction, in steps."""
+PUSHED_OUT = 60.0
+"""[m/s^2] What opens already is pushed out of a skin until it has this times the step as speed, 3 cm/s at half a millisecond: depth of a fast
+impact would come back as twice that. It is what bears a body 200 times heavier (`SOFTEST` of `model.py`), so that nothing sinks for it."""
 HARDER = 0.01
 """Softness of closing contacts, in parts of that of others. How softly MuJoCo meets a reference depends on the estimated,
 not the true inertia that a contact sees; that would add up to (1 - d) (1 + e) to the restitution. Not in tight faces of a broken body."""
@@ -108,6 +113,9 @@ class ContactLaw:
         self.count = int(colliders.max(initial=0)) + 1
         # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
         self._passes = 0 if model.nflex else SLIP_PASSES
+        self._sequence = None if model.nflex or kin is not None else ImpactSequence(model)
+        self.blow: Blow | None = None
+        self.points = ContactPoints(model)
         table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
         self._keys = np.array([k for k, _ in table], dtype=np.int64)
         self._values = np.array([e for _, e in table])
@@ -130,7 +138,7 @@ class ContactLaw:
             dt: time step [s].
             slowest: closing speed from which on a contact bounces [m/s].
         """
-        self._weak, self._found, self._impact = None, False, None
+        self._weak, self._found, self._impact, self.blow = None, False, None, None
         if not data.ncon or not data.nefc:
             return
         contact = data.contact
@@ -142,6 +150,11 @@ class ContactLaw:
                 return
         speed = data.efc_vel[rows]
         hit = speed < -slowest
+        if self._sequence is not None:
+            if hit.any():
+                self.blow = self._sequence.resolve(data, slowest, self.restitution_of(sides_of(self.model, contact)))
+            self._last(data, rows, contact.friction[live], contact.dim[live], dt)
+            return
         kin = self.kin
         weak = None if kin is None else kin.crumbling(data, contact.geom[live], contact.pos[live], rows, dt)
         self._weak = weak
@@ -157,10 +170,34 @@ class ContactLaw:
             else:
                 kin.recall(data, weak)
 
+    def _last(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], dt: float) -> None:
+        """Write what contacts are solved for that last, or that the impacts of the step leave."""
+        blow, damping, speed = self.blow, data.efc_KBIP[rows, 1], data.efc_vel[rows]
+        asked = data.efc_aref if blow is None else data.efc_aref - data.efc_KBIP[:, 1] * blow.change
+        lift = self._lasting_lift(data, rows, friction, sizes, asked)
+        speed = speed if blow is None else speed + blow.change[rows]
+        opens = speed > 0.0
+        wanted = np.where(opens, np.minimum(asked[rows], PUSHED_OUT - speed / dt), asked[rows])
+        if blow is not None and self._sequence is not None:
+            # What the impacts moved stops closing within the step, and opens as they left it.
+            moved = blow.change[rows] != 0.0
+            stopped = np.where(opens, np.minimum(wanted, -speed / dt), wanted - speed * (1.0 / dt - damping))
+            wanted = np.where(moved, stopped, wanted) + blow.change[rows] / dt
+            self._sequence.begin(blow, data, dt)
+        data.efc_aref[rows] = wanted - lift
+
+    def end(self, data: Any, dt: float) -> None:
+        """Forget the impacts of the step after its integration: what follows goes on from the forces that last."""
+        if self.blow is not None:
+            data.qacc_warmstart[:] -= self.blow.gained / dt
+            self.blow = None
+
     def solve(self, data: Any) -> None:
         """Find the forces of this step, unless they are found already, and note from what the next one goes on."""
         if not self._found:
             self._forward(data)
+            if self.blow is not None and self._sequence is not None:
+                self._sequence.settle(self.blow, data, self.model.opt.timestep)
             if self._impact is not None and self._impact.lift is not None:
                 calm(self._impact, data, self.model, self._try)
         if self.kin is not None and self._weak is not None:
@@ -256,6 +293,16 @@ class ContactLaw:
         struck = np.zeros(data.nisland, dtype=bool)
         struck[data.efc_island[hit]] = True
         return np.asarray(struck[data.efc_island[rows]])
+
+    def _lasting_lift(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], asked: F64) -> F64:
+        """The lift of what lasts [m/s^2], by the accelerations of the step before.
+
+        The error falls as in the passes of a step. Without the accelerations what slides would sink by mu^2 g (N dt)^2, up to 0.2 mm, and be
+        pushed up again when it stops.
+        """
+        before = np.zeros(data.nefc)
+        self.mj.mj_mulJacVec(self.model, data, before, data.qacc_warmstart)
+        return self._lift(rows, friction, sizes, asked - before)
 
     def _lift(self, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], tangential: F64) -> F64:
         """Friction coefficient times slip / dt [m/s^2] of contacts at `rows`, from accelerations per constraint row."""

@@ -89,6 +89,19 @@ def _moved(rigid: RigidModel) -> tuple[dict[str, list[int]], dict[str, list[int]
     return dofs, bodies
 
 
+def _welded(rigid: RigidModel) -> tuple[dict[str, str], dict[str, list[int]]]:
+    """Whom entities are welded to that move with another one's degrees of freedom, and their own bodies of the model."""
+    model, owner = rigid.model, {int(rigid.body_ids[row]): body.split("/", 1)[0] for row, body in enumerate(rigid.bodies)}
+    carrier: dict[str, str] = {}
+    bodies: dict[str, list[int]] = {}
+    for own, entity in owner.items():
+        root = int(model.body_weldid[own])
+        if not int(model.body_dofnum[own]) and owner.get(root, entity) != entity:
+            carrier[entity] = owner[root]
+            bodies.setdefault(entity, []).append(own)
+    return carrier, bodies
+
+
 class Drivers:
     """Applies all drivers of one instance.
 
@@ -107,7 +120,9 @@ class Drivers:
     ) -> None:
         self.rigid, self.spec = rigid, spec
         done = intervention or Intervention()
-        self._without, self._stopped, self._since = done.without, done.held & members, done.since
+        self._carrier, welded = _welded(rigid)
+        held = frozenset(self._carrier.get(e, e) for e in done.held & members)
+        self._without, self._stopped, self._since = done.without, held, done.since
         model, plan = rigid.model, spec.simulation
         self.names = tuple(
             n
@@ -118,6 +133,8 @@ class Drivers:
         )
         self._drivers = {n: plan.drivers[n] for n in self.names}
         self._dofs, self._bodies = _moved(rigid)
+        self._pushed = self._bodies | welded
+        """Bodies of the model that a force on an entity pushes."""
         free = {e: d[0] for e, d in self._dofs.items() if d and self._is_free(d[0])}
         self._free = {e: int(model.jnt_qposadr[model.dof_jntid[d]]) for e, d in free.items()}
         self.kinematic = frozenset(e for e in self._dofs if spec.entities[e].motion == "kinematic")
@@ -150,7 +167,8 @@ class Drivers:
         for name, driver in self._drivers.items():
             if isinstance(driver, ReleaseDriver):
                 time = np.inf if name in self._without else driver.time
-                found[driver.entity] = max(time, found.get(driver.entity, 0.0))
+                held = self._carrier.get(driver.entity, driver.entity)
+                found[held] = max(time, found.get(held, 0.0))
         for entity, contract in self.spec.entities.items():
             physics = contract.physics
             moving = any((*getattr(physics, "linear_velocity", ()), *getattr(physics, "angular_velocity", ())))
@@ -251,7 +269,7 @@ class Drivers:
             if name in self._without:
                 continue
             if isinstance(driver, ForceDriver) and driver.start - _SLACK <= time < driver.end - _SLACK:
-                bodies = self._bodies[driver.entity]
+                bodies = self._pushed[driver.entity]
                 for body in bodies:
                     data.xfrc_applied[body] += np.array([*driver.force, *driver.torque]) / len(bodies)
             elif isinstance(driver, MotorDriver):

@@ -46,6 +46,16 @@ class _Steps:
         return cls([], [], [], [], [], [], [], [], [])
 
 
+class _Impacts(NamedTuple):
+    """Impacts of single contacts in one step, shape (k, ...)."""
+
+    time: F64
+    pair: NDArray[np.int64]
+    turn: NDArray[np.int64]
+    normal: F64
+    vector: F64
+
+
 class _Contacts(NamedTuple):
     """All listed contacts of one batch, shape (n,) each."""
 
@@ -97,6 +107,7 @@ class ContactMonitor:
         self.gain.begin()
         self._steps = _Steps.empty()
         self._events: list[_Event] = []
+        self._impacts: list[_Impacts] = []
         self._total: dict[int, list[float]] = {}
         """Normal impulse, largest force, smallest gap and impulse on the later collider of every pair."""
         self.max_contacts = 0
@@ -132,7 +143,7 @@ class ContactMonitor:
             trees = [t for side in divmod(key, self.count) for t in other._trees[side]]
             if any(abs(other.slept[t] - last) <= DEBOUNCE and other.woke[t] < other.slept[t] for t in trees):
                 self.seen[key] = time
-        self._events, self._total = other._events, other._total
+        self._events, self._total, self._impacts = other._events, other._total, other._impacts
         self.gain.take_over(other.gain)
         self.max_contacts, self.iterations, self.capped = other.max_contacts, other.iterations, other.capped
 
@@ -190,7 +201,20 @@ class ContactMonitor:
             steps.lengths.append(dt)
             if len(steps.times) >= BATCH:
                 self._evaluate()
+            if self.rigid.law.blow is not None:
+                self._note_impacts(data, self.rigid.law.blow.told, time)
         self.max_contacts = max(self.max_contacts, data.ncon)
+
+    def _note_impacts(self, data: Any, told: F64, time: float) -> None:
+        """Copy the impacts of a step; each row of `told` is a contact, a turn and an impulse along the axes of the contact."""
+        contact, which = data.contact, told[:, 0].astype(np.int64)
+        pair = self.rigid.geom_collider[sides_of(self.rigid.model, contact)[which]]
+        axes = contact.frame[which].reshape(-1, 3, 3)
+        way = np.sign(pair[:, 1] - pair[:, 0])[:, None]
+        vector = way * np.einsum("ni,nij->nj", told[:, 2:5], axes)
+        self._impacts.append(
+            _Impacts(np.full(len(which), time), np.sort(pair, axis=1), told[:, 1].astype(np.int64), way * axes[:, 0], vector)
+        )
 
     def _note_sleep(self, data: Any, time: float) -> None:
         self._evaluate()
@@ -297,7 +321,24 @@ class ContactMonitor:
             "event/point": np.array([e.point for e in events], dtype=np.float64).reshape(-1, 3),
             "event/speed": np.array([e.speed for e in events], dtype=np.float64),
             "event/impulse": np.array([e.impulse for e in events], dtype=np.float64),
+            **_impact_channels(self._impacts),
         }
+
+
+def _impact_channels(impacts: list[_Impacts]) -> dict[str, Any]:
+    """Channels `impact/*` of the impacts of a frame."""
+
+    def joined(name: str, shape: tuple[int, ...], kind: str) -> Any:
+        parts = [getattr(step, name) for step in impacts]
+        return np.concatenate([np.zeros(shape), *parts]).astype(kind)
+
+    return {
+        "impact/time": joined("time", (0,), "f8"),
+        "impact/pair": joined("pair", (0, 2), "i4"),
+        "impact/turn": joined("turn", (0,), "i4"),
+        "impact/normal": joined("normal", (0, 3), "f8"),
+        "impact/vector": joined("vector", (0, 3), "f8"),
+    }
 
 
 def _components(forces: Any, rows: Any, sizes: Any) -> Any:

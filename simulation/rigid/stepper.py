@@ -188,7 +188,9 @@ class Stepper:
             for field in fields:
                 field.apply(data, start + k * dt, dt, held)
             gyration(data, dt)
-            stop_slides(self.rigid.law, data, dt, slowest)
+            self.rigid.law.points.apply(data)
+            if breaks:
+                stop_slides(self.rigid.law, data, dt, slowest)
             contact_law(data, dt, slowest)
             if self.flexes is not None:
                 # Elastic members take the discrete integrator, which has no stage of its own; nothing sleeps beside them.
@@ -207,6 +209,7 @@ class Stepper:
                         return k, fate
                 watch_contacts(data, start + (k + 1) * dt, dt)
                 mujoco.mj_implicit(model, data)
+                self.rigid.law.end(data, dt)
                 watch_sleep(data, start + (k + 1) * dt)
             if working:
                 self.work.after_step(data, dt)

@@ -10,6 +10,7 @@ from unittest.mock import patch
 import numpy as np
 
 from ...simulation.rigid import contact_law
+from ...simulation.rigid.impact_sequence import ImpactSequence
 from ...simulation.rigid.impacts import Impact
 from ...worlds.arrays import F64
 from ...worlds.spec import Entity, Material, RigidSettings, SpringJoint, WorldSpec
@@ -17,7 +18,9 @@ from ..worlds.small_worlds import ball, box, ground, world
 from ._films import Film, copied, film_of
 from .cases import World
 
-__all__ = ["bouncing", "cradle", "forged_cradle", "forged_gain", "landing", "lost_spring", "old_law", "on_a_spring", "on_an_edge"]
+__all__ = [
+    "bouncing", "cradle", "forged_cradle", "forged_gain", "landing", "less_inside", "lost_spring", "old_law", "on_a_spring", "on_an_edge", "rack", "untold",
+]  # fmt: skip
 
 STEP, GAP = 5e-4, 1e-3
 """Default step [s] and summed skins [m]."""
@@ -78,7 +81,24 @@ def _on_a_spring(number: int) -> WorldSpec:
     return _make({"floor": ground(), "box": lies}, 0.0, frames=24, joints={"pull": pull})
 
 
-KINDS = {"cradle": _cradle, "bouncing": _bouncing, "edge": _on_an_edge, "landing": _landing, "spring": _on_a_spring}
+def _rack(number: int) -> WorldSpec:
+    """A ball runs into six that touch, in a triangle on a floor."""
+    gap, e, speed = GAP * (1.0, 1.2)[number % 2], (1.0, 0.9, 0.6)[number % 3], 2.0 + 0.5 * (number // 2)
+    pitch = 0.06 + gap
+    places = [(0.5 * 3**0.5 * pitch * row, pitch * (k - 0.5 * row)) for row in range(3) for k in range(row + 1)]
+    made = {f"ball{k}": ball(0.03, motion="dynamic", at=(x, y, 0.031)) for k, (x, y) in enumerate(places)}
+    made["cue"] = ball(0.03, motion="dynamic", at=(-0.15, 0.004 * (number // 4), 0.031), velocity=(speed, 0, 0))
+    return _make({"floor": ground(), **made}, e, friction=0.2)
+
+
+KINDS = {
+    "rack": _rack,
+    "cradle": _cradle,
+    "bouncing": _bouncing,
+    "edge": _on_an_edge,
+    "landing": _landing,
+    "spring": _on_a_spring,
+}
 VARIANTS = 8
 
 
@@ -94,6 +114,11 @@ def _film(kind: str, number: int) -> Film:
 def cradle(number: int) -> Film:
     """Balls that touch and hand an impact on."""
     return _film("cradle", number)
+
+
+def rack(number: int) -> Film:
+    """A ball runs into six that touch."""
+    return _film("rack", number)
 
 
 def bouncing(number: int) -> Film:
@@ -129,7 +154,8 @@ _of = Impact.of
 @lru_cache(maxsize=8)
 def _badly(kind: str, number: int) -> Film:
     """The world under that law; nothing lowers a restitution that gives."""
-    with patch.object(Impact, "of", _pushing), patch.object(contact_law, "calm", lambda *_: None):
+    at_once = patch.object(contact_law, "ImpactSequence", lambda *_: None)
+    with at_once, patch.object(Impact, "of", _pushing), patch.object(contact_law, "calm", lambda *_: None):
         return film_of(KINDS[kind](number))
 
 
@@ -142,6 +168,37 @@ def old_law(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     del magnitude
     kind, number = (("cradle", 0), ("cradle", 2), ("cradle", 6), ("edge", 0))[int(rng.integers(4))]
     return _judged(copied(_badly(kind, number)), folder)
+
+
+@lru_cache(maxsize=64)
+def _less_inside(number: int, less: float) -> Film:
+    """A cradle of balls that touch, those inside of which give back `less` than declared."""
+
+    def resolve(self: Any, data: Any, slowest: float, restitution: Any) -> Any:
+        rows = data.contact.efc_address
+        inside = (rows >= 0) & (np.abs(data.efc_vel[rows]) < 0.1)
+        return honest(self, data, slowest, np.where(inside, restitution - less, restitution))
+
+    honest = ImpactSequence.resolve
+    with patch.object(ImpactSequence, "resolve", resolve):
+        return film_of(_cradle(number))
+
+
+def less_inside(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    """Impacts that are handed on within a step give back `magnitude` less than is declared; the first one does not."""
+    return _judged(copied(_less_inside(2 * int(rng.integers(4)), magnitude)), folder)
+
+
+def untold(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    """The strongest impact of a rack or a cradle is missing from the log."""
+    del magnitude
+    film = (cradle, rack)[int(rng.integers(2))](int(rng.integers(VARIANTS)))
+    k = next(k for k in range(1, film.count) if len(film.frames[k]["impact/time"]))
+    data = film.frames[k]
+    strongest = int(np.argmax(np.linalg.norm(data["impact/vector"], axis=1)))
+    for name in [n for n in data if n.startswith("impact/")]:
+        data[name] = np.delete(data[name], strongest, axis=0)
+    return _judged(film, folder)
 
 
 def forged_cradle(folder: Path, magnitude: float, rng: np.random.Generator) -> World:

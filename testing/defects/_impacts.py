@@ -41,9 +41,14 @@ IMPACTS = (
     ),
     Mechanism("forged_gain", "one step gave energy and the next took it again", True, scenes.forged_gain, 0.0105, 1.0, "1", 0.01),
     Mechanism(
+        "less_inside", "impacts handed on in a row give back less than declared", True, scenes.less_inside, 0.07, 0.5, "1", 0.05
+    ),
+    Mechanism("untold_impact", "an impact among balls is missing from the log", True, scenes.untold, 1.0, 1.0, "impacts"),
+    Mechanism(
         "lost_spring", "the spring of a sleeping body reads as of another length", True, scenes.lost_spring, 0.05, 1.0, "m"
     ),
     _clean("touching_cradle", "balls that touch hand an impact on", scenes.cradle),
+    _clean("rack", "a ball runs into six that touch", scenes.rack),
     _clean("hard_bounce", "a hard ball bounces from the floor", scenes.bouncing),
     _clean("on_an_edge", "a box lands obliquely on an edge and loses no more than it must", scenes.on_an_edge),
     _clean("landing", "a stack falls on the floor and comes to rest", scenes.landing),

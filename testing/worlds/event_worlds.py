@@ -362,6 +362,32 @@ def jam() -> WorldSpec:
     )
 
 
+def _seesaw(bag: float, catch: Mapping[str, Entity]) -> WorldSpec:
+    """A beam on a hinge lies with one end on a block and a cube on that end; a bag is let go over the other, [kg/m^3]."""
+    beam = box(1.4, 0.2, 0.03, motion="dynamic", at=(0, 0, 0.269), euler=(0, 0.3, 0))
+    low = (0.7 * math.cos(0.3), 0.269 - 0.7 * math.sin(0.3))
+    up = (math.sin(0.3), math.cos(0.3))
+    ends = {f"rest_{k}": box(0.06, 0.2, 0.05, at=(side * (low[0] - 0.05), 0, 0.025)) for k, side in enumerate((1, -1))}
+    middle = (0.6 * math.cos(0.3) + 0.0665 * up[0], 0.269 - 0.6 * math.sin(0.3) + 0.0665 * up[1])
+    cube = box(0.1, 0.1, 0.1, motion="dynamic", at=(middle[0], 0, middle[1]), euler=(0, 0.3, 0))
+    sack = box(0.2, 0.16, 0.12, motion="dynamic", at=(-0.5, 0, 0.85), material="sack")
+    oak = Material(density=600.0, friction=0.6, restitution=0.0, substance="wood")
+    materials = {"wood": oak, "sack": Material(density=bag, friction=0.6, restitution=0.0)}
+    hinge = HingeJoint(child="beam", anchor=(0, 0, 0.269), axis=(0, 1, 0), damping=0.01)
+    things = {"beam": beam, **ends, "cube": cube, "bag": sack, **catch}
+    return _world(things, joints={"pivot": hinge}, materials=materials)
+
+
+def seesaw() -> WorldSpec:
+    """A bag falls on one end of a beam on a hinge, whose other end lifts a cube."""
+    return _seesaw(1500.0, {})
+
+
+def seesaw_struck() -> WorldSpec:
+    """A bag falls on a shelf over one end of a beam on a hinge; nothing moves the cube on the other end."""
+    return _seesaw(1500.0, {"shelf": box(0.4, 0.3, 0.02, at=(-0.5, 0, 0.7))})
+
+
 EVENT_WORLDS: Mapping[str, Callable[[], WorldSpec]] = {
     make.__name__: make
     for make in (
@@ -400,6 +426,8 @@ EVENT_WORLDS: Mapping[str, Callable[[], WorldSpec]] = {
         lean,
         beside,
         jam,
+        seesaw,
+        seesaw_struck,
     )
 }
 """By name."""

@@ -454,4 +454,9 @@ def _contacts(
         "event/point": np.array([e.point for e in begun], dtype=np.float64).reshape(-1, 3),
         "event/speed": np.array([e.speed for e in begun], dtype=np.float64),
         "event/impulse": np.array([e.impulse for e in begun], dtype=np.float64),
+        "impact/time": np.zeros(0),
+        "impact/pair": np.zeros((0, 2), dtype=np.int32),
+        "impact/turn": np.zeros(0, dtype=np.int32),
+        "impact/normal": np.zeros((0, 3)),
+        "impact/vector": np.zeros((0, 3)),
     }

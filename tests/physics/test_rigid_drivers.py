@@ -212,3 +212,30 @@ def test_a_body_on_a_path_works_on_what_hangs_on_it_and_not_on_itself():
     energy = run.record("kinetic_energy") + run.record("potential_energy")
     found = energy - energy[0] - run.record("driver_work")
     assert np.abs(found).max() < WORK * np.ptp(energy), (found, np.ptp(energy))
+
+
+def _gun_on_its_carriage(drivers, **more):
+    """A barrel of 3 kg welded to a carriage of 1 kg, without gravity."""
+    entities = {"carriage": box(0.4, 0.2, 0.1, mass=1.0), "gun": box(0.4, 0.1, 0.1, at=(0, 0, 0.1), mass=3.0)}
+    weld = {"kind": "weld", "parent": "carriage", "child": "gun", "anchor": (0, 0, 0.05)}
+    return Run(world(entities, seconds=0.5, gravity=(0, 0, 0), joints={"w": weld}, drivers=drivers, **more))
+
+
+def test_a_force_on_what_is_welded_to_a_moving_body_pushes_both():
+    """Closed form: F t = (m + M) v; the weld joins the two, and the one that is pushed has no degrees of freedom of its own."""
+    push = {"kind": "force", "entity": "gun", "force": (-8.0, 0, 0), "torque": (0, 0.2, 0), "start": 0.1, "end": 0.2}
+    run = _gun_on_its_carriage({"p": push})
+    momentum = 3.0 * run.of("gun", "velocity")[-1, 0] + run.of("carriage", "velocity")[-1, 0]
+    assert momentum == pytest.approx(-8.0 * 0.1, rel=1e-6)
+
+
+def test_a_release_of_what_is_welded_holds_both():
+    drivers = {
+        "p": {"kind": "force", "entity": "carriage", "force": (4.0, 0, 0), "start": 0.0, "end": 0.5},
+        "r": {"kind": "release", "entity": "gun", "time": 0.25},
+    }
+    run = _gun_on_its_carriage(drivers)
+    held = run.time <= 0.25
+    assert np.abs(run.of("gun")[held] - (0, 0, 0.1)).max() < HELD
+    assert np.abs(run.of("carriage")[held]).max() < HELD
+    assert run.of("gun", "velocity")[-1, 0] > 0.1

@@ -127,6 +127,7 @@ def test_a_box_that_lands_obliquely_on_an_edge_gains_nothing(spin):
     lands = box(0.1, 0.1, 0.1, at=(0, 0, 0.25), euler=(0, 0.5, 0), v=(2.0, 0, -2.0), w=(0, spin, 0), mass=1.0)
     run = Run(world({"ground": floor(), "b": lands}, seconds=1.0, restitution=1.0, friction=0.5, fps=240))
     energy = run.record("kinetic_energy") + run.record("potential_energy")
+    energy[1:] -= 0.5 * 5e-4 * G * run.record("momentum_z")[1:]  # velocities are half a step behind
     assert np.diff(energy).max() < ENERGY * energy[0]
 
 

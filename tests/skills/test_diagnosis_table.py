@@ -36,7 +36,7 @@ TABLE: list[Entry] = [entry for _, _, entry in entries()]
 EASIER = {"story", "limits"}
 PLACEHOLDERS = {
     "row", "entity", "other", "frame", "first", "last", "solver", "beat", "shot", "material", "striker", "driver", "tip", "support", "part",
-    "relation", "rubs", "wind", "steady", "becalmed", "emitter", "grains", "flying", "emission",
+    "relation", "rubs", "wind", "steady", "becalmed", "held", "free", "emitter", "grains", "flying", "emission",
     "follows", "jammed", "ends", "stands", "lies", "waves", "collides",
 }  # fmt: skip
 """Those that are filled from a row, and those that stay for the reader to fill."""

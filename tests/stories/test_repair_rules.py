@@ -41,6 +41,20 @@ def test_two_causal_groups_at_once_are_refused_after_a_failure(failed: Any, patc
     assert "step" in text
 
 
+def test_a_new_thing_comes_with_the_relations_that_say_how_it_stands(failed: Any, patch: Patch) -> None:
+    """One edit, of one group, and no weakening: nothing was asked of it before, its foundation in the floor included."""
+    body = {"shape": {"kind": "box", "size": [0.1, 0.1, 0.4]}}
+    post = {
+        "role": "post", "motion": "static", "material": "wood", "dimensions": {"size": [0.1, 0.1, 0.4]},
+        "pose": {"position": [2, 2, 0.1]}, "parts": {"body": body},
+    }  # fmt: skip
+    members = [*small_spec()["simulation"]["solvers"]["rigid"]["members"], "post"]
+    sunk = {"kind": "fastened", "a": "floor", "b": "post", "max_depth": 0.2, "reason": "it stands in the floor"}
+    edits = patch(("/entities/post", post), ("/simulation/solvers/rigid/members", members), ("/graph/relations/sunk", sunk))
+    done = failed.call("edit_spec", world="w", patch=edits, hypothesis="a post holds the blocks that fall short")
+    assert done["groups"] == ["relations", "shape"]
+
+
 @pytest.mark.slow
 def test_a_second_change_waits_for_the_test_of_the_first(failed: Any, patch: Patch) -> None:
     failed.edit(("/entities/ball/physics/linear_velocity/0", 0.6), hypothesis=WHY)

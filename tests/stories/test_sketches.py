@@ -105,3 +105,23 @@ def test_only_the_chosen_instances_run_and_those_that_they_read(tmp_path: Path) 
 
     assert run("rigid") == {"rigid"}
     assert run(cloth) == {"rigid", cloth}
+
+
+def test_the_frames_of_a_sketch_can_be_looked_at(slow: Agent) -> None:
+    """Own choice: what was sketched is motion of the present settings, and the only one until a probe; an edit of physics leaves none."""
+    assert "no sketch" in slow.refused("render_shot", world="w", stage="sketch", frame=5)
+    slow.call("probe_sim", world="w", sketch={"until": "strike", "steps": 2})
+    camera = {"position": [0.6, -0.6, 0.4], "target": [0, 0, 0.1]}
+    drawn = slow.call("render_shot", world="w", frame=8, camera=camera, width=96, height=64)
+    assert "from the sketch candidate" in drawn["summary"]
+    assert drawn["source"].endswith("/sketch")
+    state = slow.call("inspect_world", world="w", part="state", entities=["ball"], frames=[0, 10])
+    assert state["stage"] == "sketch"
+    assert "allowed 0..10 in the sketch run" in slow.refused("inspect_world", world="w", part="state", frames=[11, 11])
+
+    slow.call("edit_spec", world="w", patch=CURE, hypothesis="the ball is too slow to come there in time")
+    assert "no sketch" in slow.refused("render_shot", world="w", stage="sketch", frame=5)
+    assert not slow.call("probe_sim", world="w").get("state")
+    assert (
+        "from the probe candidate" in slow.call("render_shot", world="w", frame=8, camera=camera, width=96, height=64)["summary"]
+    )

@@ -202,11 +202,22 @@ def test_repairs_of_the_scene_or_the_solver_are_no_weakening() -> None:
 
 def test_removed_requirements_and_relations_are_named() -> None:
     spec = changed(base(), "/story/requirements/still", {"text": "t", "predicate": SPEED})
-    spec = changed(
-        spec, "/graph/relations/glue", {"kind": "fastened", "a": "b1", "b": "b2", "max_depth": 0.1, "reason": "glued fast"}
-    )
+    glued = {"kind": "fastened", "a": "b1", "b": "b2", "max_depth": 0.1, "reason": "glued fast"}
+    spec = changed(spec, "/graph/relations/glue", glued)
     assert weakenings(base(), spec) == ["/graph/relations/glue: overlap of b1 and b2 declared intended"]
     assert weakenings(spec, base()) == ["/story/requirements/still removed"]
+    # Of what is new with it nothing was asked before: a house and its foundation, a bracket and what it is bolted to.
+    bracket = base().entities["b1"].model_dump(mode="json")
+    added = apply_patch(
+        base(),
+        [
+            {"op": "add", "path": "/entities/bracket", "value": bracket},
+            {"op": "add", "path": "/graph/relations/bolted", "value": glued | {"b": "bracket"}},
+        ],
+    )
+    assert weakenings(base(), added) == []
+    deeper = changed(added, "/graph/relations/bolted/max_depth", 0.2)
+    assert weakenings(added, deeper) == ["/graph/relations/bolted/max_depth 0.1 -> 0.2"]
     gone = apply_patch(spec, [{"op": "remove", "path": "/graph/relations/hits"}])
     assert weakenings(spec, gone) == ["/graph/relations/hits (interacts) removed"]
 

@@ -241,6 +241,10 @@ class Judge:
         """
         return ""
 
+    def glows(self, spec: WorldSpec, entity: str) -> bool:
+        """True if it is seen by light of its own, which other light drowns."""
+        return False
+
     def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
         """Surface in the world as cameras see it at a frame.
 

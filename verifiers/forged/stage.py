@@ -269,6 +269,11 @@ class Stage:
             "event/point": np.array([b[4] for b in begun], dtype=np.float64).reshape(-1, 3),
             "event/speed": np.array([b[3] for b in begun]),
             "event/impulse": np.array([float(np.linalg.norm(self.given[b[1], b[2]][k - 1])) for b in begun]),
+            "impact/time": np.zeros(0),
+            "impact/pair": np.zeros((0, 2), dtype=np.int32),
+            "impact/turn": np.zeros(0, dtype=np.int32),
+            "impact/normal": np.zeros((0, 3)),
+            "impact/vector": np.zeros((0, 3)),
         }
         return frame
 

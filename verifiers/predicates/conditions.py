@@ -146,8 +146,8 @@ def _judged(
 
 
 def _ranked(values: F64) -> F64:
-    """Values by their order, the largest last."""
-    return np.asarray(np.argsort(np.argsort(values, kind="stable"), kind="stable"), dtype=np.float64)
+    """Values by their order, the largest last; equal ones alike, so that of these the first frame is shown."""
+    return np.asarray(np.searchsorted(np.sort(values), values), dtype=np.float64)
 
 
 def _numbers(conditions: Sequence[Condition], i: int) -> dict[str, Any]:

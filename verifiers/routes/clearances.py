@@ -121,8 +121,12 @@ def _to_obstacles(obstacles: Obstacles, points: F64, label: Ints) -> tuple[F64, 
     group, number = expand(obstacles.start[label + 1] - first)
     candidate = obstacles.point[first[group] + number]
     gap = np.linalg.norm(candidate - points[group], axis=1)
-    order = np.lexsort((gap, group))
-    best = order[np.unique(group[order], return_index=True)[1]] if len(order) else order
+    begin = np.flatnonzero(np.diff(group, prepend=-1))
+    if len(begin) == 0:
+        return gap, candidate
+    least = np.minimum.reduceat(gap, begin)
+    nearest = np.flatnonzero(gap == np.repeat(least, np.diff(begin, append=len(group))))
+    best = nearest[np.flatnonzero(np.diff(group[nearest], prepend=-1))]
     return gap[best], candidate[best]
 
 

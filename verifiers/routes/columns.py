@@ -18,8 +18,8 @@ from ...worlds.arrays import F64
 __all__ = ["Columns", "Grid", "Hits", "Ints", "Pieces", "Soup", "expand", "heights_of", "rasterise"]
 
 Ints = NDArray[np.intp]
-CHUNK = 150_000
-"""Triangle-cell pairs clipped at once; bounds memory to about 100 MB."""
+CHUNK = 40_000
+"""Triangle-cell pairs clipped at once; bounds memory to about 30 MB."""
 SEAM = 1e-9
 """Relative slack of the point-in-triangle test, so that a centre on a shared edge is hit."""
 UNCUT = (1, 1, 2, 2, 0, 0, 1)
@@ -193,11 +193,19 @@ def _clip(polygon: F64, axis: int, bound: F64, sign: float) -> tuple[F64, NDArra
     return np.where(kept[..., None], points, points[:, :1]), kept[:, 0]
 
 
+def _parts(corner: F64, low: F64, cell: float, alone: NDArray[np.bool_]) -> tuple[F64, NDArray[np.bool_]]:
+    """Parts of triangles within cells, shape (n, 7, 3), and which are not empty; those that lie in one cell alone are whole."""
+    polygon, alive = np.empty((len(corner), 7, 3)), np.ones(len(corner), dtype=bool)
+    polygon[alone] = corner[alone][:, UNCUT]
+    cut = np.flatnonzero(~alone)
+    polygon[cut], alive[cut] = _clip_to_cells(corner[cut], low[cut], cell)
+    return polygon, alive
+
+
 def _clip_to_cells(corner: F64, low: F64, cell: float) -> tuple[F64, NDArray[np.bool_]]:
     """Parts of triangles within cells, shape (n, 7, 3), and which are not empty.
 
-    Most cells of a floor lie wholly inside one triangle, or wholly outside, and most triangles of small things wholly inside one cell:
-    only the others are clipped.
+    Most cells of a floor lie wholly inside one triangle, or wholly outside: only the others are clipped.
     """
     slack = SEAM * cell
     square = low[:, None] + np.array(
@@ -221,7 +229,8 @@ def _clip_to_cells(corner: F64, low: F64, cell: float) -> tuple[F64, NDArray[np.
     inner = alive & ~whole & ((corner[:, :, :2] >= square[:, :1]) & (corner[:, :, :2] <= square[:, 2:3])).all(axis=(1, 2))
     polygon[inner] = corner[inner][:, UNCUT]
     rest = np.flatnonzero(alive & ~whole & ~inner)
-    polygon[rest], alive[rest] = _clip_fully(corner[rest], low[rest], cell)
+    if len(rest):
+        polygon[rest], alive[rest] = _clip_fully(corner[rest], low[rest], cell)
     return polygon, alive
 
 
@@ -254,7 +263,7 @@ def rasterise(soup: Soup, grid: Grid) -> Columns:
         index = low[triangle] + np.stack([column, line], axis=1)
         cell = index[:, 0] * grid.ny + index[:, 1]
         corner = soup.triangles[triangle]
-        polygon, alive = _clip_to_cells(corner, grid.origin + grid.cell * index, grid.cell)
+        polygon, alive = _parts(corner, grid.origin + grid.cell * index, grid.cell, counts[triangle] == 1)
         z = polygon[alive][:, :, 2]
         pieces.append(Pieces(cell[alive], triangle[alive], z.min(axis=1), z.max(axis=1), polygon[alive][:, :, :2]))
         height, covered, up, gradient = heights_of(corner, grid.centers(cell))

@@ -192,24 +192,18 @@ def _centred(floor: Floor, obstacles: Obstacles, nodes: Ints, cap: float) -> tup
     np.minimum.at(least, owner, gap)
     matters = gap <= least[owner] + 4.0 * half
     owner, obstacle = owner[matters], obstacle[matters]
-    present, begin = np.unique(owner, return_index=True)
-
-    def measure(points: F64) -> F64:
-        found = np.full(len(nodes), cap)
-        if len(owner):
-            away = points[owner] - obstacle
-            gap = np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2)
-            found[present] = np.minimum(np.minimum.reduceat(gap, begin), cap)
-        return found
-
     place = center.copy()
-    best = measure(place)
+    gaps = _Gaps(owner, obstacle, cap)
+    best = gaps.least(place)
     step = 0.5 * half
     ways = np.array(DIRECTIONS, dtype=np.float64)
+    longest = float(np.linalg.norm(ways, axis=1).max())
     for _ in range(LEVELS):
+        # All further steps together are shorter than this, and what is nearest now comes no nearer than by as much.
+        gaps = gaps.near(place, 2.0 * 4.0 * longest * step)
         for _ in range(2):
             trial = [np.clip(place + step * way, center - half, center + half) for way in ways]
-            values = np.stack([measure(t) for t in trial])
+            values = np.stack([gaps.least(t) for t in trial])
             k = values.argmax(axis=0)
             rows = np.arange(len(nodes))
             better = values[k, rows] > best
@@ -217,3 +211,39 @@ def _centred(floor: Floor, obstacles: Obstacles, nodes: Ints, cap: float) -> tup
             place = np.where(better[:, None], np.stack(trial)[k, rows], place)
         step *= 0.5
     return best, place
+
+
+class _Gaps:
+    """Distances of points to the obstacles about each of them.
+
+    Args:
+        owner: point of each obstacle, in order, shape (m,).
+        obstacle: where it is [m], shape (m, 2).
+        cap: distances count up to this [m].
+    """
+
+    def __init__(self, owner: Ints, obstacle: F64, cap: float) -> None:
+        self.owner, self.cap = owner, cap
+        self.x, self.y = np.ascontiguousarray(obstacle[:, 0]), np.ascontiguousarray(obstacle[:, 1])
+        self.present, self.begin = np.unique(owner, return_index=True)
+
+    def _squares(self, points: F64) -> F64:
+        x, y = points[:, 0][self.owner] - self.x, points[:, 1][self.owner] - self.y
+        return np.asarray(x * x + y * y)
+
+    def least(self, points: F64) -> F64:
+        """Distance of each point to the nearest of its obstacles [m], shape (n,)."""
+        found = np.full(len(points), self.cap)
+        if len(self.owner):
+            found[self.present] = np.minimum(np.sqrt(np.minimum.reduceat(self._squares(points), self.begin)), self.cap)
+        return found
+
+    def near(self, points: F64, beyond: float) -> _Gaps:
+        """Those obstacles that are no farther than the nearest and so much beyond [m]."""
+        if not len(self.owner):
+            return self
+        gap = np.sqrt(self._squares(points))
+        least = np.full(len(points), np.inf)
+        least[self.present] = np.minimum.reduceat(gap, self.begin)
+        some = gap <= least[self.owner] + beyond
+        return _Gaps(self.owner[some], np.column_stack([self.x[some], self.y[some]]), self.cap)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -97,11 +98,18 @@ def set_value(place: str, value: Any) -> tuple[dict[str, Any], ...]:
     return ({"op": "add", "path": place, "value": value},)
 
 
-def halve_step(candidate: Candidate, solver: str, cause: str) -> Correction:
-    """Halve the step of an instance, whatever its engine calls it; down to what its settings allow."""
+def halve_step(candidate: Candidate, solver: str, cause: str, *, in_force: float = math.inf) -> Correction:
+    """Halve the step of an instance, whatever its engine calls it; down to what its settings allow.
+
+    Args:
+        candidate: what is judged.
+        solver: the instance.
+        cause: why.
+        in_force: the step that something else holds it to, where that is shorter than the declared one.
+    """
     settings = candidate.spec.simulation.solvers[solver].settings
     name = next(n for n in LEAST_STEP if getattr(settings, n, None) is not None)
-    value = float(getattr(settings, name))
+    value = min(float(getattr(settings, name)), in_force)
     place = pointer("simulation", "solvers", solver, "settings", name)
     named = ("the step" if name == "step" else name) + f" from {value:g}" + ("" if name == "step_share" else " s")
     shorter = float(f"{max(LEAST_STEP[name], value / 2):.6g}")

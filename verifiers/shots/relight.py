@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction
     from .sight import Sight
 
-__all__ = ["Shade", "brighter", "darker", "lit", "recoloured"]
+__all__ = ["Shade", "brighter", "darker", "dimmed", "lit", "recoloured"]
 
 FILL = 300.0
 """[W/m^2] Own choice: irradiance that a suggested light gives its subject, some half of a clear sky's with its sun."""
@@ -71,6 +71,18 @@ def _exposed(value: float, cause: str) -> Correction:
     place = pointer("look", "exposure")
     stops = round(value, 2)
     return correction(cause, "look", f"set the exposure to {stops:g} stops", pointers=(place,), patch=set_value(place, stops))
+
+
+def dimmed(sight: Sight, view: View) -> list[Correction]:
+    """Less light from elsewhere on what glows by itself; as a ready edit where the sky gives that light."""
+    look = sight.candidate.spec.look
+    cause = f"{view.subject} glows, and the light of the scene drowns it"
+    place = pointer("look", "sky")
+    if look.sky == "night":
+        place = pointer("look", "lights")
+        return [correction(cause, "look", "take lamps away from it, or lower their power", pointers=(place,))]
+    text = f"take the sky 'night' in place of {look.sky!r}, and lamps where the rest must be seen"
+    return [correction(cause, "look", text, pointers=(place,), patch=set_value(place, "night"))]
 
 
 def lit(sight: Sight, view: View, cause: str) -> Correction:

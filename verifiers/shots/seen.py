@@ -15,6 +15,7 @@ import numpy as np
 from ...worlds.errors import EvidenceError
 from ...worlds.plates import MOST_PLATES, SEEDS, Plates, View, plate_size, plates_folder
 from ...worlds.provenance import recipes
+from ..categories.registry import judge_of
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from .bounds import BRIGHT, DARK, JUST_NOTICEABLE, SEEN_NOISE, SEEN_PIXELS, SEEN_SHARE
@@ -22,7 +23,7 @@ from .difference import Difference, compared, lab, linear
 from .plan import shot_row
 from .questions import SEEN
 from .reframing import reframe
-from .relight import Shade, brighter, darker, lit, recoloured
+from .relight import Shade, brighter, darker, dimmed, lit, recoloured
 from .sight import sight_of
 from .wanted import Wanted, best_look, seen_beats, wanted
 
@@ -204,12 +205,15 @@ def _shade(plate: Plate, mask: Mask) -> Shade:
 def _cause(sight: Sight, view: View, shade: Shade, difference: Difference, mask: Mask) -> _Cause:
     """The first reason that holds: no light, too much, the colour of what is behind, noise."""
     delta, noise = (float(np.median(values[mask.visible])) for values in (difference.delta, difference.noise))
+    spec = sight.candidate.spec
+    glows = judge_of(spec, view.subject).glows(spec, view.subject)
     if max(shade.subject, shade.behind) < DARK:
         return _Cause(f"too dark, lightness {shade.subject:.1f} of 100", brighter(sight, view, shade))
     if min(shade.subject, shade.behind) > BRIGHT:
         return _Cause(f"too bright, lightness {shade.subject:.1f} of 100", darker(sight, view, shade))
     if delta <= JUST_NOTICEABLE:
         text = f"it has the colour of what is behind it: they differ by {delta:.1f} of CIELAB, an eye notices {JUST_NOTICEABLE:g}"
-        return _Cause(text, recoloured(sight, view, shade))
+        return _Cause(text, dimmed(sight, view) if glows else recoloured(sight, view, shade))
     text = f"its difference of {delta:.1f} of CIELAB is less than {SEEN_NOISE:g} times the noise of {noise:.1f}"
-    return _Cause(text, [lit(sight, view, "so little light reaches it that it is lost in noise")])
+    dark = [lit(sight, view, "so little light reaches it that it is lost in noise")]
+    return _Cause(text, dimmed(sight, view) if glows else dark)

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ...worlds.described import coloured_bodies
 from ...worlds.plates import MOST_PLATES, View
+from ...worlds.predicates import atoms_of
+from ...worlds.predicates.registry import PREDICATES
+from ..predicates.evaluators import beat_times
 from .plan import outcome_frames, shots_at
 from .sight import sight_of
 from .views import SAMPLES, samples
@@ -79,10 +82,15 @@ def _best(sight: Sight, beat_id: str) -> View | None:
 
 
 def best_look(sight: Sight, beat_id: str) -> Seen | None:
-    """The look at a beat's subject, of those at its outcome, that shows most of it, or would if nothing stood before it."""
+    """The look at a beat's subject, of those at its outcome, that shows most of it, or would if nothing stood before it.
+
+    What is gone by its outcome, as a fire that goes out, is looked for from the beat's first frame to that.
+    """
     candidate = sight.candidate
     beat = candidate.spec.story.beats[beat_id]
     first, last = outcome_frames(candidate, beat_id) or beat.frames
+    if any(PREDICATES[kind].ends for a in atoms_of(beat.predicate) if (kind := getattr(a, "kind", "")) in PREDICATES):
+        first, last = beat.frames[0], beat_times(candidate).outcome(beat_id).first_true_frame or beat.frames[1]
     named = [n for n, s in candidate.spec.shots.items() if beat_id in s.covers]
     looks = []
     for frame in samples((first, min(last, candidate.last_frame)), SAMPLES):

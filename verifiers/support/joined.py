@@ -7,6 +7,7 @@ drawn at the other side.
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -31,8 +32,8 @@ if TYPE_CHECKING:
 
 __all__ = ["End", "Missed", "joined_rows", "missed", "on_axis", "reach_of", "touch", "way_to"]
 
-STEPS = 400
-"""Steps along the axis of a hinge; each is as long as what is nearest to it allows, and no shorter than the tolerance."""
+PLACES = 400
+"""Places along the axis of a hinge that are tried at most."""
 
 
 class End(NamedTuple):
@@ -162,9 +163,10 @@ def touch(surfaces: Surfaces, a: str, b: str) -> bool:
 
 
 def on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, bound: float) -> F64:
-    """The place on the axis of a hinge at which all its bodies are nearest [m]; the first that reaches all of them.
+    """The place on the axis of a hinge at which all its bodies are nearest [m]; one that reaches all of them, where there is any.
 
-    Marching: along the axis no distance changes faster than one goes.
+    Along the axis no distance changes faster than one goes, so that between two places it is no less than the mean of theirs less half
+    their distance; the stretch that may still hold the least is halved first (Piyavskii 1972, doi:10.1016/0041-5553(72)90115-2).
     """
     axis = axis / np.linalg.norm(axis)
     spans = []
@@ -172,18 +174,30 @@ def on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, b
         corners = [_start(surfaces, i).apply(surfaces.shapes.solid(i, 0).vertices) for i in surfaces.parts_of[body]]
         along = (np.concatenate(corners) - anchor) @ axis
         spans.append((float(along.min()), float(along.max())))
-    low, high = max(s[0] for s in spans) - bound, min(s[1] for s in spans) + bound
 
     def worst(at: float) -> float:
         return max(missed(surfaces, End(b, anchor + at * axis, ())).distance for b in bodies)
 
     best = (worst(0.0), 0.0)
-    at, step = low, max(bound, (high - low) / STEPS)
-    while at <= high and best[0] > bound:
-        here = worst(at)
-        best = min(best, (here, at))
-        at += max(step, here - bound)
+    # Bodies that lie one after the other along the axis are nearest somewhere between them.
+    low, high = sorted((max(s[0] for s in spans), min(s[1] for s in spans)))
+    ends = [(worst(at), at) for at in (low - bound, high + bound)]
+    waiting = [(_least(*ends), *ends)]
+    for _ in range(PLACES):
+        best = min(best, *ends)
+        if best[0] <= bound or not waiting or waiting[0][0] > bound:
+            break
+        _, one, two = heapq.heappop(waiting)
+        at = 0.5 * (one[1] + two[1])
+        ends = [(worst(at), at)]
+        for half in ((one, ends[0]), (ends[0], two)):
+            heapq.heappush(waiting, (_least(*half), *half))
     return np.asarray(anchor + best[1] * axis)
+
+
+def _least(one: tuple[float, float], two: tuple[float, float]) -> float:
+    """The least that a distance can be between two places, each given as (distance there, place) [m]."""
+    return 0.5 * (one[0] + two[0] - abs(two[1] - one[1]))
 
 
 def _joint_corrections(surfaces: Surfaces, what: str, joint: Joint, worst: Missed) -> Iterator[Correction]:

@@ -39,12 +39,12 @@ from .quantities import quantity_problems
 from .sharing import sharing_problems
 from .unclaimed import unclaimed_problems
 
-__all__ = ["claim_problems"]
+__all__ = ["JUDGED_BY", "claim_problems"]
 
 WAIVED_SHARE = 0.2
 """Own choice: with more of its letters waived, a world is not the prompt's any more."""
 _BEATS, _REQUIREMENTS = "story/beats", "story/requirements"
-_ALLOWED: Mapping[ClaimType, tuple[str, ...]] = {
+JUDGED_BY: Mapping[ClaimType, tuple[str, ...]] = {
     "thing": ("entities", "terrains"),
     "count": ("entities", "terrains", "simulation", _BEATS, _REQUIREMENTS),
     "quantity": ("entities", "terrains", "materials", "graph", "story", "simulation", "look", "shots"),
@@ -106,8 +106,8 @@ def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
         at = f"{place}/by/{index}"
         if not resolves(document, pointer):
             yield Problem(at, f"pointer {pointer!r} leads nowhere; name what is in the specification")
-        elif not pointer.lstrip("/").startswith(tuple(f"{root}/" for root in _ALLOWED[claim.type])):
-            allowed = ", ".join(f"/{root}" for root in _ALLOWED[claim.type])
+        elif not pointer.lstrip("/").startswith(tuple(f"{root}/" for root in JUDGED_BY[claim.type])):
+            allowed = ", ".join(f"/{root}" for root in JUDGED_BY[claim.type])
             yield Problem(at, f"a claim of type {claim.type} is judged by {allowed}, not by {pointer!r}")
     yield from _optional(spec, name, claim)
     yield from (Problem(f"{place}/by", text) for text in posture_problems(spec, name, claim))

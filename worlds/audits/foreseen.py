@@ -12,6 +12,7 @@ from ..errors import EvidenceError
 from ..predicates import atoms_of
 from ..problems import Problem
 from ..spec import Beat, PathDriver, WorldSpec
+from .turning import turning_in_place
 
 __all__ = ["SCREEN_STEP", "foreseen"]
 
@@ -22,9 +23,9 @@ NARROWEST = 5.0
 
 
 def foreseen(spec: WorldSpec) -> list[Problem]:
-    """Warnings of the categories, then of drivers that no beat owns and subjects too fast for any camera."""
+    """Warnings of the categories, then of drivers that no beat owns, bodies that turn in place and subjects too fast for any camera."""
     found = [p for category in CATEGORIES.values() for p in category.warnings(spec)]
-    return [*found, *_unowned(spec), *_too_fast(spec)]
+    return [*found, *_unowned(spec), *turning_in_place(spec), *_too_fast(spec)]
 
 
 def _unowned(spec: WorldSpec) -> Iterator[Problem]:

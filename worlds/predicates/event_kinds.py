@@ -52,7 +52,7 @@ BODY_EVENTS = (
     _event(
         "stops",
         "s",
-        "It came at least its half-size, then it is still (slower than 0.0005 m/s and 0.005 rad/s) for at least 0.25 s on end. A liquid: its root mean square "
+        "It came at least its half-size, then it is still (slower than 0.0005 m/s and 0.005 rad/s; a soft body by its ways from frame to frame) for at least 0.25 s on end. A liquid: its root mean square "
         "speed was at least 0.2 of sqrt(g depth), then it is at most 0.05 of it for at least 1 s on end, depth being that of its columns, weighted by what they hold.",
         _OWN + "stillness as everywhere in the checks; a turning point is shorter than a quarter of a second",
         channels=_MOTION,
@@ -180,7 +180,7 @@ BODY_EVENTS = (
         "lifts",
         "m",
         "`other` rises without a break by at least its half-size, and this one, which moves, works on it by contact, spring, rope or joint at least 0.5 of "
-        "its weight times that height; by contact alone, it rises by at least 0.5 of that too.",
+        "its weight times that height; by contact alone, it rises where it is below the other by at least 0.5 of that too.",
         "energy: lifting is work against gravity; a slope that stays works on nothing",
         directed=True,
     ),
@@ -188,7 +188,7 @@ BODY_EVENTS = (
         "lowers",
         "m",
         "`other` goes down without a break by at least its half-size while this one, which moves, bears at least 0.5 of its weight and takes at least "
-        "0.5 of the potential energy that it loses; by contact alone, it goes down by at least 0.5 of that too.",
+        "0.5 of the potential energy that it loses; by contact alone, it goes down where it is below the other by at least 0.5 of that too.",
         "energy: what is lowered gives its energy to what bears it",
         directed=True,
     ),

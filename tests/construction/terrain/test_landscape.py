@@ -164,6 +164,19 @@ def test_required_water_that_the_land_does_not_have_is_refused_with_a_remedy() -
         build_landscape(Terrain.model_validate(dry), Path())
 
 
+def test_a_pond_that_is_smaller_than_lakes_may_be_is_refused_with_its_area_and_what_lets_it_be() -> None:
+    pond = {"kind": "crater", "center": [0, 0], "radius": 6, "depth": 1.5}
+    plain = {"extent": [60, 60], "cell": 0.5, "layers": {"pond": pond}, "erosion": {"years": 0, "steps": 1}, "vegetation": None}
+    with pytest.raises(InputError, match="least_lake_area to") as refused:
+        build_landscape(Terrain.model_validate({**plain, "hydrology": {"required": ["lake"]}}), Path())
+    least = float(str(refused.value).rsplit("least_lake_area to ", 1)[1])
+    told = {"required": ["lake"], "least_lake_area": least}
+    assert build_landscape(Terrain.model_validate({**plain, "hydrology": told}), Path()).water.lakes
+    coarse = {**plain, "cell": 4, "hydrology": {"required": ["lake"], "least_lake_area": 1}}
+    with pytest.raises(InputError, match="smaller cells"):
+        build_landscape(Terrain.model_validate(coarse), Path())
+
+
 def test_an_inflow_makes_a_river_where_the_rain_would_not() -> None:
     plain = {"extent": [300, 300], "cell": 5, "layers": {"r": {"kind": "ramp", "rise": -20}}, "climate": {"biome": "desert"}}
     given = {

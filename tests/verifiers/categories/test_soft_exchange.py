@@ -15,10 +15,12 @@ from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, HIGH, hammock_s
 from worldagent.verifiers.categories.cloth import check as cloth
 from worldagent.verifiers.categories.elastic import check as elastic
 from worldagent.verifiers.categories.particles import check as particles
+from worldagent.verifiers.categories.registry import judge_of
 from worldagent.verifiers.predicates.evaluators import evaluate
+from worldagent.verifiers.story.phase_contacts import first_contact
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.patch import parse_spec
-from worldagent.worlds.predicates import Contact
+from worldagent.worlds.predicates import Contact, TouchEvent
 
 Edit = Callable[[int, dict[str, Any]], None]
 
@@ -36,6 +38,37 @@ def caught(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
     """A jelly that has just reached the cloth that it drops on."""
     spec = hammock_spec(frames=5, edge=0.055, drop=0.002, radius=None)
     return simulate(tmp_path_factory.mktemp("caught"), spec)
+
+
+def test_a_jelly_is_told_apart_among_what_a_cloth_presses(caught: Candidate) -> None:
+    pressed = [t for t in judge_of(caught.spec, "cloth").touches(caught) if t.body == "jelly"]
+    assert len(pressed) == 1
+    assert not pressed[0].pressed[0]
+    assert pressed[0].pressed.any()
+    assert not [t for t in judge_of(caught.spec, "cloth").touches(caught) if t.body == "posts"], "they hold its pins"
+
+
+@pytest.mark.slow
+def test_a_jelly_lands_on_the_cloth_that_takes_its_fall(tmp_path: Path) -> None:
+    """It is the first contact of the run, too."""
+    spec = hammock_spec(frames=13, edge=0.055, drop=0.02, radius=None)
+    spec["entities"]["cloth"]["physics"] |= {
+        "damping": 0.01,
+        "stretch_stiffness": 4000.0,
+        "pins": {"a": {"edge": "-x"}, "b": {"edge": "+x"}},
+    }
+    spec["entities"]["jelly"]["physics"] |= {"damping": 0.05, "resolution": 0.06}
+    spec["graph"] = {"relations": {"meet": {"kind": "interacts", "a": "jelly", "b": "cloth"}}}
+    dropped = simulate(tmp_path, spec)
+    last = dropped.last_frame
+    landed = evaluate(dropped, TouchEvent(kind="lands", entity="jelly", other="cloth"), (0, last))
+    assert landed.status == "pass", landed.explanation
+    assert evaluate(dropped, TouchEvent(kind="lands", entity="jelly", other="ground"), (0, last)).status == "fail"
+    assert evaluate(dropped, TouchEvent(kind="lands", entity="jelly", other="cloth"), (0, 4)).status == "fail"
+    met = first_contact(dropped, 0, 0)
+    assert met is not None
+    assert "jelly" in met.text
+    assert 1 < met.frame < 5
 
 
 @pytest.fixture(scope="module")

@@ -42,7 +42,7 @@ TRUE: dict[str, list[tuple[str, ...]]] = {
     "opens": [("door_opens", "door"), ("door_opens", "door", "frame")],
     "closes": [("door_closes", "door")],
     "pulls": [("pull", "hand", "box")],
-    "lifts": [("lifted", "hand", "box"), ("toss", "hand", "box")],
+    "lifts": [("lifted", "hand", "box"), ("toss", "hand", "box"), ("seesaw", "beam", "cube")],
     "lowers": [("lowered", "hand", "box")],
     "throws": [("toss", "hand", "box")],
     "rests_against": [("lean", "plank", "wall")],

@@ -81,6 +81,10 @@ def test_a_shorter_step_is_half_and_a_move_adds_to_the_pose(world: Candidate) ->
     hint = halve_step(world, solver, "too long")
     assert hint.patch[0]["path"] == f"/simulation/solvers/{solver}/settings/step"
     assert hint.patch[0]["value"] == pytest.approx(plan.settings.step / 2)
+    held = halve_step(world, solver, "too long", in_force=plan.settings.step / 4)
+    assert held.patch[0]["value"] == pytest.approx(plan.settings.step / 8), (
+        "of the step in force, which is shorter than the declared one"
+    )
     name, entity = next((n, e) for n, e in world.spec.entities.items() if e.motion == "dynamic")
     moved = move_by(world, name, (0.1, 0.0, -0.2), "it floats").patch[0]["value"]["position"]
     assert moved == pytest.approx([a + b for a, b in zip(entity.pose.position, (0.1, 0.0, -0.2), strict=True)], abs=1e-5)

@@ -10,7 +10,9 @@ import jsonpatch
 import numpy as np
 import pytest
 from worldagent.testing.worlds.forged_plates import Paint, encoded, forge_plates
+from worldagent.testing.worlds.small_gas import fire_spec
 from worldagent.testing.worlds.small_worlds import IDENTITY, MATERIALS, ball, box, ground, make_candidate, world
+from worldagent.verifiers.categories.registry import judge_of
 from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.shots.bounds import JUST_NOTICEABLE, SEEN_SHARE
 from worldagent.verifiers.shots.difference import compared, lab
@@ -19,6 +21,7 @@ from worldagent.verifiers.shots.wanted import wanted
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.plates import MOST_PLATES, Plate, Plates, plate_size, plates_folder
 from worldagent.worlds.predicates import Displacement
+from worldagent.worlds.predicates.registry import PREDICATES
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, CameraKey, Look, Shot, WorldSpec
 
@@ -128,6 +131,30 @@ def test_a_subject_painted_like_what_is_behind_it_is_not_seen(tmp_path: Path) ->
     apart = lab(np.round(encoded(np.array([found, GREY]))).astype(np.uint8))
     assert np.linalg.norm(apart[0] - apart[1]) > 10 * JUST_NOTICEABLE
     assert judged(candidate, Paint(subject=(0.4, 0.3, 0.3), noise=1.0)).status == "pass"
+
+
+def test_what_glows_is_lost_in_the_light_of_the_scene_and_is_given_a_night(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A lamp or another colour would hide a flame the more."""
+    candidate = rolling(tmp_path)
+    monkeypatch.setattr(type(judge_of(candidate.spec, "ball")), "glows", lambda self, spec, entity: True)
+    row = judged(candidate, Paint(subject=(0.301, 0.3, 0.3), noise=1.0))
+    assert row.status == "fail"
+    assert patched(candidate, row).look.sky == "night"
+    fire = WorldSpec.model_validate({**fire_spec(), "prompt": "a fire"})
+    name = next(n for n, e in fire.entities.items() if e.physics.category == "gas")
+    assert judge_of(fire, name).glows(fire, name)
+
+
+def test_what_is_gone_by_its_outcome_is_looked_for_before_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ball rolls behind a wall before the beat comes true."""
+    rolls = {"roll": beat(frames=(1, 24), predicate=Displacement(entity="ball", min=0.9))}
+    candidate = rolling(tmp_path, rolls, walls={"wall": box(3.0, 0.1, 1.0, at=(1.85, -0.5, 0.5))})
+    assert "roll" not in wanted(candidate).of
+    monkeypatch.setitem(PREDICATES, "displacement", dataclasses.replace(PREDICATES["displacement"], ends=True))
+    assert 1 <= wanted(candidate).of["roll"].frame < 10
+    assert {k for k, info in PREDICATES.items() if info.ends} == {"displacement", "goes_out", "gas_clears"}
 
 
 def test_a_colour_that_others_share_is_named_and_not_changed(tmp_path: Path) -> None:

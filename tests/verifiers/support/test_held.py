@@ -258,6 +258,16 @@ def test_a_hinge_is_reached_anywhere_on_its_axis(tmp_path: Path) -> None:
         assert rows_of(tmp_path / status, things, joints=joints)["support:joint:h"].status == status
 
 
+@pytest.mark.parametrize(("gap", "status"), [(0.004, "pass"), (0.0069, "pass"), (0.0072, "fail")])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_hinge_acts_in_the_gap_that_its_axis_crosses(tmp_path: Path, gap: float, status: str, side: int) -> None:
+    """Both are reached from the middle of the gap where that is no more than 3.5 mm from either, however narrow that stretch of the axis."""
+    wheel = box(0.1, 0.4, 0.4, motion="dynamic", at=(side * (0.55 + gap), 0, 0.5))
+    things = {"floor": ground(), "beam": box(1.0, 0.1, 0.1, at=(0, 0, 0.5)), "wheel": wheel}
+    joints = {"h": HingeJoint(parent="beam", child="wheel", anchor=(side * (0.55 + gap), 0, 0.5), axis=(1, 0, 0))}
+    assert rows_of(tmp_path, things, joints=joints)["support:joint:h"].status == status
+
+
 @pytest.mark.parametrize(("short", "status"), [(0.0, "pass"), (0.01, "pass"), (0.02, "fail"), (0.3, "fail")])
 def test_a_rope_ends_at_what_it_is_attached_to(tmp_path: Path, short: float, status: str) -> None:
     """The rope is 20 mm thick: its round end reaches 10 mm beyond its last point, and 3.5 mm may be open."""

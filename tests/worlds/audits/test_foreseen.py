@@ -89,3 +89,31 @@ def test_a_speed_that_a_beat_asks_for_counts(minimum: float, count: int) -> None
         ("/entities/b3/dimensions/size", [0.05, 0.05, 0.05]),
     )
     assert len([w for w in audit(asked).warnings if "per frame" in w]) == count
+
+
+def _seesaw(predicate: dict[str, Any], middle: float = 0.0) -> tuple[str, ...]:
+    """Warnings of a beam of 3 cm on a hinge `middle` metres from its own middle, of which a beat asks something."""
+    from worldagent.testing.worlds.event_worlds import event_world
+
+    document = event_world("seesaw").model_dump(mode="json", exclude_none=True)
+    document["simulation"]["joints"]["pivot"]["anchor"] = [middle, 0, 0.269]
+    document["story"]["beats"] = {
+        "turns": {"text": "it turns", "owner": "rigid", "subject": "beam", "frames": [0, 30], "predicate": predicate}
+    }
+    return tuple(w for w in audit(parse_spec(document)).warnings if w.startswith("/story/beats/turns"))
+
+
+@pytest.mark.parametrize("kind", ["rises", "falls", "drifts"])
+def test_a_beam_that_turns_about_its_middle_is_told_which_predicates_go_by_its_ends(kind: str) -> None:
+    (told,) = _seesaw({"kind": kind, "entity": "beam"})
+    assert "comes 0 m at most" in told
+    assert "`tilts`" in told
+    assert "`lifts`" in told
+    assert _seesaw({"kind": kind, "entity": "beam"}, middle=0.3) == ()
+    assert len(_seesaw({"kind": kind, "entity": "beam", "min": 0.7}, middle=0.3)) == 1
+
+
+def test_what_goes_by_an_end_or_an_angle_is_not_told() -> None:
+    assert _seesaw({"kind": "lifts", "entity": "beam", "other": "cube"}) == ()
+    assert _seesaw({"kind": "tilts", "entity": "beam", "min": 0.2}) == ()
+    assert len(_seesaw({"kind": "lifts", "entity": "cube", "other": "beam"})) == 1

@@ -9,9 +9,9 @@ import numpy as np
 
 from ....geometry import pierced
 from ....worlds.arrays import F64, I32
-from ...rows.corrections import halve_step, separate
+from ...rows.corrections import separate
 from ...rows.findings import Finding
-from .frames import at_most
+from .frames import at_most, halved
 
 if TYPE_CHECKING:
     from .frames import ClothRun, Solid
@@ -96,7 +96,7 @@ def _through(x: F64, edges: I32, faces: I32, points: F64, solid: Solid, low: F64
 def _finding(run: ClothRun, total: int, first: int | None, entity: str | None, text: str, place: list[float] | None) -> Finding:
     if first is None:
         return Finding("pass", text, 0.0, 0.0, "1")
-    start, later = separate(entity), halve_step(run.candidate, run.solver, "the step is too long for the motion")
+    start, later = separate(entity), halved(run, "the step is too long for the motion")
     hints = (start, later) if first == 0 else (later, start)
     text = f"{text}; first at frame {first} near {place}"
     return replace(at_most(text, float(total), 0.0, "1", first, *hints), entity=entity, evidence={"point": place})

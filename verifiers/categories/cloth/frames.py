@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....worlds.arrays import F64, I32, compose, pose_of
-from ....worlds.categories.cloth.facts import held_by, release_time
+from ....worlds.categories.cloth.facts import exchange_of, held_by, release_time
 from ....worlds.errors import EvidenceError
 from ....worlds.instances import soft_met
+from ...rows.corrections import halve_step
 from ...rows.findings import Finding
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from ....worlds.requirements import Correction
     from ....worlds.spec import ClothPhysics
 
-__all__ = ["ClothRun", "Held", "Piece", "Solid", "at_most", "cloth_run"]
+__all__ = ["ClothRun", "Held", "Piece", "Solid", "at_most", "cloth_run", "halved"]
 
 
 @dataclass(frozen=True)
@@ -207,6 +208,11 @@ class ClothRun:
 def at_most(text: str, value: float, bound: float, unit: str, frame: int, *hints: Correction) -> Finding:
     """Finding about the largest value, at a frame, against its bound."""
     return Finding("pass" if value <= bound else "fail", text, value, bound, unit, frame=frame, hints=hints)
+
+
+def halved(run: ClothRun, cause: str) -> Correction:
+    """Halve the step that is in force: cloth looks at bodies that it pushes more often than its longest step says."""
+    return halve_step(run.candidate, run.solver, cause, in_force=exchange_of(run.candidate.spec, run.solver))
 
 
 def cloth_run(candidate: Candidate, solver: str) -> ClothRun:

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
+from ....worlds.categories.cloth.facts import pins_of
 from ....worlds.errors import EvidenceError
 from ...ledgers.exchanged import CHANNEL, partners
 from ...ledgers.origins import Origin
 from ..judge import Judge, Push, Rupture, Touch
-from ..pushes import MIN_IMPULSE, givers_of, pushes_of, touches_of
+from ..pushes import MIN_IMPULSE, givers_of, pushes_of, sizes_of, touches_of
+from .apart import given_apart
 from .check import category_rows, numerical_rows
-from .diagnosis import wind_names
+from .diagnosis import sheet_names
 from .frames import cloth_run
 from .links import shares, sheet_impulse
 from .register import cloth_lines
@@ -54,9 +56,12 @@ class ClothJudge(Judge):
         )
 
     def givers(self, candidate: Candidate, entity: str) -> dict[Origin, F64]:
-        """Impulses of solids, what holds its pins included, and of air, where its instance has no other sheet."""
+        """Impulses of solids, what holds its pins included, and of air; of one of several sheets as far as they are certainly its own."""
         for cache in self.caches(candidate).values():
-            if {n.split("/", 1)[0] for n in cache.index.bodies} == {entity}:
+            members = {n.split("/", 1)[0] for n in cache.index.bodies}
+            if entity in members and len(members) > 1:
+                return given_apart(candidate, cache, entity, self.momentum(candidate, entity))
+            if members == {entity}:
                 air = [np.asarray(cache.series(f"record/air_impulse_{axis}"), dtype=np.float64) for axis in "xyz"]
                 blown = np.diff(np.stack(air, axis=1)[: candidate.frame_count], axis=0, prepend=0.0)
                 return givers_of(candidate, cache, CHANNEL, blown)
@@ -110,6 +115,7 @@ class ClothJudge(Judge):
             series = [candidate.caches[name].series(f"record/solid_impulse_{axis}")[:frames] for axis in "xyz"]
             gained = np.linalg.norm(np.diff(np.stack(series, axis=1), axis=0, prepend=0.0), axis=1)
             yield Touch(members, None, np.asarray(gained > MIN_IMPULSE))
+            yield from self._soft(candidate, name, members)
         for solver, cache in candidate.rigid_caches.items():
             coupled = partners(candidate.spec, solver)
             matter = frozenset[str]().union(*(sheets[n] for n in coupled if n in sheets))
@@ -117,9 +123,19 @@ class ClothJudge(Judge):
                 others = [candidate.caches[n] for n in coupled if n not in sheets and n in candidate.caches]
                 yield from touches_of(candidate, cache, matter, cache.index.bodies, others)
 
+    def _soft(self, candidate: Candidate, name: str, members: frozenset[str]) -> Iterator[Touch]:
+        """Sheets against each elastic body that holds none of their pins, by the record of what they gave it."""
+        cache, held = candidate.caches[name], {p.to for m in members for p in pins_of(candidate.spec.entities[m]).values()}
+        owners = [b.split("/", 1)[0] for b in cache.index.colliders]
+        soft = [e for e in dict.fromkeys(owners) if e in candidate.deforming and e not in held]
+        sizes = sizes_of(candidate, cache, cache.index.colliders) if soft else None
+        for entity in soft:
+            if sizes is not None:
+                yield Touch(members, entity, sizes[:, [o == entity for o in owners]].max(axis=1) > MIN_IMPULSE)
+
     def placeholders(self, spec: WorldSpec, entity: str, row: Row) -> dict[str, Any]:
-        """The wind that blows a sheet."""
-        return wind_names(spec, entity)
+        """The wind that blows a sheet, where the row asks for what air brings about; whether pins hold it."""
+        return sheet_names(spec, entity, row)
 
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....worlds.arrays import F64
-from ...rows.corrections import bake_again, halve_step
+from ...rows.corrections import bake_again
 from .bounds import BOOKS, CUT, ROUNDING, SINGLE
-from .frames import at_most
+from .frames import at_most, halved
 
 if TYPE_CHECKING:
     from ...rows.findings import Finding
@@ -91,7 +91,7 @@ def energy(run: ClothRun) -> Finding:
     share = gain / scale
     k = int(share.argmax())
     text = f"energy from nowhere is {share[k]:.3%} of {scale:.4g} J at frame {k}, allowed {growth:.1%}"
-    return at_most(text, float(share[k]), growth, "1", k, halve_step(run.candidate, run.solver, "the step is too long"))
+    return at_most(text, float(share[k]), growth, "1", k, halved(run, "the step is too long"))
 
 
 def uncut(run: ClothRun) -> Finding:
@@ -99,5 +99,5 @@ def uncut(run: ClothRun) -> Finding:
     lost = np.linalg.norm(np.diff(_given(run)[GIVERS.index("cut")], axis=0, prepend=0.0), axis=1).cumsum()
     k, value, bound = _worst(lost, CUT * _through(run))
     text = f"{value:.3g} N s were lost by frame {k}, allowed {bound:.3g} N s; {int(run.record('cut_vertices').sum())} vertices were cut short"
-    hint = halve_step(run.candidate, run.solver, "sheets meet faster than a step resolves")
+    hint = halved(run, "sheets meet faster than a step resolves")
     return at_most(text, value, bound, "N s", k, hint)

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...rows.corrections import halve_step
 from ...rows.findings import Finding
-from .frames import at_most
+from .frames import at_most, halved
 
 if TYPE_CHECKING:
     from .frames import ClothRun
@@ -22,7 +21,7 @@ def finite(run: ClothRun) -> Finding:
         for name, values in run.cache.read(k).items():
             count = int((~np.isfinite(values)).sum())
             if count:
-                hint = halve_step(run.candidate, run.solver, "the step is too long for the sheet")
+                hint = halved(run, "the step is too long for the sheet")
                 return at_most(f"channel {name!r} is not finite at frame {k}", float(count), 0.0, "1", k, hint)
     return Finding("pass", "every channel is finite on every frame", 0.0, 0.0, "1")
 
@@ -34,5 +33,5 @@ def slow(run: ClothRun) -> Finding:
     speed = np.maximum(run.record("max_speed"), written)
     k = int(speed.argmax())
     text = f"the fastest vertex has {speed[k]:.4g} m/s at frame {k}, allowed {bound:g} m/s"
-    hint = halve_step(run.candidate, run.solver, "the step is too long for the sheet")
+    hint = halved(run, "the step is too long for the sheet")
     return at_most(text, float(speed[k]), bound, "m/s", k, hint)

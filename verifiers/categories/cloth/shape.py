@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...rows.corrections import bake_again, correction, halve_step, set_value
+from ...rows.corrections import bake_again, correction, set_value
 from ...rows.findings import Finding
 from ..stretch import Stretch
 from .bounds import LEAST_AREA, SLIP
+from .frames import halved
 
 if TYPE_CHECKING:
     from ....worlds.requirements import Status
@@ -76,7 +77,7 @@ def shaped(run: ClothRun) -> Finding:
             if share < least:
                 least, entity, frame = share, piece.entity, k
     text = f"the smallest triangle of {entity} has {least:.2%} of its area at rest at frame {frame}, at least {LEAST_AREA:.0%}"
-    hints = (halve_step(run.candidate, run.solver, "the step is too long for the impact"),)
+    hints = (halved(run, "the step is too long for the impact"),)
     status: Status = "fail" if least < LEAST_AREA else "pass"
     return Finding(status, text, least, LEAST_AREA, "1", entity=entity, frame=frame, hints=hints)
 

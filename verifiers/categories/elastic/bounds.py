@@ -46,3 +46,8 @@ WOBBLE_SHARE = 0.01
 """[1] Own choice: of its length, between two turning points."""
 TURNS = 2.0
 """[1] Turning points of one period."""
+
+SHIVER_SPEED = 0.02
+"""[m/s] Own choice: faster at a frame, it is not at rest, however short its way; faster than frames, it goes no farther to and fro than 0.13 mm."""
+SHIVER_SPIN = 0.1
+"""[rad/s] The same of its turning: no more than 0.7 mrad."""

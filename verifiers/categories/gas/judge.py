@@ -108,6 +108,10 @@ class GasJudge(Loose):
         there = box.soot_mass(box.read(box.frames - 1))
         return f"{volume:.3g} litres let out" + (f", {there / came:.0%} of its soot in the box at the end" if came > 0.0 else "")
 
+    def glows(self, spec: WorldSpec, entity: str) -> bool:
+        """True of what has a fuel: its flames."""
+        return getattr(spec.entities[entity].physics, "fuel", None) is not None
+
     def outline(self, candidate: Candidate, entity: str, frame: int) -> TriangleMesh:
         """Sides of the cells in which it is seen; before any simulation, its source."""
         if candidate.stage == "static":

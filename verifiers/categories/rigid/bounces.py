@@ -27,7 +27,7 @@ from .rows import Law
 if TYPE_CHECKING:
     from ...rows.findings import Finding
 
-__all__ = ["restitution"]
+__all__ = ["ball_radius", "declared_restitution", "restitution"]
 
 
 class _Hit(NamedTuple):
@@ -82,7 +82,7 @@ def restitution(books: Books) -> Finding:
     return law.judge(books.entities, table, evidence={"hits": strongest})
 
 
-def _radius(books: Books, collider: str) -> float | None:
+def ball_radius(books: Books, collider: str) -> float | None:
     """Radius of an entity that is one ball about its centre of mass."""
     built = books.candidate.built.get(collider)
     if built is None or len(built.bodies) != 1:
@@ -93,7 +93,7 @@ def _radius(books: Books, collider: str) -> float | None:
     return float(pieces[0].params[0])
 
 
-def _declared(books: Books, a: str, b: str) -> tuple[float, float]:
+def declared_restitution(books: Books, a: str, b: str) -> tuple[float, float]:
     """Least and greatest declared restitution of a pair: the smaller of two materials', or the pair's own."""
     spec = books.candidate.spec
     for pair in spec.simulation.contacts.values():
@@ -106,7 +106,7 @@ def _declared(books: Books, a: str, b: str) -> tuple[float, float]:
 def _hits(books: Books) -> list[_Hit]:
     """Every hit that can be judged."""
     names = books.cache.index.colliders
-    balls = {n for n in names if _radius(books, n) is not None and n in books.row}
+    balls = {n for n in names if ball_radius(books, n) is not None and n in books.row}
     if not balls:
         return []
     logs = books.ragged("event/time", "event/pair", "event/point", "event/speed", "contact/pair")
@@ -145,7 +145,7 @@ def _even(books: Books, ball: str, other: str, point: F64, velocity: F64, normal
     speed = max(float(np.linalg.norm(along)), 1e-9)
     most = TURNED * closing / speed
     # Events are told to a step: so far the ball moved on between its place and the point.
-    if speed * books.step / (_radius(books, ball) or np.inf) > most:
+    if speed * books.step / (ball_radius(books, ball) or np.inf) > most:
         return False
     return even_ground(books.candidate, other, point, along * rest, most=most)
 
@@ -193,7 +193,7 @@ def _judge(books: Books, event: _Event, partners: list[dict[int, set[int]]]) -> 
     still = np.zeros(3)
     other_before, other_after = ends[1] if len(ends) > 1 else (still, still)
     # The other side's surface moves with its spin too; only balls hit each other centrally.
-    if len(ends) > 1 and _radius(books, names[other]) is None:
+    if len(ends) > 1 and ball_radius(books, names[other]) is None:
         return None
     closing = -float(normal @ (ends[0][0] - other_before))
     pushed = sum(_pushed(books, k, side) for side in sides)
@@ -207,7 +207,7 @@ def _judge(books: Books, event: _Event, partners: list[dict[int, set[int]]]) -> 
     lasting |= frame + 1 >= len(partners) or bool(books.asleep[frame, books.first[row]]) or abs(at_end) < 0.05
     low, high = (min(away, at_end), max(away, at_end)) if lasting else (away, away)
     kept = (max(low, 0.0) / closing, high / closing)
-    declared = _declared(books, names[ball], names[other])
+    declared = declared_restitution(books, names[ball], names[other])
     if pushed > 0.0:
         kept = _wet(books, k, sides, normal, logged, pushed, resting=after if lasting else 0.0)
     if (lasting or declared[0] == 0.0) and not _even(books, names[ball], names[other], point, ends[0][1], normal, after, closing):

@@ -65,6 +65,13 @@ SLOW_BOUNCE = 0.25
 TURNED = 0.5 * BOUNCE
 """[1] Own choice: part of the closing speed that a turn of the ground under a rolling ball may add to what it keeps."""
 
+ASKEW = 0.9
+"""[1] Own choice: cosine of the angle between a normal and the line of two centres; a step's travel turns it by less."""
+DECIDED = 0.5
+"""[1] Own choice: part of the closing speed that may have come from something else, for the impact to be judged."""
+UNTOLD = 1.0
+"""[1] Deviation of what is not told, or along another normal: all of a restitution."""
+
 GAIN = 0.01
 """[1] Of the energy that took part, given by contacts in one step, or in one frame. The solver leaves 1e-4 of what an impact exchanges, and
 what is pushed out of a skin comes back as up to 2 per cent of the speed, 4e-4 of the energy, over the steps of a push; measured: 5e-3 in a

@@ -1,6 +1,6 @@
 """Rigid bodies (R103, R104). The paper names records for them but no check (S11); ours are the questions of `questions.py`, per instance.
 
-Laws of motion on the instance's ledgers (`ledgers/balance.py`) are in `laws.py`, of contact in `contacts.py`, `bounces.py` and `impacts.py`;
+Laws of motion on the instance's ledgers (`ledgers/balance.py`) are in `laws.py`, of contact in `contacts.py`, `bounces.py`, `rebounds.py` and `impacts.py`;
 `books.py` holds the records against the ledgers. Friction and restitution are judged where frames decide them: a body that slides straight
 for a whole frame, a ball that hits once in one. Elsewhere impulses bound them, and what returns more than it got shows in the energy.
 """
@@ -29,6 +29,7 @@ from .impacts import impact_energy
 from .joints import joints
 from .links import owners
 from .questions import CATEGORY
+from .rebounds import rebounds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -192,6 +193,7 @@ FUNCTIONS: Mapping[str, Function] = {
     "category:rigid:contacts": by_books(contacts),
     "category:rigid:friction": by_books(friction),
     "category:rigid:restitution": by_books(restitution),
+    "category:rigid:rebounds": by_books(rebounds),
     "category:rigid:impact_energy": by_books(impact_energy),
     "category:rigid:fields": by_books(fields),
 }

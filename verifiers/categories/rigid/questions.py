@@ -163,6 +163,15 @@ CATEGORY = (
         ("solver",),
     ),
     Question(
+        "category:rigid:rebounds",
+        f"a ball leaves every impact, also of several that follow one another in a step, with the declared restitution within {BOUNCE:g}",
+        "largest deviation of the restitution of an impact",
+        "1",
+        "<=",
+        "BOUNCE",
+        ("solver",),
+    ),
+    Question(
         "category:rigid:impact_energy",
         f"contacts give no energy: in no step and no frame more than {GAIN:.0%} of the energy of the bodies that touch",
         "largest energy that contacts gave, as share of that of the bodies that touch",

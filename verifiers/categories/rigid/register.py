@@ -52,6 +52,7 @@ def _instance(spec: WorldSpec, name: str, instance: RigidInstance) -> list[dict[
                 "effect": f"the last rebounds before rest are left out{hop}",
             }
         )
+        found.append(_impacts(spec, name, instance))
     found += _mixed(spec, name, instance, used)
     sunk = PASSED * pull * (settings.contact_steps * settings.step) ** 2
     if sunk > 0:
@@ -71,6 +72,22 @@ def _instance(spec: WorldSpec, name: str, instance: RigidInstance) -> list[dict[
             }
         )
     return found
+
+
+def _impacts(spec: WorldSpec, name: str, instance: RigidInstance) -> dict[str, str]:
+    """Line about impacts that pass through several bodies."""
+    members = [spec.entities[m] for m in instance.members]
+    if any(e.breakable is not None or e.physics.category == "elastic" for e in members):
+        return {
+            "what": f"impacts of {name!r}, which holds debris or elastic bodies, are solved at once",
+            "effect": "a row that touches hands a blow on to more of its bodies, and an oblique bounce keeps up to three quarters of the slide "
+            "that friction takes",
+        }
+    return {
+        "what": f"impacts of {name!r} follow one another within a step of {instance.settings.step:g} s, as if each took no time",
+        "effect": "where many bodies touch, a real blow spreads over all of them at once: how they share it is one of the ways that energy "
+        "and momentum allow",
+    }
 
 
 def _touching(spec: WorldSpec, member: str) -> set[str]:

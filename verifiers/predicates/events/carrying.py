@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....worlds.arrays import F64
+from ....worlds.arrays import F64, rotation_matrix
 from ..outcome import Outcome
 from .bounds import (
     CARRIED,
@@ -61,19 +61,34 @@ def _moves(course: Course) -> bool:
     return course.candidate.spec.entities[course.entity].motion != "static"
 
 
-def _with(one: Course, deed: Deed, rises: F64, span: slice) -> NDArray[np.bool_]:
+def _with(one: Course, two: Course, deed: Deed, rises: F64, span: slice) -> NDArray[np.bool_]:
     """Where it goes up or down with the other by at least `WITH` of that, as what carries by contact alone has to, per interval."""
     if deed.how != ("contact",):
         return np.ones(len(rises), dtype=bool)
-    own = np.diff(one.heights[span.start : span.stop + 1])
+    own = _rise_below(one, two, span)
     return np.asarray(own * np.sign(rises) >= WITH * np.abs(rises))
+
+
+def _rise_below(one: Course, two: Course, span: slice) -> F64:
+    """Rise of the carrier over each interval, of that of it which is below the other's centre: the end of a beam that turns rises, its centre does not.
+
+    Of several bodies, and of what deforms, the rise of its centre.
+    """
+    at = slice(span.start, span.stop + 1)
+    if one.entity in one.candidate.deforming or len(one.candidate.entity(one.entity).bodies) != 1:
+        return np.diff(one.heights[at])
+    positions, quaternions = (track[at] for track in one.candidate.track(one.entity))
+    turns = rotation_matrix(quaternions)
+    arms = np.einsum("fji,fj->fi", turns[:-1], two.centers[at][:-1] - positions[:-1])
+    result: F64 = (positions[1:] + np.einsum("fij,fj->fi", turns[1:], arms) - two.centers[at][:-1]) @ one.up
+    return result
 
 
 def lifts(scope: Scope, p: PairEvent) -> Outcome:
     """Measured: how far the other rises without a break while the entity works on it [m]."""
     one, two, span, deed = _all(scope, p)
     gains = np.diff(two.heights[span.start : span.stop + 1])
-    run = (gains > 0.0) & (deed.work[span] > 0.0) & _moves(one) & _with(one, deed, gains, span)
+    run = (gains > 0.0) & (deed.work[span] > 0.0) & _moves(one) & _with(one, two, deed, gains, span)
     weight = two.mass * two.strength
     enough = run_sums(run, deed.work[span]) >= LIFT_WORK * weight * run_sums(run, gains)
     return _moved(scope, p, gains, run, enough, max(HALF_SIZE * two.size, p.min or 0.0), "lift")
@@ -85,7 +100,7 @@ def lowers(scope: Scope, p: PairEvent) -> Outcome:
     drops = -np.diff(two.heights[span.start : span.stop + 1])
     weight = two.mass * two.strength
     borne = deed.impulse[span] @ two.up >= CARRIED * weight * two.step
-    run = (drops > 0.0) & borne & (deed.work[span] < 0.0) & _moves(one) & _with(one, deed, -drops, span)
+    run = (drops > 0.0) & borne & (deed.work[span] < 0.0) & _moves(one) & _with(one, two, deed, -drops, span)
     enough = -run_sums(run, deed.work[span]) >= LIFT_WORK * weight * run_sums(run, drops)
     return _moved(scope, p, drops, run, enough, max(HALF_SIZE * two.size, p.min or 0.0), "lower")
 

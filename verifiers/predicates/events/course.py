@@ -165,6 +165,18 @@ class Course:
         return np.where(weight > 0.0, borne / np.maximum(weight, 1e-300), 1.0)
 
     @cached_property
+    def matter(self) -> dict[str, F64]:
+        """Impulse of the matter of coupled instances on it, by entity [N s], shape (F - 1, 3); none where several may have given it."""
+        found: dict[str, F64] = {}
+        for origin, given in self.origins.items():
+            members = (
+                {m for n in origin.name.split(", ") for m in _members(self.candidate, n)} if origin.kind == "matter" else set()
+            )
+            if len(members) == 1:
+                found[members.pop()] = given.impulse
+        return found
+
+    @cached_property
     def partners(self) -> tuple[str, ...]:
         """Entities with which contacts are logged, in the order of the log's colliders."""
         found: dict[str, None] = {}
@@ -176,6 +188,11 @@ class Course:
             for side, other in ((log.a, log.b), (log.b, log.a)):
                 found |= dict.fromkeys(names[k] for k in np.unique(other[(side == own) & (other != own)]))
         return tuple(found)
+
+
+def _members(candidate: Candidate, solver: str) -> tuple[str, ...]:
+    instance = candidate.spec.simulation.solvers.get(solver)
+    return () if instance is None else tuple(instance.members)
 
 
 def course_of(candidate: Candidate, entity: str) -> Course:

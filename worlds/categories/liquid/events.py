@@ -30,7 +30,7 @@ class SinkEvent(MatterEvent):
 
 
 class SplashEvent(MatterEvent):
-    """A body throws a liquid up."""
+    """A body throws a liquid up, or grains."""
 
     kind: Literal["splashes"]
     other: Subject = Field(description="the body that strikes it")
@@ -100,13 +100,13 @@ EVENTS = (
     PredicateInfo(
         "splashes",
         "1",
-        (*_PUSHES, "particle/id"),
+        (*_LOOSE, "exchange/impulse"),
         {"min": "up"},
         frames="narrower",
         event=True,
         directed=True,
-        gloss="Within 0.5 s after `other` strikes it, at a speed against it of at least 0.5 of what throws so high, eight particles from below its "
-        "surface about there stand above that by at least the body's half-size and two spacings.",
+        gloss="Within 0.5 s after `other` strikes it, at a speed against it of at least 0.5 of what throws so high, eight particles or grains from below "
+        "its surface about there stand above that by at least the body's half-size and two spacings.",
         source="energy: v^2 = 2 g h; what a crown or jet gains over that is an own choice, as are height and time",
     ),
     PredicateInfo(

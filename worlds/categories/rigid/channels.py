@@ -19,6 +19,7 @@ DIMENSIONS: Mapping[str, str] = {
     "joints": "`CacheIndex.joints`: hinges and slides",
     "pairs": "pairs of colliders that touched since the last frame",
     "events": "contacts that began in the frame, in order of time",
+    "impacts": "impacts of single contacts in the frame, in the order in which they followed one another",
 }
 
 CHANNELS: Mapping[str, tuple[Channel, ...]] = {
@@ -40,6 +41,11 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
         Channel("event/point", "f8", ("events", 3), "m", "where, world"),
         Channel("event/speed", "f8", ("events",), "m/s", "closing speed at the contact"),
         Channel("event/impulse", "f8", ("events",), "N s", "normal impulse within the frame, from the event on", "sum", "+"),
+        Channel("impact/time", "f8", ("impacts",), "s", "end of the step in which it was"),
+        Channel("impact/pair", "i4", ("impacts", 2), "1", "indices a < b into `CacheIndex.colliders`", sign="+"),
+        Channel("impact/turn", "i4", ("impacts",), "1", "which of those of the step that followed one another; those of one turn were at once", sign="+"),
+        Channel("impact/normal", "f8", ("impacts", 3), "1", "of the contact, from a to b, world"),
+        Channel("impact/vector", "f8", ("impacts", 3), "N s", "what it gave to b, friction included, world; a was given the opposite"),
         quantity("body_count", "1", "moving bodies", sign="+", conserved=True),
         quantity("max_travel_per_step", "m", "largest surface travel in one step of the frame", total="max", sign="+"),
         quantity("contact_gain", "J", "most energy that contacts of bodies that touch gave in one step of the frame; none is sound", total="max"),

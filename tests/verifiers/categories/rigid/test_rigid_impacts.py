@@ -1,4 +1,4 @@
-"""Row `impact_energy`: contacts that give energy are found in steps and in frames, and what only touches hard is not accused."""
+"""Rows `impact_energy` and `rebounds`: contacts that give energy, impacts that give back another share; what only touches hard is not accused."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from worldagent.testing.defects import _impact_scenes as scenes
-from worldagent.verifiers.categories.rigid.bounds import GAIN
+from worldagent.verifiers.categories.rigid.bounds import BOUNCE, GAIN
 from worldagent.verifiers.categories.rigid.check import category_rows
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
@@ -22,7 +22,8 @@ def row_of(candidate: Candidate) -> Row:
 def test_impacts_that_lose_energy_or_keep_it_pass(make, number: int, tmp_path: Path) -> None:
     row = row_of(make(number).candidate(tmp_path))
     assert (row.status, row.bound, row.mandatory) == ("pass", GAIN, True)
-    assert row.measured < 0.2 * GAIN
+    # A stack that lands stays, and comes out of the skins that it entered at 2 m/s.
+    assert row.measured < (0.5 if make is scenes.landing else 0.2) * GAIN
 
 
 def test_a_cradle_that_gains_energy_is_found_where_it_does(tmp_path: Path) -> None:
@@ -66,3 +67,56 @@ def test_what_a_path_pushes_gains_energy_by_right(tmp_path: Path) -> None:
     from worldagent.testing.defects import _scenes
 
     assert row_of(_scenes.pushed(0).candidate(tmp_path)).status == "pass"
+
+
+def rebounds_of(candidate: Candidate) -> Row:
+    return next(r for r in category_rows(candidate, "rigid") if ":rebounds:" in r.id)
+
+
+@pytest.mark.parametrize("make", [scenes.cradle, scenes.rack, scenes.bouncing])
+@pytest.mark.parametrize("number", [0, 1, 2, 5])
+def test_every_impact_of_a_row_or_a_rack_is_judged(make, number: int, tmp_path: Path) -> None:
+    row = rebounds_of(make(number).candidate(tmp_path))
+    assert (row.status, row.bound, row.mandatory) == ("pass", BOUNCE, True)
+    assert row.evidence["impacts"] >= (1 if make is scenes.bouncing else 4)
+    assert row.measured < 0.3 * BOUNCE
+
+
+def test_impacts_inside_a_row_that_give_back_less_are_found(tmp_path: Path) -> None:
+    world = scenes.less_inside(tmp_path, 0.07, np.random.default_rng(0))
+    row = rebounds_of(world.candidate)
+    assert row.status == "fail"
+    assert row.measured == pytest.approx(0.07, abs=0.01)
+    assert row.evidence["worst"][0]["alone"]
+    assert {c.group for c in row.corrections} >= {"material"}
+
+
+def test_impacts_inside_a_row_that_give_back_a_little_less_pass(tmp_path: Path) -> None:
+    assert rebounds_of(scenes.less_inside(tmp_path, 0.02, np.random.default_rng(0)).candidate).status == "pass"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_impact_that_is_missing_from_the_log_is_found(seed: int, tmp_path: Path) -> None:
+    assert rebounds_of(scenes.untold(tmp_path, 1.0, np.random.default_rng(seed)).candidate).status == "fail"
+
+
+def test_a_log_without_impacts_at_all_is_found(tmp_path: Path) -> None:
+    film = scenes.bouncing(0)
+    for frame in film.frames:
+        for name in [n for n in frame if n.startswith("impact/")]:
+            frame[name] = frame[name][:0]
+    assert rebounds_of(film.candidate(tmp_path)).status == "fail"
+
+
+def test_a_cache_without_the_channels_of_impacts_proves_nothing(tmp_path: Path) -> None:
+    film = scenes.bouncing(0)
+    for frame in film.frames:
+        del frame["impact/normal"]
+    assert rebounds_of(film.candidate(tmp_path)).status == "unverified"
+
+
+def test_an_impact_along_another_line_than_the_centres_is_found(tmp_path: Path) -> None:
+    film = scenes.cradle(0)
+    for frame in film.frames:
+        frame["impact/normal"] = np.roll(frame["impact/normal"], 1, axis=1)
+    assert rebounds_of(film.candidate(tmp_path)).status == "fail"

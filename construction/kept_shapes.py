@@ -1,0 +1,65 @@
+"""Shapes made concrete, kept by content: a hundred equal panes, handles and legs of furniture are built and measured once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ..worlds.spec import HeightField, Mesh, Shape, StemField
+from .primitives import ShapeGeometry, build_shape
+
+__all__ = ["KeptShape", "kept_shape"]
+
+KEPT_VERTICES = 1_500_000
+"""Vertices of the meshes that are kept at most: about 100 MB with their triangles."""
+FROM_FILES = (HeightField, Mesh, StemField)
+"""Shapes that files decide, which may change; large ones besides."""
+
+_Found = TypeVar("_Found")
+
+
+class KeptShape:
+    """A shape with what was measured of it."""
+
+    def __init__(self, geometry: ShapeGeometry) -> None:
+        for array in (geometry.render.vertices, geometry.render.faces, *(c.points for c in geometry.collision)):
+            array.flags.writeable = False
+        self.geometry = geometry
+        self._measured: dict[Any, Any] = {}
+
+    def measured(self, what: Any, measure: Callable[[], _Found]) -> _Found:
+        """The measure of a name, taken the first time that it is asked for."""
+        if what not in self._measured:
+            self._measured[what] = measure()
+        found: _Found = self._measured[what]
+        return found
+
+
+_kept: dict[str, KeptShape] = {}
+"""By the shape as JSON, the one used last at the end."""
+
+
+def kept_shape(shape: Shape, assets: Path) -> KeptShape:
+    """A shape as `build_shape` makes it, of equal ones the same; its arrays cannot be written to.
+
+    Raises:
+        InputError: as `build_shape`.
+    """
+    if isinstance(shape, FROM_FILES):
+        return KeptShape(build_shape(shape, assets))
+    key = f"{shape.kind}{shape.model_dump_json()}"
+    found = _kept.pop(key, None) or KeptShape(build_shape(shape, assets))
+    _kept[key] = found
+    if len(_kept) % 64 == 0:
+        _forget()
+    return found
+
+
+def _forget() -> None:
+    """Let go of those that were not used for longest where they are too many."""
+    total = 0
+    for key in reversed(list(_kept)):
+        total += len(_kept[key].geometry.render.vertices)
+        if total > KEPT_VERTICES:
+            _kept.pop(key, None)

@@ -1,0 +1,50 @@
+"""The table of claim types in the skill against the places where the audit lets a claim of each type be judged."""
+
+from __future__ import annotations
+
+import re
+from typing import get_args
+
+import pytest
+from worldagent.server.skill_files import SKILLS
+from worldagent.worlds.audits.claims import JUDGED_BY
+from worldagent.worlds.spec import ClaimType
+
+WORDS = {
+    "entit": "entities", "part": "entities", "terrain": "terrains", "material": "materials", "relation": "graph/relations",
+    "region": "graph/regions", "beat": "story/beats", "requirement": "story/requirements", "shot": "shots", "look": "look",
+    "simulation": "simulation", "driver": "simulation",
+}  # fmt: skip
+"""Beginnings of words of the table by what they name."""
+GROUPS = {"graph": ("graph/relations", "graph/regions"), "story": ("story/beats", "story/requirements")}
+FREE = ("quantity",)
+"""A pointer to any number, which the table says in its own words."""
+
+
+def told() -> dict[str, str]:
+    """The column of names by type; of a line for several types, what stands behind `type:` and what is for all."""
+    text = (SKILLS / "world-building" / "SKILL.md").read_text(encoding="utf-8")
+    found: dict[str, str] = {}
+    for line in text.splitlines():
+        cells = [c.strip() for c in line.split("|")]
+        types = re.findall(r"`(\w+)`", cells[1]) if len(cells) >= 4 else []
+        if not types or not set(types) <= set(get_args(ClaimType)):
+            continue
+        for kind in types:
+            pieces = [p.strip() for p in cells[2].split(";")]
+            own = [p for p in pieces if not re.match(r"\w+:", p) or p.startswith(f"{kind}:")]
+            found[kind] = "; ".join(p for p in own if not p.startswith("no "))
+    return found
+
+
+def named(text: str) -> set[str]:
+    words = re.findall(r"[a-z]+", text.lower())
+    return {place for word in words for start, place in WORDS.items() if word.startswith(start)}
+
+
+@pytest.mark.parametrize("kind", [k for k in get_args(ClaimType) if k not in FREE])
+def test_the_table_names_what_the_audit_takes_and_nothing_else(kind: str) -> None:
+    allowed = {place for root in JUDGED_BY[kind] for place in GROUPS.get(root, (root,))}
+    assert named(told()[kind]) <= allowed
+    if kind in ("property", "place", "route", "time", "weather", "look"):
+        assert named(told()[kind]) == allowed

@@ -6,6 +6,7 @@ would make. A process that dies or does not end is an error that says so, no mis
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import subprocess
@@ -13,7 +14,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -52,7 +53,7 @@ def _files(candidate: Candidate) -> dict[str, Path]:
 class Beside:
     """A process that judges some checks of a candidate, by their places in the list of checks; ended where it is left early."""
 
-    def __init__(self, candidate: Candidate, checks: Sequence[int]) -> None:
+    def __init__(self, candidate: Candidate, checks: Mapping[int, Callable[..., list[Row]]]) -> None:
         self.checks = tuple(checks)
         self._files = [tempfile.TemporaryFile() for _ in range(3)]  # noqa: SIM115 - closed as this is left
         asked, said, errors = self._files
@@ -61,7 +62,7 @@ class Beside:
             "folder": str(candidate.folder),
             "spec": candidate.spec.model_dump_json(exclude_none=True),
             "files": {name: str(path) for name, path in _files(candidate).items()},
-            "checks": self.checks,
+            "checks": [(f.__module__, f.__name__) for f in checks.values()],
         }
         asked.write(json.dumps(request).encode())
         asked.seek(0)
@@ -123,14 +124,13 @@ def _end_with(parent: int) -> None:
 
 def main() -> None:
     """Judge what the request on the standard input asks for, and print the rows as JSON."""
-    from .checks import CHECKS
-
     request = json.load(sys.stdin)
     threading.Thread(target=_end_with, args=(request["parent"],), daemon=True).start()
     try:
         built = {name: load_built(Path(path)) for name, path in request["files"].items()}
         candidate = Candidate(Path(request["folder"]), WorldSpec.model_validate_json(request["spec"]), built, "static")
-        rows = [[r.model_dump_json() for r in CHECKS[k].function(candidate)] for k in request["checks"]]
+        judges = [getattr(importlib.import_module(module), name) for module, name in request["checks"]]
+        rows = [[r.model_dump_json() for r in judge(candidate)] for judge in judges]
         answer: dict[str, Any] = {"rows": rows}
     except WorldAgentError as error:
         answer = {"error": {"type": type(error).__name__, "message": str(error)}}

@@ -162,7 +162,7 @@ def run_checks(
 
 def _second(candidate: Candidate, chosen: list[CheckBinding]) -> Beside | nullcontext[None]:
     """A process that judges those of the checks that may stand beside the others, where that is worth while."""
-    apart = [CHECKS.index(c) for c in chosen if c.beside and not switched_off(c.name)]
+    apart = {CHECKS.index(c): c.function for c in chosen if c.beside and not switched_off(c.name)}
     if not apart or len(apart) == len(chosen) or not worth_while(candidate):
         return nullcontext()
     return Beside(candidate, apart)

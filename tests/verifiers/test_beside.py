@@ -69,7 +69,7 @@ def test_a_process_alone_judges_where_there_is_one_core_or_no_folder(
 
 
 def test_the_death_of_the_process_is_an_error(candidate: Candidate) -> None:
-    with beside.Beside(candidate, [1]) as second:
+    with beside.Beside(candidate, {1: CHECKS[1].function}) as second:
         os.kill(second._process.pid, signal.SIGKILL)
         with pytest.raises(EngineError, match="the process that judges 1 of the checks ended with code -9"):
             _ = second.rows
@@ -77,7 +77,7 @@ def test_the_death_of_the_process_is_an_error(candidate: Candidate) -> None:
 
 def test_a_process_that_hangs_is_ended_and_told(candidate: Candidate, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(beside, "LONGEST", 0.0)
-    with beside.Beside(candidate, [1]) as second:
+    with beside.Beside(candidate, {1: CHECKS[1].function}) as second:
         os.kill(second._process.pid, signal.SIGSTOP)
         with pytest.raises(EngineError, match="was ended after 0 s"):
             _ = second.rows
@@ -87,11 +87,11 @@ def test_a_process_that_hangs_is_ended_and_told(candidate: Candidate, monkeypatc
 def test_what_a_check_raises_there_is_raised_here(candidate: Candidate) -> None:
     path = WorldFolder(candidate.folder).built("pillar", candidate.built["pillar"].recipe)
     path.write_bytes(b"no archive")
-    with beside.Beside(candidate, [1]) as second, pytest.raises(EvidenceError, match="pillar"):
+    with beside.Beside(candidate, {1: CHECKS[1].function}) as second, pytest.raises(EvidenceError, match="pillar"):
         _ = second.rows
 
 
 def test_it_ends_where_nobody_waits_for_it_any_more(candidate: Candidate) -> None:
-    with beside.Beside(candidate, [1]) as second:
+    with beside.Beside(candidate, {1: CHECKS[1].function}) as second:
         process = second._process
     assert process.poll() is not None

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "d9523ed3bdefdc0672b3b7a3407041aca956f0c48f304eb512f82424ae560262"
+SCHEMA = "59006fcc770ea9cb3a1ed816b6e2085510802d7a2709c903fe84dbc5caddb129"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -23,8 +23,10 @@ class KeptShape:
     """A shape with what was measured of it."""
 
     def __init__(self, geometry: ShapeGeometry) -> None:
-        for array in (geometry.render.vertices, geometry.render.faces, *(c.points for c in geometry.collision)):
-            array.flags.writeable = False
+        for array in (geometry.render.vertices, geometry.render.faces):
+            array.setflags(write=False)
+        for piece in geometry.collision:
+            piece.points.setflags(write=False)
         self.geometry = geometry
         self._measured: dict[Any, Any] = {}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 from ..execution import Part, Tell
@@ -11,6 +12,7 @@ from ..worlds.ablation import ablation, switched_off
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Check, Row, fail_closed
 from ..worlds.spec import WorldSpec
+from .beside import Beside, worth_while
 from .categories import check as category
 from .claims import check as claims
 from .claims.described import check as described
@@ -62,17 +64,19 @@ class CheckBinding:
     """Ids of its rows, where the check simulates the world again: such a one judges at the probe, and in acceptance."""
     plates: bool = False
     """True if it reads plates: such a one judges where some were made, and in acceptance."""
+    beside: bool = False
+    """True if it shares little work with the others: a second process judges it of a large world at the static stage."""
 
 
 CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("terrain", terrain.check, ("static", "full")),
-    CheckBinding("scale", scale.check, ("static", "full")),
-    CheckBinding("scale", sizes.check, ("static", "full")),
-    CheckBinding("scale", shapes.check, ("static", "full")),
+    CheckBinding("scale", scale.check, ("static", "full"), beside=True),
+    CheckBinding("scale", sizes.check, ("static", "full"), beside=True),
+    CheckBinding("scale", shapes.check, ("static", "full"), beside=True),
     CheckBinding("interpenetration", interpenetration.check, ("static", "full")),
     CheckBinding("relations", relations.check, ("static", "probe", "full")),
     CheckBinding("support", support.check, ("static", "probe", "full")),
-    CheckBinding("navigability", navigability.check, ("static", "full")),
+    CheckBinding("navigability", navigability.check, ("static", "full"), beside=True),
     CheckBinding("navigability", joints.check, ("static", "full")),
     CheckBinding("shots", shots.check, ("static", "probe", "full")),
     CheckBinding("shots", seen.check, ("full",), plates=True),
@@ -152,20 +156,48 @@ def run_checks(
         seconds: gets the time that the others took, as `judged`.
     """
     chosen = _chosen(candidate.stage, only, reruns, seen.taken(candidate) if plates is None else plates)
-    rows: list[Row] = []
+    with _second(candidate, chosen) as second:
+        return _judged(candidate, chosen, second, progress, seconds)
+
+
+def _second(candidate: Candidate, chosen: list[CheckBinding]) -> Beside | nullcontext[None]:
+    """A process that judges those of the checks that may stand beside the others, where that is worth while."""
+    apart = {CHECKS.index(c): c.function for c in chosen if c.beside and not switched_off(c.name)}
+    if not apart or len(apart) == len(chosen) or not worth_while(candidate):
+        return nullcontext()
+    return Beside(candidate, apart)
+
+
+def _judged(
+    candidate: Candidate,
+    chosen: list[CheckBinding],
+    second: Beside | None,
+    progress: Tell | None,
+    seconds: dict[str, float] | None,
+) -> list[Row]:
+    """Rows of checks in their order, those of a second process as it has made them."""
+    found_by: dict[int, list[Row]] = {}
     work, took = _work(candidate.spec, chosen), 0.0
-    for done, binding in enumerate(chosen):
+    # What a second process judges is fetched last, so that both work meanwhile.
+    order = sorted(range(len(chosen)), key=lambda k: second is not None and CHECKS.index(chosen[k]) in second.checks)
+    for done, k in enumerate(order):
+        binding, rows = chosen[k], [r for i in sorted(found_by) for r in found_by[i]]
         whole, began = max(sum(work), CHECK_WORK), time.monotonic()
-        told = Part(progress or silent, sum(work[:done]) / whole, sum(work[: done + 1]) / whole)
-        told(0, 1, f"checking {binding.name}")
-        found = (
-            binding.function(candidate) if binding.reruns is None else binding.function(candidate, told, _keeps(binding, rows))
+        told = Part(
+            progress or silent, sum(work[i] for i in order[:done]) / whole, sum(work[i] for i in order[: done + 1]) / whole
         )
-        rows += diagnosed(candidate, found)
+        told(0, 1, f"checking {binding.name}")
+        if second is not None and CHECKS.index(binding) in second.checks:
+            found = second.rows[CHECKS.index(binding)]
+        elif binding.reruns is None:
+            found = binding.function(candidate)
+        else:
+            found = binding.function(candidate, told, _keeps(binding, rows))
+        found_by[k] = diagnosed(candidate, found)
         took += time.monotonic() - began if binding.reruns is None else 0.0
     if seconds is not None:
         seconds["judged"] = took
-    return rows
+    return [r for k in sorted(found_by) for r in found_by[k]]
 
 
 def diagnosed(candidate: Candidate, rows: Iterable[Row]) -> list[Row]:

@@ -83,8 +83,7 @@ def _catapult(p: CatapultParameters, rng: np.random.Generator) -> Made:
         for s, side in ((-1, "left"), (1, "right")):
             name = f"wheel_{end_name}_{side}"
             _disc(made, name, (s * (x + 0.012 + 0.5 * beam), wy, low), wheel, 0.8 * beam, p)
-            stub = ((s * x, wy, low), (s * (x + 0.011 + 0.1 * beam), wy, low))
-            body.cylinder(f"axle_{end_name}_{side}", *stub, 0.25 * beam, material=p.metal)
+            _axle(body, f"axle_{end_name}_{side}", (s * x, wy, low), s * (0.011 + 0.1 * beam), 0.25 * beam, p)
     return made
 
 
@@ -112,6 +111,12 @@ def _uprights(
         (y + 0.6 * (reach - y), high),
     ]
     body.hull("pad", [(u, v, z) for u in (-0.3 * inner, 0.3 * inner) for v, z in pad], material="leather")
+
+
+def _axle(body: Body, name: str, foot: tuple[float, float, float], reach: float, radius: float, p: CatapultParameters) -> None:
+    """A stub that ends a millimetre before the wheel that turns on it."""
+    x, y, z = foot
+    body.cylinder(name, foot, (x + reach, y, z), radius, material=p.metal)
 
 
 def _disc(made: Made, name: str, center: tuple[float, float, float], radius: float, width: float, p: CatapultParameters) -> None:

@@ -49,12 +49,12 @@ class Standing:
 
     @cached_property
     def swept(self) -> Volume:
-        """What its joints sweep, in the room."""
+        """Boxes that its joints sweep, in the room."""
         return self.piece.swept.placed(self.x, self.y, self.z, self.yaw)
 
 
 class Fixture(NamedTuple):
-    """What is in the walls of a room and opens into it: a window."""
+    """A window: it is in a wall of the room and opens into it."""
 
     name: str
     solid: Volume
@@ -129,7 +129,7 @@ class Arrangement:
         del self.space.access[mark.access :]
 
     def barred(self, own: Piece, at: tuple[float, float, float], yaw: float, *, seat_of: str = "") -> str | None:
-        """What opens and would meet a thing at a point [m], or what keeps the thing's own doors and drawers shut, in words.
+        """The thing that opens and would meet another at a point [m], or that keeps the other's own doors and drawers shut, in words.
 
         Args:
             own: the thing.
@@ -148,14 +148,11 @@ class Arrangement:
         low, high = (room.x0 - TOUCHING, room.y0 - TOUCHING, -TOUCHING), (room.x1 + TOUCHING, room.y1 + TOUCHING, above)
         if not swept.within(low, high):
             return "the walls, as it opens,"
-        for other in (*self.fixtures, *self.standing):
-            if swept.meets(other.solid):
-                name = other.name if isinstance(other, Fixture) else other.piece.generator
-                return f"a {name}, as it opens,"
-        return None
+        named = [*((f.name, f.solid) for f in self.fixtures), *((s.piece.generator, s.solid) for s in self.standing)]
+        return next((f"a {name}, as it opens," for name, there in named if swept.meets(there)), None)
 
     def shut(self, solid: Volume, *, seat_of: str = "") -> str | None:
-        """What could not open any more if something took a volume, in words."""
+        """The thing that could not open any more if something took a volume, in words."""
         for fixture in self.fixtures:
             if fixture.swept.meets(solid):
                 return f"the sashes of a {fixture.name}"

@@ -57,7 +57,7 @@ class Piece:
 
     @cached_property
     def swept(self) -> Volume:
-        """What its joints sweep as they open, in its own frame."""
+        """Boxes that its joints sweep as they open, in its own frame."""
         return swept_by(self.generator, self.made, self.parts)
 
     @cached_property

@@ -74,7 +74,7 @@ class Volume:
 
 
 def swept_by(generator: str, made: Made, boxes: Mapping[str, tuple[F64, F64]]) -> Volume:
-    """What the joints of a thing sweep as they open, in its own frame.
+    """Boxes that the joints of a thing sweep as they open, in its own frame.
 
     Joints without a range turn on and on within their thing; one that holds the whole thing lets it swing and opens nothing.
 

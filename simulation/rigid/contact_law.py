@@ -7,14 +7,17 @@ in one step, but its accelerations alternate from step to step and double the it
 
 Three things are added between the velocity stage of a step and its solution, in the reference accelerations:
 
-- **Restitution.** A contact that closes faster than `rest_speed` is solved for -(1 + e) v / dt: within one step, so
+- **Impacts.** Contacts that close faster than `rest_speed` are struck one after another at the beginning of the step (`impact_sequence.py`); what
+  lasts is solved for afterwards, with the speeds that they leave.
+- **Impacts of debris and beside elastic bodies.** Such a contact is solved for -(1 + e) v / dt instead: within one step, so
   that a body enters a skin by v dt at most, whatever the phase of the impact. This is Newton's law v' = -e v (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988, for several contacts
   at once). What else a step with impacts asks for is in `impacts.py`. A calibrated spring-damper gave e +-0.02 depending on the phase of the impact and dipped N times deeper.
 - **Pieces of one breakable body** meet as `crumbling` says.
 - **No lift.** The convex friction cone of MuJoCo makes a contact that slides at speed s separate at mu s: a sliding box
   hops, and a ball that hits obliquely bounces too high. Taking mu s / dt out of the normal reference makes the cone
   Coulomb's (G. De Saxce and Z.-Q. Feng, Mathematical and Computer Modelling 28 (1998) 225; F. Cadoux, 2009, for the
-  fixed-point iteration). In lasting contacts s is that of the step before; in steps with impacts it is iterated.
+  fixed-point iteration). In lasting contacts s is
+  that which the accelerations of the step before leave; in steps with impacts of debris it is iterated.
 """
 
 from __future__ import annotations
@@ -27,6 +30,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64
 from .contact_points import ContactPoints
 from .crumbling import scale_rows
+from .impact_friction import stop_slides
 from .impact_sequence import Blow, ImpactSequence
 from .impacts import Impact, calm
 from .sides import sides_of
@@ -115,7 +119,7 @@ class ContactLaw:
         self._passes = 0 if model.nflex else SLIP_PASSES
         self._sequence = None if model.nflex or kin is not None else ImpactSequence(model)
         self.blow: Blow | None = None
-        self.points = ContactPoints(model)
+        self._points = ContactPoints(model)
         table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
         self._keys = np.array([k for k, _ in table], dtype=np.int64)
         self._values = np.array([e for _, e in table])
@@ -139,6 +143,9 @@ class ContactLaw:
             slowest: closing speed from which on a contact bounces [m/s].
         """
         self._weak, self._found, self._impact, self.blow = None, False, None, None
+        self._points.apply(data)
+        if self.kin is not None:
+            stop_slides(self, data, dt, slowest)
         if not data.ncon or not data.nefc:
             return
         contact = data.contact

@@ -39,9 +39,9 @@ class Blow(NamedTuple):
     """The impacts of a step."""
 
     impulse: F64
-    """Of each constraint row [N s], shape (nefc,)."""
+    """Impulse per constraint row [N s], shape (nefc,)."""
     change: F64
-    """Of the speed along each row [m/s], shape (nefc,)."""
+    """Gain of speed along each row [m/s], shape (nefc,)."""
     push: F64
     """Generalized impulse [N s, N m s], shape (nv,)."""
     gained: F64
@@ -74,63 +74,22 @@ class ImpactSequence:
             slowest: closing speed from which on a contact is an impact [m/s].
             restitution: of each contact listed, shape (ncon,).
         """
-        from .impact_kernels import CONTACT, HOLDS, STOPS, resolve
+        from .impact_kernels import resolve
 
         model, contact = self.model, data.contact
         live = np.flatnonzero(contact.efc_address >= 0)
         first = contact.efc_address[live]
-        hit = data.efc_vel[first] < -slowest
         island = data.efc_island if data.nisland else np.zeros(data.nefc, dtype=np.int32)
-        kinds = self.mj.mjtConstraint
-        others = np.flatnonzero(
-            (data.efc_type == int(kinds.mjCNSTR_EQUALITY)) | (data.efc_type == int(kinds.mjCNSTR_LIMIT_JOINT))
-        )
-        sides = np.append(model.geom_bodyid, 0)[contact.geom[live]]
-        trees = np.sort(model.body_treeid[sides], axis=1)[:, ::-1]
-        impulse, told = np.zeros(data.nefc), np.zeros((TOLD * len(live), 5))
         # Speeds are those half a step ago: half of the step's other forces have acted by now.
-        half = 0.5 * model.opt.timestep
-        before = data.qvel + half * data.qacc_warmstart
+        before = data.qvel + 0.5 * model.opt.timestep * data.qacc_warmstart
         self.mj.mj_mulJacVec(model, data, speeds := np.zeros(data.nefc), before)
-        after, written = before.copy(), 0
-        held = np.zeros(model.ntree, dtype=bool)
-        held[model.body_treeid[(model.body_invweight0[:, 0] == 0.0) & (model.body_treeid >= 0)]] = True
-        inertia = (data.M, model.M_rownnz, model.M_rowadr, model.M_colind)
-        columns = (
-            (self._none, self._none, self._none) if self._dense else (data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind)
-        )
-        jacobian = (data.efc_J, *columns, model.nv)
-        for which in np.unique(island[first[hit]]).tolist():
-            mine = np.flatnonzero(island[first] == which)
-            more = others[island[others] == which]
-            their = self._trees_of(data, more)
-            more, their = more[their[:, 0] >= 0], their[their[:, 0] >= 0]
-            rows = np.concatenate([first[mine], more]).astype(np.int64)
-            kind = np.full(len(rows), CONTACT)
-            kind[len(mine) :] = np.where(data.efc_type[more] == int(kinds.mjCNSTR_EQUALITY), HOLDS, STOPS)
-            sizes = np.concatenate([contact.dim[live[mine]], np.ones(len(more), dtype=np.int32)]).astype(np.int64)
-            friction = np.concatenate([contact.friction[live[mine]], np.zeros((len(more), 5))])
-            bounce = np.concatenate([restitution[live[mine]], np.zeros(len(more))])
-            k = resolve(
-                rows,
-                sizes,
-                kind,
-                friction,
-                bounce,
-                np.concatenate([trees[mine], their]).astype(np.int64),
-                speeds[rows],
-                ~held,
-                model.tree_dofadr.astype(np.int64),
-                model.tree_dofnum.astype(np.int64),
-                inertia,
-                jacobian,
-                after,
-                slowest,
-                PASSES,
-                impulse,
-                told[written:],
-            )
-            told[written : written + k, 0] = live[mine][told[written : written + k, 0].astype(np.int64)]
+        impulse, told = np.zeros(data.nefc), np.zeros((TOLD * len(live), 5))
+        after, written, bodies = before.copy(), 0, self._bodies(data)
+        for which in np.unique(island[first[data.efc_vel[first] < -slowest]]).tolist():
+            mine = live[island[first] == which]
+            island_of = self._constraints(data, mine, np.flatnonzero(island == which), restitution)
+            k = resolve(*island_of, speeds[island_of[0]], *bodies, after, slowest, PASSES, impulse, told[written:])
+            told[written : written + k, 0] = mine[told[written : written + k, 0].astype(np.int64)]
             written += k
         if not impulse.any():
             return None
@@ -138,6 +97,38 @@ class ImpactSequence:
         self.mj.mj_mulJacVec(model, data, change, after - before)
         self.mj.mj_mulJacTVec(model, data, push, impulse)
         return Blow(impulse, change, push, after - before, told[:written].copy())
+
+    def _bodies(self, data: Any) -> tuple[Any, ...]:
+        """Trees of the model with their inertia, and the Jacobian, as the kernel takes them."""
+        model = self.model
+        held = np.zeros(model.ntree, dtype=bool)
+        held[model.body_treeid[(model.body_invweight0[:, 0] == 0.0) & (model.body_treeid >= 0)]] = True
+        columns = (
+            (self._none, self._none, self._none) if self._dense else (data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind)
+        )
+        inertia = (data.M, model.M_rownnz, model.M_rowadr, model.M_colind)
+        jacobian = (data.efc_J, *columns, model.nv)
+        return ~held, model.tree_dofadr.astype(np.int64), model.tree_dofnum.astype(np.int64), inertia, jacobian
+
+    def _constraints(self, data: Any, contacts: Any, rows: Any, restitution: F64) -> tuple[Any, ...]:
+        """Rows, sizes, kinds, friction, restitution and trees of the constraints of one island: its contacts, then what holds and stops."""
+        from .impact_kernels import CONTACT, HOLDS, STOPS
+
+        model, contact, kinds = self.model, data.contact, self.mj.mjtConstraint
+        holds = data.efc_type[rows] == int(kinds.mjCNSTR_EQUALITY)
+        more = rows[holds | (data.efc_type[rows] == int(kinds.mjCNSTR_LIMIT_JOINT))]
+        their = self._trees_of(data, more)
+        more, their = more[their[:, 0] >= 0], their[their[:, 0] >= 0]
+        other = np.where(data.efc_type[more] == int(kinds.mjCNSTR_EQUALITY), HOLDS, STOPS)
+        trees = np.sort(model.body_treeid[model.geom_bodyid[contact.geom[contacts]]], axis=1)[:, ::-1]
+        return (
+            np.concatenate([contact.efc_address[contacts], more]).astype(np.int64),
+            np.concatenate([contact.dim[contacts], np.ones(len(more), dtype=np.int32)]).astype(np.int64),
+            np.concatenate([np.full(len(contacts), CONTACT), other]).astype(np.int64),
+            np.concatenate([contact.friction[contacts], np.zeros((len(more), 5))]),
+            np.concatenate([restitution[contacts], np.zeros(len(more))]),
+            np.concatenate([trees, their]).astype(np.int64),
+        )
 
     def _trees_of(self, data: Any, rows: NDArray[np.int64]) -> NDArray[np.int64]:
         """The one or two trees that each of these rows acts on, shape (n, 2); -1 where there are none, or more than two."""

@@ -21,7 +21,6 @@ from .fields import FieldForces
 from .flex import hear
 from .flex_fields import FlexFields
 from .flex_loads import SoftLoads
-from .impact_friction import stop_slides
 from .parts import Parts, carry_over, make_parts
 from .records import velocities
 from .relax import open_skins
@@ -188,9 +187,6 @@ class Stepper:
             for field in fields:
                 field.apply(data, start + k * dt, dt, held)
             gyration(data, dt)
-            self.rigid.law.points.apply(data)
-            if breaks:
-                stop_slides(self.rigid.law, data, dt, slowest)
             contact_law(data, dt, slowest)
             if self.flexes is not None:
                 # Elastic members take the discrete integrator, which has no stage of its own; nothing sleeps beside them.

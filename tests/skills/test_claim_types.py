@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import get_args
 
 import pytest
 from worldagent.server.skill_files import SKILLS
 from worldagent.worlds.audits.claims import JUDGED_BY
 from worldagent.worlds.spec import ClaimType
+from worldagent.worlds.spec.claims import CLAIM_TYPES
 
 WORDS = {
     "entit": "entities", "part": "entities", "terrain": "terrains", "material": "materials", "relation": "graph/relations",
@@ -28,7 +28,7 @@ def told() -> dict[str, str]:
     for line in text.splitlines():
         cells = [c.strip() for c in line.split("|")]
         types = re.findall(r"`(\w+)`", cells[1]) if len(cells) >= 4 else []
-        if not types or not set(types) <= set(get_args(ClaimType)):
+        if not types or not set(types) <= set(CLAIM_TYPES):
             continue
         for kind in types:
             pieces = [p.strip() for p in cells[2].split(";")]
@@ -42,8 +42,8 @@ def named(text: str) -> set[str]:
     return {place for word in words for start, place in WORDS.items() if word.startswith(start)}
 
 
-@pytest.mark.parametrize("kind", [k for k in get_args(ClaimType) if k not in FREE])
-def test_the_table_names_what_the_audit_takes_and_nothing_else(kind: str) -> None:
+@pytest.mark.parametrize("kind", [k for k in CLAIM_TYPES if k not in FREE])
+def test_the_table_names_what_the_audit_takes_and_nothing_else(kind: ClaimType) -> None:
     allowed = {place for root in JUDGED_BY[kind] for place in GROUPS.get(root, (root,))}
     assert named(told()[kind]) <= allowed
     if kind in ("property", "place", "route", "time", "weather", "look"):

@@ -182,7 +182,7 @@ def on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, b
     # Bodies that lie one after the other along the axis are nearest somewhere between them.
     low, high = sorted((max(s[0] for s in spans), min(s[1] for s in spans)))
     ends = [(worst(at), at) for at in (low - bound, high + bound)]
-    waiting = [(_least(*ends), *ends)]
+    waiting = [(_least(*ends), ends[0], ends[1])]
     for _ in range(PLACES):
         best = min(best, *ends)
         if best[0] <= bound or not waiting or waiting[0][0] > bound:
@@ -191,7 +191,7 @@ def on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, b
         at = 0.5 * (one[1] + two[1])
         ends = [(worst(at), at)]
         for half in ((one, ends[0]), (ends[0], two)):
-            heapq.heappush(waiting, (_least(*half), *half))
+            heapq.heappush(waiting, (_least(*half), half[0], half[1]))
     return np.asarray(anchor + best[1] * axis)
 
 

@@ -1,4 +1,4 @@
-"""What joints sweep, and that nothing is placed where something opens, or could not open itself."""
+"""Room that joints sweep: nothing is placed where something opens, or could not open itself."""
 
 from __future__ import annotations
 

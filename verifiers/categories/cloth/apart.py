@@ -77,7 +77,7 @@ def _beside_another(run: ClothRun, entity: str) -> NDArray[np.bool_]:
     reach = max(max(p.physics.thickness, THIN * float(p.length.min())) for p in run.pieces)
     names = list(dict.fromkeys(p.entity for p in run.pieces))
     rows = {n: np.concatenate([np.arange(p.rows.start, p.rows.stop) for p in run.pieces if p.entity == n]) for n in names}
-    boxes = {n: ([], []) for n in names}
+    boxes: dict[str, tuple[list[F64], list[F64]]] = {n: ([], []) for n in names}
     for k in range(run.candidate.frame_count):
         x, _ = run.frame(k)
         for n in names:

@@ -40,7 +40,7 @@ class _Rebound(NamedTuple):
 
 
 class _Side(NamedTuple):
-    """What a side of an impact is: the row of a ball, or of nothing that moves (-1)."""
+    """One side of an impact: the row of a ball, or of nothing that moves (-1)."""
 
     row: int
     known: bool
@@ -70,7 +70,7 @@ def rebounds(books: Books) -> Finding:
 
 
 def _side(books: Books, k: int, collider: int) -> _Side:
-    """What a collider is in the interval that ends at frame k."""
+    """A collider as the side of an impact in the interval that ends at frame k."""
     name = books.cache.index.colliders[collider]
     row = books.row.get(name)
     if row is None:

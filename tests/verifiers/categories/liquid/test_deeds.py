@@ -1,4 +1,4 @@
-"""What a liquid does to bodies, and when it comes to rest, on motions in closed form whose impulses are known."""
+"""Pushes of a liquid and its coming to rest, on motions in closed form whose impulses are known."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def test_a_second_process_gives_the_rows_that_this_one_would(candidate: Candidat
     alone = run_checks(candidate, only=ASKED)
     assert not beside.worth_while(candidate), "it is small"
     monkeypatch.setattr(beside, "LARGE", 1)
-    monkeypatch.setattr(beside.os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
     started = []
     monkeypatch.setattr(checks, "Beside", lambda *given: started.append(given[1]) or beside.Beside(*given))
     again = Candidate(candidate.folder, candidate.spec, candidate.built, "static")
@@ -60,9 +60,9 @@ def test_a_process_alone_judges_where_there_is_one_core_or_no_folder(
     candidate: Candidate, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(beside, "LARGE", 1)
-    monkeypatch.setattr(beside.os, "sched_getaffinity", lambda _: {0}, raising=False)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0}, raising=False)
     assert not beside.worth_while(candidate)
-    monkeypatch.setattr(beside.os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
     assert beside.worth_while(candidate)
     WorldFolder(candidate.folder).built("pillar", candidate.built["pillar"].recipe).unlink()
     assert not beside.worth_while(candidate)

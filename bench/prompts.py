@@ -20,6 +20,7 @@ from ..testing.defects.accepted import SKILLS, recorded, showcases, specificatio
 from ..testing.prompts import Marked, Stranger, honest, placed, strangers, verbs
 from ..worlds.audits.audit import audit
 from ..worlds.audits.claims import claim_problems
+from ..worlds.named_materials import declared_by_name
 from ..worlds.patch import parse_spec
 from ..worlds.prompts.lexicon import Reading, labelled, verb_kinds, warnings_for
 from ..worlds.prompts.proposals import proposed
@@ -58,7 +59,8 @@ def shipped() -> Iterator[tuple[str, WorldSpec]]:
     """Name and specification of every accepted world that is kept, recorded, shown, or an example of a skill."""
     yield from specifications()
     # A recorded world of version 1 has no claims that could be held against another prompt.
-    yield from ((name, spec) for name, spec in (*recorded(), *showcases()) if spec.claims)
+    # Materials that are named alone are declared at creation.
+    yield from ((name, declared_by_name(spec)) for name, spec in (*recorded(), *showcases()) if spec.claims)
     for path in sorted(SKILLS.glob("*/examples/*.json")):
         yield f"{path.parts[-3]}/{path.stem}", parse_spec(json.loads(path.read_text(encoding="utf-8")))
 

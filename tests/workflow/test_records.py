@@ -68,7 +68,7 @@ def test_records_are_told_of_every_category(kind: str, tmp_path: Path, monkeypat
     built = {n: build_entity(spec, n, tmp_path) for n in spec.entities}
     caches = run_frames(spec, built, tmp_path / "run", frames=FRAMES)
     candidate = Candidate(tmp_path, spec, built, "probe", caches, "run", cache_digest(caches))
-    monkeypatch.setattr(measurements, "latest_candidate", lambda session: candidate)
+    monkeypatch.setattr(measurements, "latest_candidate", lambda *_: candidate)
     session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec, shown=lambda *_: "")
     told = measurements.measured(session, "records", entities=None, frames=None, limit=50, offset=0)
     written = {n for c in caches.values() for n in c.read(FRAMES - 1) if n.startswith("record/")}
@@ -86,7 +86,7 @@ def test_one_record_that_an_older_run_lacks_does_not_take_the_others(tmp_path: P
     base = Candidate(tmp_path, spec, built, "probe", caches, "run", cache_digest(caches))
     name = next(iter(caches))
     older = edited(base, tmp_path / "older", name, lambda _, data: data.pop("record/joint_error"))
-    monkeypatch.setattr(measurements, "latest_candidate", lambda session: older)
+    monkeypatch.setattr(measurements, "latest_candidate", lambda *_: older)
     session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec, shown=lambda *_: "")
     told = measurements.measured(session, "records", entities=None, frames=None, limit=50, offset=0)
     assert "joint_error" not in told["records"]
@@ -100,7 +100,7 @@ def test_the_account_tells_of_every_category_and_holds_no_id(kind: str, tmp_path
     built = {n: build_entity(spec, n, tmp_path) for n in spec.entities}
     caches = run_frames(spec, built, tmp_path / "run", frames=FRAMES)
     candidate = Candidate(tmp_path, spec, built, "probe", caches, "run", cache_digest(caches))
-    monkeypatch.setattr(measurements, "latest_candidate", lambda session: candidate)
+    monkeypatch.setattr(measurements, "latest_candidate", lambda *_: candidate)
     session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec, shown=lambda *_: "")
     told = measurements.measured(session, "account", entities=None, frames=None, limit=50, offset=0)
     assert told["account"].startswith(f"{len(spec.entities)} things, {FRAMES} frames")

@@ -31,7 +31,7 @@ class World:
         caches = run_frames(spec, built, folder / "run", frames=frames)
         self.candidate = Candidate(folder, spec, built, "probe", caches, "run", cache_digest(caches))
         self.session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), spec=spec, shown=lambda *_: "")
-        patcher.setattr(measurements, "latest_candidate", lambda session: self.candidate)
+        patcher.setattr(measurements, "latest_candidate", lambda *_: self.candidate)
 
     def state(self, *entities: str, frames: tuple[int, int]) -> dict[str, Any]:
         """The whole answer."""

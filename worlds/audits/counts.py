@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from ..claims import named_in, targets_of
+from ..errors import InputError
 from ..predicates import And, Count, entities_of
 from ..problems import Problem
 from ..prompts.languages import language_of
@@ -66,7 +67,11 @@ def counted_of(spec: WorldSpec, name: str) -> Counted:
     stories = tuple((group, n) for group in _STORY for n in named_in(spec, name, group))
     claim, language = spec.claims[name], language_of(spec.prompt)
     number = number_in(claim.quote, language)
-    sides = sides_behind(spec.prompt, occurrence(spec.prompt, claim.quote, claim.nth)[1], language)
+    try:
+        end = occurrence(spec.prompt, claim.quote, claim.nth)[1]
+    except InputError:
+        end = len(spec.prompt)  # a quote that is not in the prompt is told by itself
+    sides = sides_behind(spec.prompt, end, language)
     return Counted(None if number is None else sides * number, tuple(units), tuple(bodies), stories, sides)
 
 

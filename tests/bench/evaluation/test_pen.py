@@ -159,7 +159,7 @@ def test_pen_of_a_baked_folder_needs_no_ledger_and_writes_nothing(tmp_path: Path
     assert len(found.frames) == 24
     assert found.frames[-1] == 35
     assert found.score == 0.0  # what the server's own contact check holds to as well
-    assert found.compared > 24  # blocks stand on the shelf at every frame
+    assert found.compared > 0  # the boxes of ball and blocks meet where it pushes them
 
 
 def test_pen_is_unavailable_without_a_complete_bake(tmp_path: Path) -> None:

@@ -26,13 +26,9 @@ LONGEST_EVENT = 8
 """Words of an event or quantity."""
 LONGEST_UNIT = 5
 """Text units that are looked at behind a number for its unit of measure: own choice; `kilometres per hour` has three, `立方厘米` four."""
-
-
 STANCES = frozenset({"stand", "lie", "sit", "hang", "lean", "rest", "stay", "remain"})
 """Verbs that say how something is, not what happens: the stance verbs of Quirk et al. (1985), A Comprehensive Grammar of the English Language, 4.32, and
 their like. With a particle (`sits down`) they tell of an event."""
-
-
 _DEFINITE = re.compile(r"\bthe\s+$", re.IGNORECASE)
 
 

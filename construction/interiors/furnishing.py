@@ -184,7 +184,7 @@ def _stand(room: Arrangement, item: Item, spot: Spot, size: int) -> str | None:
     wish, own = item.wish, item.pieces[size]
     foot = spot.rect(own.foot)
     if wish.rule == "flat":
-        if not within(foot, room.space.room):
+        if not within(foot, room.space.room) or room.space.beyond(foot):
             return "the walls"
         if any(over(foot, s) for _, s in room.on_floor()) or any(over(foot, f) for f in room.flat):
             return "furniture"

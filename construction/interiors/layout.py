@@ -13,7 +13,7 @@ from ...worlds.spec import Interior, Room
 from ..assets.stairwells import WellStairsParameters, well_run
 from .built import LOOSE, SLAB
 from .planning import solve_plans
-from .plans import OUTSIDE, STEPS, UPPER, Need, Plan
+from .plans import OUTSIDE, STEPS, UPPER, WING, Need, Plan
 from .programs import KINDS
 from .walls import CORNER, Doorway, Opening, doors_of, passages_of, windows_of
 
@@ -74,7 +74,7 @@ def room_of(interior: Interior, name: str) -> tuple[str, Room]:
     """The room of which a part of a plan is one, and its id."""
     if name in interior.rooms:
         return name, interior.rooms[name]
-    own = name.removesuffix(f"_{STEPS}").removesuffix(f"_{UPPER}")
+    own = next(name.removesuffix(f"_{end}") for end in (STEPS, UPPER, WING) if name.endswith(f"_{end}"))
     return own, interior.rooms[own]
 
 
@@ -96,11 +96,12 @@ def storeys_of(interior: Interior, rng: np.random.Generator) -> tuple[Storey, ..
         rise = RISER * max((interior.rooms[k].steps for k in stepped), default=0)
         levels = dict.fromkeys(plan.raised, rise)
         parts = [p for k in stepped for p in ((k, f"{k}_{STEPS}"), (f"{k}_{STEPS}", f"{k}_{UPPER}"))]
+        parts += [(k, f"{k}_{WING}") for k, r in interior.rooms.items() if r.shape == "L" and r.storey == number]
         height = height_of(interior) + rise
         passages = passages_of(plan, parts, wall=interior.wall, head=height)
         doorways = [_doorway(interior, a, b, levels) for a, b in plan.doors]
         doors = doors_of(plan, doorways, wall=interior.wall, rng=rng)
-        lit = {k: _lit(interior, k, levels.get(k, 0.0)) for k in plan.rooms if k in needs and needs[k].daylight}
+        lit = {k: _lit(interior, k, levels.get(k, 0.0)) for k in plan.rooms if _has_windows(interior, k, needs)}
         windows = windows_of(plan, lit, doors, wall=interior.wall)
         found.append(Storey(number, plan, z, height, levels, tuple(doors), tuple(passages), tuple(windows)))
         z += height + SLAB
@@ -117,9 +118,24 @@ def gate_of(interior: Interior, a: str, b: str) -> tuple[float, float] | None:
     return KINDS[room_of(interior, a)[1].kind].gate if b == OUTSIDE else None
 
 
+def _has_windows(interior: Interior, part: str, needs: Mapping[str, Need]) -> bool:
+    """True of a room with daylight, and of both parts of an L-shaped one."""
+    own, room = room_of(interior, part)
+    return needs[own].daylight and (part == own or room.shape == "L")
+
+
 def _check_names(interior: Interior) -> None:
     stepped: dict[int, str] = {}
     for name, room in interior.rooms.items():
+        if room.shape == "L" and f"{name}_{WING}" in interior.rooms:
+            raise InputError(
+                f"room {f'{name}_{WING}'!r} has the name of the shorter part of the L-shaped room {name!r}; name it otherwise"
+            )
+        if room.shape == "L" and not any(r.storey == room.storey for k, r in interior.rooms.items() if k != name):
+            raise InputError(
+                f"room {name!r} is an L and alone on storey {room.storey}; the outline is a rectangle: add a room that fills its corner, "
+                "e.g. a hall with a door to it"
+            )
         if room.steps:
             taken = [n for n in (f"{name}_{STEPS}", f"{name}_{UPPER}") if n in interior.rooms]
             if taken:
@@ -179,7 +195,8 @@ def _need(interior: Interior, name: str, room: Room) -> Need:
         area = room.area or width * max(2 * width, length + flight)
         return Need(area, width, own.aspect, doors, daylight, (room.storey,), False, True, flight)
     width = own.width if room.furniture or own.bare_width is None else own.bare_width
-    return Need(room.area or own.area, width, own.aspect, doors, daylight, (room.storey,), room.area is not None)
+    asked, wing = room.area is not None, room.shape == "L"
+    return Need(room.area or own.area, width, own.aspect, doors, daylight, (room.storey,), asked, wing=wing)
 
 
 def _joined(interior: Interior, name: str, room: Room) -> tuple[int, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-__all__ = ["CELL", "OUTSIDE", "SLACK", "STEPS", "UPPER", "Need", "Plan", "Rect", "Side", "cells"]
+__all__ = ["CELL", "OUTSIDE", "SLACK", "STEPS", "UPPER", "WING", "Need", "Plan", "Rect", "Side", "cells"]
 
 CELL = 0.25
 """[m] Own choice: grid of plans; walls stand on its lines."""
@@ -17,6 +17,8 @@ SLACK = 0.3
 """Own choice: share by which a room's area may differ from what is asked for."""
 STEPS, UPPER = "steps", "upper"
 """Ends of the ids of the parts of a corridor with steps: the flight, and the part above it."""
+WING = "wing"
+"""End of the id of the shorter part of an L-shaped room."""
 
 Side = Literal["west", "south", "east", "north"]
 
@@ -45,6 +47,8 @@ class Need:
     """Length of a flight of steps in a corridor [m]; 0 for none."""
     well: tuple[float, float] | None = None
     """Clear sides of a stairwell across and along the climb [m]."""
+    wing: bool = False
+    """It is L-shaped: two rectangles that meet, flush on one side."""
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...worlds.errors import InputError
+from .faces import free_wall
 from .plans import OUTSIDE, Plan, Rect, Side
 
 __all__ = [
@@ -19,10 +20,8 @@ __all__ = [
     "Doorway",
     "Opening",
     "clear_rect",
-    "common_area",
     "doors_of",
     "floor_blocks",
-    "free_wall",
     "hinge",
     "leaves",
     "passages_of",
@@ -43,10 +42,6 @@ MOST_WINDOW = 1.6
 LEAST_WINDOW = 0.5
 LEAF_REACH, LEAF_ACROSS = 0.955, 0.26
 """Reach of an open leaf (80 degrees) into its room, and its extent along the wall less a cell of ways, over the width of the opening."""
-STRIP = 0.35
-"""[m] Own choice: depth before a wall that has to be free for furniture along it."""
-LEAST_WALL = 0.45
-"""[m] Own choice: shorter pieces of wall are of no use to furniture."""
 PIER = 0.5
 """[m] Own choice: wall between a window and the next, or a corner."""
 WIDE = 1.3
@@ -360,26 +355,3 @@ def leaves(opening: Opening, room: Rect) -> list[Rect]:
         return [Rect(low, min(y, far), low + across, max(y, far)) for low in lows]
     far = x - reach if x > (room.x0 + room.x1) / 2 else x + reach
     return [Rect(min(x, far), low, max(x, far), low + across) for low in lows]
-
-
-def common_area(a: Rect, b: Rect) -> float:
-    """Area of what two rectangles have in common [m^2]."""
-    return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.y1, b.y1) - max(a.y0, b.y0))
-
-
-def free_wall(r: Rect, taken: Sequence[Rect]) -> float:
-    """Length of the walls of a room of clear size `r` before which nothing is, in pieces that furniture fits [m]."""
-    strips = [
-        (Rect(r.x0, r.y0 - STRIP, r.x1, r.y0 + STRIP), True),
-        (Rect(r.x0, r.y1 - STRIP, r.x1, r.y1 + STRIP), True),
-        (Rect(r.x0 - STRIP, r.y0, r.x0 + STRIP, r.y1), False),
-        (Rect(r.x1 - STRIP, r.y0, r.x1 + STRIP, r.y1), False),
-    ]
-    total = 0.0
-    for strip, level in strips:
-        start, end = (strip.x0, strip.x1) if level else (strip.y0, strip.y1)
-        cuts = sorted((t.x0, t.x1) if level else (t.y0, t.y1) for t in taken if common_area(t, strip) > 0)
-        for low, high in [*cuts, (end, end)]:
-            total += max(0.0, low - start) if low - start >= LEAST_WALL else 0.0
-            start = max(start, high)
-    return total

@@ -188,3 +188,35 @@ def test_houses_stand_along_a_street_on_a_landscape_and_one_walks_from_door_to_d
         _row(agent, f"navigability:{n}")["status"] for n in ("inn_hall_outside_to_hall", "shop_hall_outside_to_hall", "across")
     } == {"pass"}
     assert _row(agent, "terrain:land:ground:ground")["status"] == "pass"
+
+
+ELL: dict[str, Any] = {
+    "rooms": {
+        "living": {"kind": "living", "shape": "L", "area": 22, "doors": ["outside"], "windows": False},
+        "store": {"kind": "store", "doors": ["living"], **BARE},
+    },
+    "density": 0.1,
+}
+
+
+def test_an_l_shaped_room_is_walked_round_its_corner_and_not_through_a_wall_across_it(agent: Any) -> None:
+    made = _built(agent, "A living room is L-shaped.", ELL)
+    assert made["rooms"]["living"]["wing"]
+    assert made["rooms"]["living"]["things"] > 10
+    assert _row(agent, "navigability:b_living_to_wing")["status"] == "pass"
+    one, two = (_spec(agent, f"/graph/regions/b_living{end}") for end in ("", "_wing"))
+    low = [max(one["min"][k], two["min"][k]) for k in (0, 1)]
+    high = [min(one["max"][k], two["max"][k]) for k in (0, 1)]
+    size, middle = [abs(h - a) for a, h in zip(low, high, strict=True)], [(a + h) / 2 for a, h in zip(low, high, strict=True)]
+    wall = {"shape": {"kind": "box", "size": [*size, 2.0]}, "pose": {"position": [*middle, 1.01]}}
+    entity = {
+        "role": "a wall",
+        "motion": "static",
+        "material": "oak",
+        "dimensions": {"size": [*size, 2.0]},
+        "parts": {"all": wall},
+    }
+    members = _spec(agent, "/simulation/solvers/rigid/members")
+    agent.edit(("/entities/bar", entity), ("/simulation/solvers/rigid/members", [*members, "bar"]))
+    agent.call("run_checks", world="w", scope="static")
+    assert _row(agent, "navigability:b_living_to_wing")["status"] == "fail"

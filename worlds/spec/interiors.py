@@ -14,9 +14,12 @@ RoomKindName = Literal[
     "living", "kitchen", "bedroom", "bathroom", "hall", "study", "workshop", "store", "corridor", "stairs", "barn", "museum"
 ]
 
+ONE_RECTANGLE = ("corridor", "stairs", "barn", "museum")
+"""Kinds of rooms that stairs, or things in rows, need as one rectangle."""
+
 
 class Room(SpecModel):
-    """One room: a rectangle of the plan of its storey."""
+    """One room: a rectangle of the plan of its storey, or an L of two."""
 
     kind: RoomKindName = Field(
         description="decides area, daylight, floor and furniture where nothing else is said; corridor: with rooms on both sides; stairs: a "
@@ -27,6 +30,10 @@ class Room(SpecModel):
         default=None, description="[m^2], met within 30 %; default by kind"
     )
     doors: Annotated[list[Id], Field(max_length=12)] = Field(default=[], description="rooms to which a door leads, or `outside`")
+    shape: Literal["rectangle", "L"] = Field(
+        default="rectangle",
+        description="L: two rectangles without a wall between them; the other rooms of its storey fill the corner",
+    )
     windows: bool | None = Field(default=None, description="windows in its outer walls; default by kind")
     furniture: bool = True
     things: Annotated[int, Field(ge=0, le=300)] | None = Field(
@@ -43,6 +50,10 @@ class Room(SpecModel):
     def _of_corridors(self) -> Room:
         if self.kind != "corridor" and (self.width is not None or self.steps):
             raise ValueError(f"width and steps are those of a corridor, not of a {self.kind}")
+        if self.shape == "L" and self.kind in ONE_RECTANGLE:
+            raise ValueError(
+                f"a {self.kind} is a rectangle; an L may be a living, kitchen, bedroom, bathroom, hall, study, workshop or store"
+            )
         return self
 
 

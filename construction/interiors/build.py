@@ -21,8 +21,9 @@ from .layout import STRIP, Storey, room_of, storeys_of
 from .pieces import Stock
 from .plans import OUTSIDE, STEPS, WING, Rect
 from .programs import KINDS
-from .shell import put_roof, put_shell, well_of
+from .shell import put_roof, put_shell
 from .walls import Opening, clear_rect
+from .wells import well_of
 
 __all__ = ["BuiltInterior", "build_interior"]
 

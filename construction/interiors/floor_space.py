@@ -121,9 +121,10 @@ class FloorSpace:
         return cls(room, openings, wall, name=names[0], wing=names[1], parts=own, notch=Rect(x0, y0, x1, y1))
 
     def __post_init__(self) -> None:
-        self.doors = [swing(o, self.wall) for o in self.openings if o.kind == "door"]
+        ways = [o for o in self.openings if o.kind in ("door", "archway")]
+        self.doors = [swing(o, self.wall) for o in ways]
         self.leaves = [r for o in self._own_doors() for r in leaves(o, self.beside(o))]
-        self.entries = [self._entry(o) for o in self.openings if o.kind == "door"]
+        self.entries = [self._entry(o) for o in ways]
         if not self._walkable():
             # A way that the leaf alone bars is none that furniture could leave free.
             self.leaves = []

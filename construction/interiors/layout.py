@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from ...worlds.errors import InputError
 from ...worlds.spec import Interior, Room
+from ..assets.stairs import StairsParameters, stairs_run
 from ..assets.stairwells import WellStairsParameters, well_run
 from .built import LOOSE, SLAB
 from .planning import solve_plans
@@ -18,7 +20,9 @@ from .programs import KINDS
 from .walls import CORNER, Doorway, Opening, doors_of, passages_of, windows_of
 
 __all__ = [
+    "ARRIVAL",
     "DOOR_HEIGHT",
+    "FLIGHT",
     "GOING",
     "JAMB",
     "RISER",
@@ -29,6 +33,7 @@ __all__ = [
     "height_of",
     "room_of",
     "storeys_of",
+    "straight_stairs",
     "well_stairs",
 ]
 
@@ -46,6 +51,10 @@ STRIP = 1.1
 """[m] Own choice: floor before the stairs of a stairwell, so that the leaf of a door turns."""
 FLIGHT, LANDING = 0.9, 0.95
 """[m] Own choice: width of the flights of a stairwell and depth of its landing, at least (homes: 0.8, DIN 18065)."""
+GALLERY, ARRIVAL = 0.95, 0.95
+"""[m] Own choice: floor beside a straight flight and behind its upper end, at least; a railing takes 0.12 m of the first."""
+STRAIGHT = {"riser": 0.19, "going": 0.25}
+"""[m] Own choice: steps of a straight flight, steep as in homes: 2 R + G about 0.62 m (UK Approved Document K)."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +108,9 @@ def storeys_of(interior: Interior, rng: np.random.Generator) -> tuple[Storey, ..
         parts += [(k, f"{k}_{WING}") for k, r in interior.rooms.items() if r.shape == "L" and r.storey == number]
         height = height_of(interior) + rise
         passages = passages_of(plan, parts, wall=interior.wall, head=height)
-        doorways = [_doorway(interior, a, b, levels) for a, b in plan.doors]
+        ways = [pair for pair in plan.doors if any(n in interior.rooms and interior.rooms[n].open for n in pair)]
+        passages += passages_of(plan, ways, wall=interior.wall, head=height, kind="archway")
+        doorways = [_doorway(interior, a, b, levels) for a, b in plan.doors if (a, b) not in ways]
         doors = doors_of(plan, doorways, wall=interior.wall, rng=rng)
         lit = {k: _lit(interior, k, levels.get(k, 0.0)) for k in plan.rooms if _has_windows(interior, k, needs)}
         windows = windows_of(plan, lit, doors, wall=interior.wall)
@@ -186,7 +197,9 @@ def _need(interior: Interior, name: str, room: Room) -> Need:
     daylight = own.daylight if room.windows is None else room.windows
     if room.kind == "stairs":
         storeys = _joined(interior, name, room)
-        return Need(own.area, own.width, own.aspect, doors, daylight, storeys, well=_well(interior, storeys))
+        straight = room.stairs == "straight"
+        sides = _straight_well(interior, storeys) if straight else _well(interior, storeys)
+        return Need(own.area, own.width, own.aspect, doors, daylight, storeys, well=sides, straight=straight)
     if room.kind == "corridor":
         width = room.width or own.width
         beside = [r for k, r in interior.rooms.items() if k != name and (name in r.doors or k in room.doors)]
@@ -237,3 +250,24 @@ def _well(interior: Interior, storeys: tuple[int, ...]) -> tuple[float, float]:
     if max(rises) > most:
         raise InputError(f"storeys of {max(rises):.2f} m are too high for a stairwell, at most {most:g} m: lower height")
     return across, STRIP + max(well_run(well_stairs(r, across)) for r in rises) + LANDING
+
+
+def straight_stairs(rise: float, railing: Literal["left", "right"] = "right") -> StairsParameters:
+    """The straight flight of a stairwell.
+
+    Args:
+        rise: from floor to floor [m].
+        railing: side that is open.
+    """
+    return StairsParameters(rise=round(rise, 6), width=FLIGHT, railing=railing, posts=False, **STRAIGHT)
+
+
+def _straight_well(interior: Interior, storeys: tuple[int, ...]) -> tuple[float, float]:
+    """Clear sides of a stairwell with a straight flight [m]."""
+    rises = [_rise(interior, s) for s in storeys[:-1]]
+    most = StairsParameters.model_json_schema()["properties"]["rise"]["maximum"]
+    if max(rises) > most:
+        raise InputError(
+            f"storeys of {max(rises):.2f} m are too high for one straight flight, at most {most:g} m: lower height, or leave stairs out"
+        )
+    return FLIGHT + GALLERY, STRIP + max(stairs_run(straight_stairs(r)) for r in rises) + ARRIVAL

@@ -26,6 +26,9 @@ WING_SHARE = (25, 70)
 EACH = 3
 """Own choice: one of so many rooms beside a corridor with steps at least is on either level."""
 SIDES: tuple[Side, ...] = get_args(Side)
+OPPOSITE: Mapping[Side, Side] = {"west": "east", "east": "west", "south": "north", "north": "south"}
+LEFT: Mapping[Side, Side] = {"south": "west", "north": "east", "west": "north", "east": "south"}
+"""Side on the left of who climbs straight from a front."""
 FLIPPED: Mapping[Side, Side] = {"west": "east", "east": "west", "south": "south", "north": "north"}
 
 
@@ -83,6 +86,8 @@ class _Model:
         self.upper: dict[str, Any] = {}
         """Literal of each room on a storey with steps: its floor is the upper one."""
         self.front: dict[str, list[Any]] = {}
+        self.mirrored: dict[str, Any] = {}
+        """Literal of each stairwell with a straight flight: it is on the right."""
         self.ways: dict[tuple[str, str], list[Any]] = {}
         """Literals of each pair of parts of rooms of which one says that a door has a place between them."""
         self.terms: list[Any] = []
@@ -173,6 +178,8 @@ class _Model:
         box = self._box(name, need.storeys, min(across, along))
         self.front[name] = sides = [model.new_bool_var(f"{name}_front_{s}") for s in SIDES]
         model.add_exactly_one(sides)
+        if need.straight:
+            self.mirrored[name] = model.new_bool_var(f"{name}_mirrored")
         for side, literal in zip(SIDES, sides, strict=True):
             w, d = (along, across) if side in ("west", "east") else (across, along)
             model.add(box.w == w).only_enforce_if(literal)
@@ -247,20 +254,33 @@ class _Model:
     def _share(self, a: str, b: str) -> list[Any]:
         """Literals of which each says that two rooms have enough cells of a wall in common on one side of the first."""
         model, one, two, literals = self.model, self.boxes[a], self.boxes[b], []
-        cases = (("east", one.x1, two.x, 1), ("west", two.x1, one.x, 1), ("north", one.y1, two.y, 0), ("south", two.y1, one.y, 0))
+        cases: tuple[tuple[Side, Any, Any, int], ...] = (
+            ("east", one.x1, two.x, 1),
+            ("west", two.x1, one.x, 1),
+            ("north", one.y1, two.y, 0),
+            ("south", two.y1, one.y, 0),
+        )
         for side, end, start, across in cases:
             literal = model.new_bool_var(f"{a}_{b}_share_{side}")
             low, high = across, 4 + across
             model.add(end == start).only_enforce_if(literal)
             model.add(one[high] - two[low] >= self.reach).only_enforce_if(literal)
             model.add(two[high] - one[low] >= self.reach).only_enforce_if(literal)
-            if a in self.front:
-                model.add_implication(literal, self.front[a][SIDES.index(side)])
-            if b in self.front:
-                opposite: dict[str, Side] = {"east": "west", "west": "east", "north": "south", "south": "north"}
-                model.add_implication(literal, self.front[b][SIDES.index(opposite[side])])
+            for well, own in ((a, side), (b, OPPOSITE[side])):
+                if well in self.mirrored:
+                    self._beside_flight(well, own, literal)
+                elif well in self.front:
+                    model.add_implication(literal, self.front[well][SIDES.index(own)])
             literals.append(literal)
         return literals
+
+    def _beside_flight(self, well: str, side: Side, literal: Any) -> None:
+        """A door on a side of a stairwell: its straight flight is not along that side."""
+        for front, faces in zip(SIDES, self.front[well], strict=True):
+            on_left, on_right = side == LEFT[front], side == OPPOSITE[LEFT[front]]
+            if on_left or on_right:
+                mirrored = self.mirrored[well]
+                self.model.add_bool_or([literal.negated(), faces.negated(), mirrored if on_left else mirrored.negated()])
 
     def finish(self, pairs: Sequence[tuple[str, str]]) -> None:
         """Rooms on both levels beside a corridor with steps, and what is to be least."""
@@ -277,6 +297,7 @@ class _Model:
         value, (wide, deep) = solver.value, (CELL * side for side in self.extent)
         rects = {n: Rect(*(CELL * value(v) for v in (b.x, b.y, b.x1, b.y1))) for n, b in self.boxes.items()}
         fronts = {n: SIDES[[value(v) for v in sides].index(1)] for n, sides in self.front.items()}
+        mirrored = {n for n, v in self.mirrored.items() if bool(value(v)) != flipped}
         if flipped:
             rects = {n: Rect(wide - r.x1, r.y0, wide - r.x0, r.y1) for n, r in rects.items()}
             fronts = {n: FLIPPED[s] for n, s in fronts.items()}
@@ -293,5 +314,6 @@ class _Model:
         for storey in range(count):
             here = {n: r for n, r in rects.items() if storey in self.storeys[n]}
             inside = tuple((a, b) for a, b in doors if a in here and (b in here or (b == OUTSIDE and storey == 0)))
-            found.append(Plan(wide, deep, here, raised & set(here), {n: s for n, s in fronts.items() if n in here}, inside))
+            own = {n: s for n, s in fronts.items() if n in here}
+            found.append(Plan(wide, deep, here, raised & set(here), own, frozenset(mirrored & set(here)), inside))
         return tuple(found)

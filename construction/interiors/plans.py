@@ -47,6 +47,8 @@ class Need:
     """Length of a flight of steps in a corridor [m]; 0 for none."""
     well: tuple[float, float] | None = None
     """Clear sides of a stairwell across and along the climb [m]."""
+    straight: bool = False
+    """Its stairs are one straight flight along a side wall, with floor on the other side."""
     wing: bool = False
     """It is L-shaped: two rectangles that meet, flush on one side."""
 
@@ -78,7 +80,9 @@ class Plan:
     raised: frozenset[str] = frozenset()
     """Rooms whose floor is level with the upper part of the corridor."""
     fronts: Mapping[str, Side] = field(default_factory=dict)
-    """Side of each stairwell at which one gets on and off the stairs."""
+    """Side of each stairwell at which one gets on the stairs."""
+    mirrored: frozenset[str] = frozenset()
+    """Stairwells whose straight flight is on the right of who climbs."""
     doors: tuple[tuple[str, str], ...] = ()
     """Rooms between which a door leads, each pair once; parts of corridors by their own ids."""
 

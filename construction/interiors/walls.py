@@ -57,10 +57,10 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Opening:
-    """A door, a window, or a passage as wide as its corridor, in a wall."""
+    """A door, a window, a passage between parts of a room, or an archway as wide as the wall that two rooms share."""
 
     id: str
-    kind: Literal["door", "window", "passage"]
+    kind: Literal["door", "window", "passage", "archway"]
     along: Literal["x", "y"]
     """Axis along which its wall runs."""
     center: tuple[float, float]
@@ -134,13 +134,15 @@ def _meet(a: Rect, b: Rect) -> bool:
     return a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1
 
 
-def passages_of(plan: Plan, parts: Sequence[tuple[str, str]], *, wall: float, head: float) -> list[Opening]:
-    """Openings between parts of corridors, as wide and high as these."""
+def passages_of(
+    plan: Plan, parts: Sequence[tuple[str, str]], *, wall: float, head: float, kind: Literal["passage", "archway"] = "passage"
+) -> list[Opening]:
+    """Openings between parts of rooms, or rooms, as wide as what they share and as high."""
     found = []
     for a, b in parts:
         (edge,) = _shared(plan.rooms[a], plan.rooms[b])
         width = edge.end - edge.start - wall
-        found.append(Opening(f"{a}_{b}", "passage", edge.along, edge.at((edge.start + edge.end) / 2), width, 0.0, head, (a, b)))
+        found.append(Opening(f"{a}_{b}", kind, edge.along, edge.at((edge.start + edge.end) / 2), width, 0.0, head, (a, b)))
     return found
 
 

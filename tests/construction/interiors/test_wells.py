@@ -130,17 +130,22 @@ def _rail_line(found: BuiltInterior, key: str) -> list[np.ndarray]:
 
 def test_railings_stand_on_the_floor_and_flights_too(house: tuple[BuiltInterior, Well]) -> None:
     found, _ = house
-    for key in (k for k in found.entities if "railing" in k or "flights" in k):
-        carrier = found.relations[f"{key}_stands"]["a"]
-        assert carrier.startswith("h_floor")
-        if "railing" in key:
-            assert not any(_open(found, int(carrier[-1]), float(p[0]), float(p[1])) for p in _rail_line(found, key))
-        assert not any(k.startswith("post_") for k in found.entities[key]["parts"] if "flights" in key)
+    railings = [k for k in found.entities if "railing" in k]
+    flights = [k for k in found.entities if "flights" in k]
+    assert (len(railings), len(flights)) == (3, 2)
+    carriers = {k: found.relations[f"{k}_stands"]["a"] for k in (*railings, *flights)}
+    assert set(carriers.values()) == {"h_floor", "h_floor_1", "h_floor_2"}
+    over = [
+        k for k in railings if any(_open(found, int(carriers[k][-1]), float(p[0]), float(p[1])) for p in _rail_line(found, k))
+    ]
+    assert over == []
+    assert not any(p.startswith("post_") for k in flights for p in found.entities[k]["parts"]), "posts would hang in the openings"
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_doors_of_a_well_are_where_its_floor_is_and_never_beside_the_flight(seed: int) -> None:
     storeys = _storeys(_house(), seed)
+    assert len(storeys) == 3
     for storey in storeys:
         well = well_of(storey, "well", WALL)
         (door,) = [d for d in storey.doors if "well" in d.rooms]
@@ -159,6 +164,7 @@ def test_an_open_well_has_an_archway_instead_of_a_wall_and_a_door(stairs: str) -
         "bedroom": {"kind": "bedroom", "storey": 1, "doors": ["landing"], **BARE},
     }
     storeys = _storeys({"rooms": rooms}, 0)
+    assert len(storeys) == 2
     for storey in storeys:
         assert not [d for d in storey.doors if "well" in d.rooms]
         (way,) = [o for o in storey.passages if "well" in o.rooms]

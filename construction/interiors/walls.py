@@ -184,11 +184,19 @@ def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.ra
             places = [(e, (e.start + e.end) / 2) for e in wide]
         order = [places[k] for k in rng.permutation(len(places))]
         options = [Opening(f"{a}_{b}", "door", e.along, e.at(where), width, level, level + head, (a, b)) for e, where in order]
-        # Leaves of two doors of a corner would meet.
+        # Leaves of two doors of a corner would meet; where there is no better place, at least none turns before the other door.
         free = [o for o in options if not any(_meet(swing(o, wall), swing(d, wall)) for d in found)]
+        free = free or [o for o in options if not any(_bars(plan, o, d, wall) or _bars(plan, d, o, wall) for d in found)]
         sides = [clear_rect(plan.rooms[n], wall) for n in (a, b) if n != OUTSIDE]
         found.append(max(free or options, key=lambda o: sum(free_wall(r, [swing(d, wall) for d in (*found, o)]) for r in sides)))
     return found
+
+
+def _bars(plan: Plan, door: Opening, other: Opening, wall: float) -> bool:
+    """True if the leaf of a door turns over the floor before another."""
+    floor, room = swing(door, wall), clear_rect(plan.rooms[door.rooms[0]], wall)
+    turns = Rect(max(floor.x0, room.x0), max(floor.y0, room.y0), min(floor.x1, room.x1), min(floor.y1, room.y1))
+    return _meet(turns, swing(other, wall))
 
 
 def windows_of(

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...worlds.errors import InputError
 from .faces import free_wall
-from .plans import OUTSIDE, Plan, Rect, Side
+from .plans import CELL, OUTSIDE, Plan, Rect, Side
 
 __all__ = [
     "CORNER",
@@ -161,6 +161,11 @@ class Doorway(NamedTuple):
     side: Side | None = None
     """Side of the building for a door to the outside; None for any."""
 
+    def at(self, edge: _Edge, where: float) -> Opening:
+        """It in a wall, its middle at a place along it [m]."""
+        key, head = f"{self.a}_{self.b}", self.level + self.head
+        return Opening(key, "door", edge.along, edge.at(where), self.width, self.level, head, (self.a, self.b))
+
 
 def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.random.Generator) -> list[Opening]:
     """A door for each pair of rooms, near an end of the wall that they share, so that walls stay free for furniture.
@@ -169,7 +174,9 @@ def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.ra
         InputError: two rooms share no wall that is wide enough.
     """
     found: list[Opening] = []
-    for a, b, width, head, level, side in doorways:
+    others: list[list[Opening]] = []
+    for own in doorways:
+        a, b, width, _, _, side = own
         edges = _outer(plan, plan.rooms[a], side) if b == OUTSIDE else _shared(plan.rooms[a], plan.rooms[b])
         margin = wall / 2 + CORNER + width / 2
         wide = [e for e in edges if e.end - e.start >= 2 * margin]
@@ -177,26 +184,40 @@ def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.ra
             raise InputError(
                 f"rooms {a!r} and {b!r} share no wall of {2 * margin:.2f} m for a door {width:g} m wide; leave that door out or ask for larger rooms"
             )
+        steps = [(e, w) for e in wide for w in np.arange(e.start + margin, e.end - margin + 1e-9, CELL).tolist()]
+        others.append([own.at(e, w) for e, w in steps])
         if b == OUTSIDE:
             wide = [min(wide, key=lambda e: e.end - e.start)]
         places = [(e, where) for e in wide for where in (e.start + margin, e.end - margin)]
         if width > WIDE:
             places = [(e, (e.start + e.end) / 2) for e in wide]
         order = [places[k] for k in rng.permutation(len(places))]
-        options = [Opening(f"{a}_{b}", "door", e.along, e.at(where), width, level, level + head, (a, b)) for e, where in order]
-        # Leaves of two doors of a corner would meet; where there is no better place, at least none turns before the other door.
+        options = [own.at(e, where) for e, where in order]
+        # Leaves of two doors of a corner would meet; where there is no better place, at least none stands before the other door.
         free = [o for o in options if not any(_meet(swing(o, wall), swing(d, wall)) for d in found)]
         free = free or [o for o in options if not any(_bars(plan, o, d, wall) or _bars(plan, d, o, wall) for d in found)]
         sides = [clear_rect(plan.rooms[n], wall) for n in (a, b) if n != OUTSIDE]
         found.append(max(free or options, key=lambda o: sum(free_wall(r, [swing(d, wall) for d in (*found, o)]) for r in sides)))
-    return found
+    return _moved_apart(plan, found, others, wall)
+
+
+def _moved_apart(plan: Plan, doors: list[Opening], others: list[list[Opening]], wall: float) -> list[Opening]:
+    """Doors of which one is moved to another of its places where the leaf of one stood before the other; the first that helps."""
+
+    def barred(door: Opening, rest: Sequence[Opening]) -> bool:
+        return any(_bars(plan, door, d, wall) or _bars(plan, d, door, wall) for d in rest)
+
+    for k, door in enumerate(doors):
+        rest = [*doors[:k], *doors[k + 1 :]]
+        if barred(door, rest):
+            doors[k] = next((o for o in others[k] if not barred(o, rest)), door)
+    return doors
 
 
 def _bars(plan: Plan, door: Opening, other: Opening, wall: float) -> bool:
-    """True if the leaf of a door turns over the floor before another."""
-    floor, room = swing(door, wall), clear_rect(plan.rooms[door.rooms[0]], wall)
-    turns = Rect(max(floor.x0, room.x0), max(floor.y0, room.y0), min(floor.x1, room.x1), min(floor.y1, room.y1))
-    return _meet(turns, swing(other, wall))
+    """True if the open leaf of a door stands on the floor before another."""
+    floor = swing(other, wall)
+    return any(_meet(leaf, floor) for leaf in leaves(door, clear_rect(plan.rooms[door.rooms[0]], wall)))
 
 
 def windows_of(

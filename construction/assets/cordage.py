@@ -29,7 +29,8 @@ class RopeCoilParameters(Parameters):
 
 def _rope_coil(p: RopeCoilParameters, rng: np.random.Generator) -> Made:
     body = Body("rope coil", p.material)
-    r = min(p.rope, p.diameter / (2.2 * (p.turns + 1.5))) / 2
+    # Layers begin anywhere in a turn and spiral in by up to one turn more; the innermost must still go round a hole.
+    r = min(p.rope, p.diameter / (2.2 * (p.turns + 2.0))) / 2
     pitch, profile = 2.16 * r, circle(r, 8)
     half = max(v for _, v in profile)
     for layer in range(p.layers):

@@ -123,7 +123,7 @@ def _touched(spec: WorldSpec, span: Span, place: Surroundings, language: str) ->
     pairs = [{a.a, a.b} for a in _atoms(spec, str(span.claim)) if isinstance(a, Contact | NoContact)]
     if not pairs or any(pair & place.next or "each" in pair for pair in pairs):
         return
-    quote, others = spec.claims[str(span.claim)].quote, sorted(pairs[0] - place.before)
+    quote, others = spec.claims[str(span.claim)].quote, sorted(pairs[0] - place.before or pairs[0])
     names = ", ".join(sorted(place.next)[:3])
     known = language == "en" and says_touch(spec.prompt, span)
     clear = place.plain and not set(place.between) & (PREPOSITIONS - ONWARDS - {"by"})

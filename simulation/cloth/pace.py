@@ -40,7 +40,7 @@ def fastest_point(boundaries: Sequence[Boundary], place: F64, row: I32, bodies: 
     Args:
         boundaries: the solids.
         place: vertices of all of them in their bodies' frames [m], shape (m, 3).
-        row: the solid of each vertex, shape (m,).
+        row: the solid of each vertex, ascending, shape (m,).
         bodies: states of the solids.
     """
     moving = [k for k, b in enumerate(boundaries) if b.motion != "static" and not b.deforming]
@@ -50,7 +50,8 @@ def fastest_point(boundaries: Sequence[Boundary], place: F64, row: I32, bodies: 
     most = 0.0
     # What neither moves nor turns, as the pieces of a wall that stands, is not looked at.
     for k in (k for k, v, w in zip(moving, speed, spin, strict=True) if v > 0.0 or w > 0.0):
-        arm = place[row == k] @ bodies.rotation[k].T + bodies.position[k] - bodies.center[k]
+        first, end = np.searchsorted(row, (k, k + 1))
+        arm = place[first:end] @ bodies.rotation[k].T + bodies.position[k] - bodies.center[k]
         far = float(np.sqrt((arm**2).sum(1).max(initial=0.0)))
         most = max(most, float(np.linalg.norm(bodies.velocity[k]) + far * np.linalg.norm(bodies.angular_velocity[k])))
     return most

@@ -43,6 +43,8 @@ class Transport:
         self._whole = run.upload("gas/whole", np.ones((elements, 3), np.float32), warp().vec3)
         self.crushed = np.zeros(4)
         """Air [cells of ambient density], soot, fuel and product in cells that solids have filled before they could leave."""
+        self.let_in = 0.0
+        """Air [cells of ambient density] that came through gaps finer than cells into room that opened where none could reach it."""
 
     def _array(self, name: str) -> Any:
         wp = warp()
@@ -102,17 +104,20 @@ class Transport:
                 run(kernels.fastest, many, [self.elements, run.block, self._array("left"), most], grain=16)
                 if float(run.read(most, many).max()) < SPENT:
                     break
-        self._crush(room)
+        self._balance(room)
         end = run.upload("gas/held", room.ravel(), wp.float32)
         run(kernels.finish, self.elements, [self.box, self.expands, end, *map(self._array, names[1:]), self._array("state")])
 
-    def _crush(self, after: NDArray[np.float32]) -> None:
-        """Count what is left in cells without room."""
+    def _balance(self, after: NDArray[np.float32]) -> None:
+        """Count what is left in cells without room, and what `finish` gives to cells that no air has reached."""
         amount = self.run.read(self._array("amount"), self.elements)
         volume = self.run.read(self._array("volume"), self.elements)
         inner = np.zeros(after.shape, bool)
         inner[tuple(slice(0, n - 1) for n in after.shape)] = True
-        full = inner.ravel() & (after.ravel() <= 0.0)
+        room = after.ravel()
+        full = inner.ravel() & (room <= 0.0)
         found = amount[full].astype(np.float64).sum(axis=0)
         found[0] = volume[full].astype(np.float64).sum() - found[0]
         self.crushed = self.crushed + found
+        bare = inner.ravel() & (room > 0.0) & (volume <= kernels.NO_AIR * room)
+        self.let_in += float(room[bare].astype(np.float64).sum()) * self.expands

@@ -13,6 +13,9 @@ from .box_kernels import Box, beside, has_face, is_cell, place_of, upper
 
 wp.set_module_options({"enable_backward": False})
 
+NO_AIR = wp.constant(1.0e-6)
+"""Share of a cell's room that its air took at the end of the sweeps, up to which none has come in."""
+
 __all__ = [
     "amounts",
     "ask",
@@ -199,12 +202,13 @@ def finish(
     volume: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Concentrations after sweeps between solids that move. Where the gas expands, what left a cell in excess of its room made it lighter:
-    its mass is kept."""
+    its mass is kept. Room that no air has reached (solids that part within others) has that of outside: it came through gaps finer than
+    cells."""
     c = first + wp.tid()
     if is_cell(box, place_of(box, c)):
         v = room[c]
         q = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        if v > 0.0:
+        if v > 0.0 and volume[c] > NO_AIR * v:
             q = amount[c]
             if expands == 1:
                 q[0] = q[0] + v - volume[c]

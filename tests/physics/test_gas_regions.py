@@ -191,3 +191,48 @@ def test_solids_that_stand_refuse_to_move() -> None:
     gas = Gas((8,) * 3, 1.0 / 8, CLOSED, GasSettings(), solids=cut(ball(8)))
     with pytest.raises(ValueError, match="moves=True"):
         gas.step(0.01, cut(ball(8)))
+
+
+def test_room_that_opens_where_no_air_can_reach_it_has_that_of_outside() -> None:
+    """A plate as wide as the box leaves the wall that it touches: the air that came in behind it stays as it is let in, and expands as the
+    room grows."""
+
+    def plate(time: float) -> Solids:
+        behind = _corners()[..., 0] - 0.3 * time
+        return cut(
+            np.maximum(-behind, behind - 0.3), np.broadcast_to(np.array([0.3, 0.0, 0.0], np.float32), (CELLS + 1,) * 3 + (3,))
+        )
+
+    gas = Gas((CELLS,) * 3, 1.0 / CELLS, CLOSED, GasSettings(expands=True), solids=plate(0.0), moves=True, gravity=(0, 0, 0))
+    mass = _mass(gas)
+    gas.step(0.1, plate(0.1))
+    born = gas.room[0, 0, 0]
+    assert born == pytest.approx(0.03 * CELLS, rel=1e-5)
+    assert gas.state[0, :, :, 0] == pytest.approx(0.0, abs=1e-6)
+    assert gas.transport.let_in == pytest.approx(born * CELLS**2, rel=1e-6)
+    for time in (0.2, 0.3, 0.4):
+        gas.step(0.1, plate(time))
+    assert gas.transport.let_in == pytest.approx(born * CELLS**2, rel=1e-6)
+    assert _mass(gas) - mass == pytest.approx(gas.transport.let_in * gas.cell**3 * gas.density, rel=1e-3)
+    assert gas.state[0, :, :, 0] == pytest.approx(0.75, abs=5e-3)
+    assert gas.pressure[0, 0, 0] == pytest.approx(SEA_LEVEL * 0.25**1.4, rel=1e-3)
+    assert gas.temperature[0, 0, 0] == pytest.approx(293.15 * 0.25**0.4, rel=1e-2)
+
+
+def test_a_plate_that_air_can_follow_is_let_in_none() -> None:
+    """With a gap around the plate the air behind it comes through that."""
+
+    def plate(time: float) -> Solids:
+        c = _corners() - [0.3 * time, 0.5, 0.5]
+        velocity = np.broadcast_to(np.array([0.3, 0.0, 0.0], np.float32), (CELLS + 1,) * 3 + (3,))
+        return cut(
+            np.maximum(np.maximum(-c[..., 0], c[..., 0] - 0.3), np.maximum(np.abs(c[..., 1]), np.abs(c[..., 2])) - 0.3), velocity
+        )
+
+    gas = Gas((CELLS,) * 3, 1.0 / CELLS, CLOSED, GasSettings(expands=True), solids=plate(0.0), moves=True, gravity=(0, 0, 0))
+    mass = _mass(gas)
+    for time in (0.1, 0.2, 0.3, 0.4):
+        gas.step(0.1, plate(time))
+    assert gas.transport.let_in == 0.0
+    assert _mass(gas) == pytest.approx(mass, rel=1e-5)
+    assert np.abs(gas.state[..., 0]).max() < 0.01

@@ -117,3 +117,26 @@ def test_a_jelly_rests_on_sand_and_both_get_what_the_other_gives() -> None:
     top = (mine["particle/position"] + mine["origin"])[:, 2].max()
     assert surface[:, 2].min() > 0.02
     assert top < surface[:, 2].max()
+
+
+def test_exchanges_are_short_only_while_grains_can_meet_what_gives_way() -> None:
+    """Choice: a jelly that falls on sand is far from it for two frames; before it touches a grain, exchanges are those of collisions."""
+    spec = sand_under_jelly(6)
+    spec["entities"]["jelly"]["pose"]["position"] = [0.0, 0.0, 0.17]
+    made = parse_spec({**spec, "prompt": HAMMOCK_PROMPT})
+    built = {n: build_entity(made, n, Path()) for n in made.entities}
+    run = make_run(made, built, groups_of(made)[0])
+    run.prepare()
+    grains = run.solvers["grains"]
+    row, exchanges, given = grains.index().colliders.index("jelly/body"), [], []
+    for k in range(1, 6):
+        run.advance(k)
+        data = grains.frame_data()
+        exchanges.append(int(data["record/exchanges"]))
+        given.append(float(np.abs(data["exchange/impulse"][row]).max()))
+    touched = next(k for k, push in enumerate(given) if push > 0.0)
+    assert touched >= 2
+    assert exchanges[0] == 42  # of a millisecond each
+    assert exchanges[touched] > 5 * exchanges[0]
+    # Of exchanges of collisions in every frame, the first would have had as many.
+    assert max(exchanges[: touched - 1]) == 42

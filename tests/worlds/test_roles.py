@@ -11,6 +11,7 @@ from worldagent.worlds.audits.claims import claim_problems
 from worldagent.worlds.claim_marks import claim_operations
 from worldagent.worlds.claims import reading_of
 from worldagent.worlds.patch import apply_patch, parse_spec
+from worldagent.worlds.predicates import Contact
 from worldagent.worlds.spec import WorldSpec
 
 BALL, BLOCK, SHELF = "[ball](thing ball)", "[block](thing b3)", "[shelf](thing shelf)"
@@ -85,3 +86,13 @@ def test_a_negation_denies_what_its_own_words_say() -> None:
     assert refused(world(marked, never=True)) == []
     assert "its words say the reverse" in refused(world(marked, doer="b3", other="ball", never=True))[0]
     assert any("not the reverse" in w for w in reading_of(world(marked, never=True)).warnings)
+
+
+def test_a_touch_of_the_two_that_stand_before_is_told_with_their_names() -> None:
+    """The ball and the shelf stand before the words, the block behind them: the warning names whom the touch is judged of."""
+    spec = world(f"A {BALL} on a {SHELF} [falls into](event fall) a {BLOCK}.")
+    touched = spec.story.beats["fall"].model_copy(update={"predicate": Contact(a="ball", b="shelf")})
+    story = spec.story.model_copy(update={"beats": {**spec.story.beats, "fall": touched}})
+    told = warned(spec.model_copy(update={"story": story}))
+    assert "is judged by a touch of ball, shelf, and what stands behind it is b3" in told[0]
+    assert warned(spec) == []

@@ -16,7 +16,7 @@ from ..rows.answers import guarded, row_of
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
 from ..scene.rescaling import scaled
-from .kinds import Kind, Limit, Variant, kind_of, variant_of
+from .kinds import KINDS, Kind, Limit, Variant, kind_of, variant_of
 from .measures import measured, thing_of
 from .questions import KIND
 
@@ -146,6 +146,9 @@ def _hints(candidate: Candidate, name: str, kind: Kind, worst: _Judged, variant:
             patch=() if several else scaled(candidate, name, factor),
         )
     ]
+    for other in _kin(kind, worst):
+        action = f"If {name!r} is a {other}, say so in its role, with {other!r} as its last word: then it is measured as one."
+        hints.append(correction(f"it is a {other}", "text", action, pointers=(pointer("entities", name, "role"),)))
     if variant is None:
         word = "toy" if worst.value < worst.low else "giant"
         hints.append(
@@ -157,6 +160,22 @@ def _hints(candidate: Candidate, name: str, kind: Kind, worst: _Judged, variant:
             )
         )
     return tuple(hints)
+
+
+def _kin(kind: Kind, worst: _Judged) -> list[str]:
+    """Nouns of other kinds that end in a noun of this one and are as large as was measured: a workbench, of a bench."""
+    return [
+        noun
+        for other in KINDS.values()
+        for noun in other.nouns
+        if other.name != kind.name and any(noun.endswith(own) and noun != own for own in kind.nouns)
+        if any(
+            limit.measure == worst.limit.measure
+            and (limit.low is None or limit.low <= worst.value)
+            and (limit.high is None or worst.value <= limit.high)
+            for limit in other.limits
+        )
+    ]
 
 
 def variant_lines(candidate: Candidate) -> list[dict[str, str]]:

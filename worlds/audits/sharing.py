@@ -28,6 +28,10 @@ def sharing_problems(spec: WorldSpec, reading: Reading) -> Iterator[Problem]:
                     f"{claim.quote!r} and {quote!r} are both {pointer}; give each its own, or same_as {first!r} if they are one thing, "
                     f"in marked text [{claim.quote}](thing same_as={first})"
                 )
+                if len(claim.by) < len(spec.claims[first].by):
+                    text += (
+                        f"; if it is some of them alone, [{claim.quote}](thing {' '.join(map(_shown, claim.by))} same_as={first})"
+                    )
                 yield Problem(f"/claims/{name}/by", text)
             keys = pointer.strip("/").split("/")
             if keys[0] == "entities" and keys[1] in spec.entities:
@@ -35,6 +39,11 @@ def sharing_problems(spec: WorldSpec, reading: Reading) -> Iterator[Problem]:
                 told.setdefault(keys[1], {}).setdefault(name, set()).update(parts)
     for entity, claims in told.items():
         yield from _parts(spec, reading, entity, claims)
+
+
+def _shown(pointer: str) -> str:
+    """A thing as it is written in marked text: an entity by its id."""
+    return pointer.removeprefix("/entities/") if pointer.count("/") == 2 else pointer
 
 
 def _parts(spec: WorldSpec, reading: Reading, entity: str, claims: dict[str, set[str]]) -> Iterator[Problem]:

@@ -180,3 +180,19 @@ def test_grains_that_go_through_a_cloth_are_told(strewn: Candidate, tmp_path: Pa
     rows = {r.id.split(":")[2]: r for r in particles.category_rows(edited(strewn, tmp_path, "cloth", risen), "grains")}
     assert (rows["inside"].status, rows["inside"].first_failing_frame) == ("fail", 2)
     assert rows["inside"].evidence["solid"] == "cloth"
+
+
+@pytest.mark.parametrize(("joules", "status"), [(2e-5, "pass"), (2e-3, "fail")])
+def test_noise_of_a_jelly_that_is_held_yet_is_not_all_there_is_in_play(tmp_path: Path, joules: float, status: str) -> None:
+    """A run that is judged while nothing has moved yet: what a millimetre of the weight gives is in play."""
+    spec = hammock_spec(frames=3, edge=0.055, drop=0.02, radius=None)
+    spec["simulation"]["drivers"]["let_go"]["time"] = 1.0
+    still = simulate(tmp_path / "still", spec)
+
+    def more(frame: int, data: dict[str, Any]) -> None:
+        if frame > 0:
+            data["record/elastic_potential_energy"] = data["record/elastic_potential_energy"] + joules
+
+    found = edited(still, tmp_path / "more", "bodies", more)
+    rows = [r for r in elastic.category_rows(found, "bodies") if r.id.startswith("category:elastic:together")]
+    assert [r.status for r in rows] == [status]

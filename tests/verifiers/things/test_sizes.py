@@ -48,6 +48,18 @@ def test_the_seat_of_a_chair_is_measured_on_its_surfaces(tmp_path: Path, seat: f
         assert "EN 1729-1" in row.evidence["source"]
 
 
+def test_a_bench_as_high_as_a_workbench_is_told_to_say_that_it_is_one(tmp_path: Path) -> None:
+    high, low = (_chair(tmp_path / str(seat), seat, "long bench") for seat in (0.9, 0.6))
+    assert high is not None
+    assert low is not None
+    told = [c.action for c in high.corrections]
+    assert any("'workbench' as its last word" in action for action in told)
+    assert not any("workbench" in c.action for c in low.corrections)  # a workbench is 0.62 m high at least
+    as_one = _chair(tmp_path / "one", 0.9, "long workbench")
+    assert as_one is not None
+    assert as_one.status == "pass"
+
+
 @pytest.mark.parametrize("role", ["chair", "oak chair with arms", "the kitchen chair, painted", "a chair for the guest"])
 def test_the_last_word_of_a_role_tells_the_kind(tmp_path: Path, role: str) -> None:
     row = _chair(tmp_path, 0.2, role)

@@ -64,6 +64,9 @@ WRONG: dict[str, tuple[WorldSpec, str, str]] = {
         "/claims/three/by", "b3 has the same shape and material"),
     "two spans that share a thing": (
         world(swapped("[shelf](thing shelf)", "[shelf](thing ball)")), "/claims/shelf/by", "'shelf' and 'ball' are both /entities/ball"),
+    "one of several as a thing of its own": (
+        world(swapped("[block](thing b3 same_as=blocks)", "[block](thing b3)")),
+        "/claims/block/by", "if it is some of them alone, [block](thing b3 same_as=blocks)"),
     "a wrong material": (world(swapped("[steel](property ball)", "[steel](property b1)")), "/claims/steel/by", "'steel' asks for steel; what the claim names is not"),
     "no thing at all": (world("A steel ball [rolls](event roll) into a row of [three](count b1 b2 b3) blocks. The last block falls off the shelf."),
                         "/claims", "no claim says which words of the prompt are things"),

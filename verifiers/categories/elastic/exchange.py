@@ -13,10 +13,11 @@ from ...ledgers.exchanged import partners
 from ...ledgers.fields import blown
 from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding, cache_of
+from ..rigid.books import energy_scale
 from .bounds import BOOKS, LEAST
 from .fields import field_work
 from .ledger import elastic_energies, judge_growth
-from .rows import judge_frames
+from .rows import elastic_members, judge_frames
 
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
@@ -103,9 +104,14 @@ def together(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         text = "no cloth is coupled with it" if not cloth else "energy also passes to liquids or grains, whose own rows judge it"
         return Finding("not_applicable", text)
     moving, stored = elastic_energies(cache)
+    masses = [float(candidate.deforming[n].masses.sum()) for n in elastic_members(candidate, solver)]
     records = [np.asarray(cache.series(f"record/{n}")) for n in ("kinetic_energy", "potential_energy", "driver_work")]
     # What cloth gives to rigid members stays among those that are judged together; what fields give to them does not.
-    fields = blown(books_of(candidate, cache)) if cache.index.bodies else None
+    fields = None
+    if cache.index.bodies:
+        books = books_of(candidate, cache)
+        fields = blown(books)
+        masses.append(float(books.mass[~books.kinematic].sum()))
     drawn = 0.0 if fields is None else fields.work + fields.doubt
     kinetic, potential = moving + records[0], stored + records[1]
     outside = records[2] + field_work(candidate, cache) + drawn
@@ -117,10 +123,13 @@ def together(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         kinetic = kinetic + part["kinetic_energy"]
         potential = potential + part["potential_energy"] + part["stretch_energy"] + part["bending_energy"]
         outside = outside + part["air_work"] + part["hold_work"]
+        masses.append(float(np.asarray(theirs.series("record/mass"))[0]))
     energy = kinetic + potential - outside
     if not np.isfinite(energy).all():
         raise EvidenceError("a recorded energy is not finite; see numerical:finite")
-    scale = max(float(kinetic.max()) + float(np.ptp(potential)), 1e-9)
+    # As for rigid instances: in the first frames of a scene at rest nothing is in play, and noise would be all of it.
+    weight = sum(masses) * float(np.linalg.norm(plan.gravity))
+    scale = energy_scale(kinetic, potential, weight)
     places = tuple(f"/simulation/solvers/{n}/settings/exchange" for n in cloth)
     sooner = correction("bodies are taken as they were for too long", "step", "halve exchange of the cloth", pointers=places)
     return judge_growth(candidate, energy, scale, f"energy of {', '.join((solver, *cloth))} together", sooner)

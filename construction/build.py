@@ -67,7 +67,7 @@ def _samples(vertices: F64, faces: I32) -> F64:
 
 def _deviation(shape_kind: str, geometry: ShapeGeometry) -> tuple[float, float]:
     """Two-sided deviation [m] between collision pieces and visible mesh, measured at `_samples` of both."""
-    from scipy.spatial import ConvexHull
+    from scipy.spatial import ConvexHull, cKDTree
 
     if shape_kind in EXACT_KINDS:
         return (0.0, 0.0)
@@ -76,12 +76,16 @@ def _deviation(shape_kind: str, geometry: ShapeGeometry) -> tuple[float, float]:
     visible = Solid.from_mesh(geometry.render, closed=True)
     outside = 0.0
     samples = _samples(geometry.render.vertices, geometry.render.faces)
-    reach = np.full(len(samples), np.inf)
-    for piece in geometry.collision:
-        hull = ConvexHull(piece.points)
-        own = _samples(piece.points, hull.simplices.astype(np.int32))
+    reach, tree = np.full(len(samples), np.inf), cKDTree(samples)
+    hulls = [ConvexHull(piece.points) for piece in geometry.collision]
+    owns = [_samples(piece.points, h.simplices.astype(np.int32)) for piece, h in zip(geometry.collision, hulls, strict=True)]
+    # No point is further from the surface than from a sample of it: those that are nearer than the furthest so far need no look.
+    bounds = [tree.query(own)[0] for own in owns]
+    for k in sorted(range(len(owns)), key=lambda k: -float(bounds[k].max())):
+        own = owns[k][bounds[k] > outside]
         own = own[~contains(visible, own)]
         outside = max(outside, float(distance_to_surface(visible, own).distance.max(initial=0.0)))
+    for hull in hulls:
         planes = hull.equations
         reach = np.minimum(reach, (samples @ planes[:, :3].T + planes[:, 3]).max(1))
     return (outside, max(0.0, float(reach.max(initial=0.0))))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64, I32, RigidPose, rotation_matrix
+from ..worlds.arrays import F64, I32, RigidPose, length, rotation_matrix
 from .depth import Deep, crossing_excursion, surface_depth
 from .inside import contains, distance_to_surface
 from .polytopes import Relative, convex_depth, edge_distance, face_separation
@@ -77,7 +77,7 @@ def _box_gap(a: Solid, b: Solid, poses: Relative) -> F64:
     for one, two, relative in ((a, b, poses), (b, a, poses.inverse())):
         center = relative.rotation @ one.sphere_center + relative.translation - two.sphere_center
         half = np.abs(relative.rotation) @ (0.5 * (one.upper - one.lower)) + 0.5 * (two.upper - two.lower)
-        bounds.append(np.linalg.norm(np.maximum(np.abs(center) - half, 0.0), axis=1))
+        bounds.append(length(np.maximum(np.abs(center) - half, 0.0)))
     return np.asarray(np.maximum(bounds[0], bounds[1]))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64, cross
+from ..worlds.arrays import F64, length
 from .triangles import Nearest, nearest_on_triangles
 
 if TYPE_CHECKING:
@@ -39,17 +39,18 @@ def winding_number(triangles: F64, points: F64) -> F64:
     """
     result = np.zeros(len(points))
     step = max(1, PAIRS // max(1, len(triangles)))
+    # One array per corner and coordinate: short last axes take several times as long.
+    corners = np.ascontiguousarray(triangles.transpose(1, 2, 0))
     for i in range(0, len(points), step):
-        corner = triangles[None] - points[i : i + step, None, None]
-        length = np.linalg.norm(corner, axis=-1)
-        a, b, c = corner[..., 0, :], corner[..., 1, :], corner[..., 2, :]
-        la, lb, lc = length[..., 0], length[..., 1], length[..., 2]
-        top = np.einsum("...i,...i->...", a, cross(b, c))
+        x, y, z = (points[i : i + step, k, None] for k in range(3))
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = ((u - x, v - y, w - z) for u, v, w in corners)
+        la, lb, lc = (np.sqrt((u * u + v * v) + w * w) for u, v, w in ((ax, ay, az), (bx, by, bz), (cx, cy, cz)))
+        top = (ax * (by * cz - bz * cy) + az * (bx * cy - by * cx)) + ay * (bz * cx - bx * cz)
         bottom = (
             la * lb * lc
-            + np.einsum("...i,...i->...", a, b) * lc
-            + np.einsum("...i,...i->...", b, c) * la
-            + np.einsum("...i,...i->...", c, a) * lb
+            + ((ax * bx + az * bz) + ay * by) * lc
+            + ((bx * cx + bz * cz) + by * cy) * la
+            + ((cx * ax + cz * az) + cy * ay) * lb
         )
         result[i : i + step] = np.arctan2(top, bottom).sum(axis=1) / (2.0 * np.pi)
     return result
@@ -117,7 +118,7 @@ def nearest_faces(solid: Solid, points: F64) -> tuple[F64, F64, NDArray[np.intp]
         more_rows = np.repeat(np.arange(len(block)), len(some))
         more = np.tile(some, len(block))
         close = _box_gap(box_low[more], box_high[more], block[more_rows], block[more_rows]) <= reached[more_rows]
-        gap = np.linalg.norm(block[rows] - center[columns], axis=1) - solid.reaches[columns]
+        gap = length(block[rows] - center[columns]) - solid.reaches[columns]
         keep = gap <= reached[rows]
         rows = np.concatenate([rows[keep], more_rows[close]])
         columns = np.concatenate([columns[keep], more[close]])
@@ -148,7 +149,7 @@ def _nearest_of_few(solid: Solid, points: F64) -> tuple[F64, F64, NDArray[np.int
 
 def _box_gap(low: F64, high: F64, other_low: F64, other_high: F64) -> F64:
     """Distance between boxes [m]; 0 where they meet."""
-    return np.asarray(np.linalg.norm(np.maximum(np.maximum(low - other_high, other_low - high), 0.0), axis=-1))
+    return length(np.maximum(np.maximum(low - other_high, other_low - high), 0.0))
 
 
 def _pairwise(points: F64, triangles: F64, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Nearest:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64, I32
+from ..worlds.arrays import F64, I32, cross
 
 if TYPE_CHECKING:
     from .solids import Solid
@@ -123,7 +123,7 @@ def pierced(points: F64, edges: I32, faces: I32) -> I32:
 
 def _volume(p: F64, q: F64, r: F64, s: F64) -> F64:
     """Six times the signed volumes of tetrahedra, shape (n,)."""
-    return np.asarray(np.einsum("ij,ij->i", np.cross(q - p, r - p), s - p))
+    return np.asarray(np.einsum("ij,ij->i", cross(q - p, r - p), s - p))
 
 
 def _sorted(pairs: NDArray[np.intp], reach: F64) -> Crossings:
@@ -192,7 +192,7 @@ def _near_pairs(low: F64, high: F64, *, split: int | None = None) -> tuple[IPoin
 def _planes(t: F64) -> tuple[F64, NDArray[np.bool_]]:
     """Unit normals, shape (n, 3), and which triangles are wide enough to have a plane."""
     u, v = t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]
-    normal = np.cross(u, v)
+    normal = cross(u, v)
     length = np.linalg.norm(normal, axis=1)
     longest = np.maximum(np.linalg.norm(u, axis=1), np.linalg.norm(v, axis=1))
     return normal / np.maximum(length, np.finfo(float).tiny)[:, None], length > FLAT * longest**2
@@ -225,7 +225,7 @@ def _properly(a: F64, b: F64, noise: float) -> F64:
     normal_b, wide_b = _planes(b)
     h, g = _heights(a, b, normal_b, noise), _heights(b, a, normal_a, noise)
     reach = np.minimum(np.minimum(h.max(axis=1), -h.min(axis=1)), np.minimum(g.max(axis=1), -g.min(axis=1)))
-    line = np.cross(normal_a, normal_b)
+    line = cross(normal_a, normal_b)
     length = np.linalg.norm(line, axis=1)
     along = line / np.maximum(length, np.finfo(float).tiny)[:, None]
     low_a, high_a = _stretch(a, h, along)
@@ -257,7 +257,7 @@ def _width(a: F64, b: F64, normal: F64) -> F64:
     for t in (a, b):
         for k in range(3):
             edge = t[:, (k + 1) % 3] - t[:, k]
-            axis = np.cross(normal, edge)
+            axis = cross(normal, edge)
             axis /= np.maximum(np.linalg.norm(axis, axis=1), np.finfo(float).tiny)[:, None]
             p, q = np.einsum("nki,ni->nk", a, axis), np.einsum("nki,ni->nk", b, axis)
             least = np.minimum(least, np.minimum(p.max(axis=1) - q.min(axis=1), q.max(axis=1) - p.min(axis=1)))
@@ -313,7 +313,7 @@ def _folded(solid: Solid, owners: _Edges, one: IPoints, two: IPoints, noise: flo
     lengths = [np.linalg.norm(a, axis=1) for a in arms]
     aligned = np.einsum("ni,ni->n", arms[0], arms[1]) > 0.0
     shorter = np.minimum(*lengths)
-    gap = np.linalg.norm(np.cross(arms[0], arms[1]), axis=1) / np.maximum(np.maximum(*lengths), np.finfo(float).tiny)
+    gap = np.linalg.norm(cross(arms[0], arms[1]), axis=1) / np.maximum(np.maximum(*lengths), np.finfo(float).tiny)
     folded = manifold & aligned & (gap <= noise) & (shorter > noise)
     return np.where(folded, shorter, 0.0)
 
@@ -365,7 +365,7 @@ def _crowded_edges(solid: Solid, owners: _Edges, noise: float) -> Crossings:
         forth = np.array([(np.roll(f, -1)[f == u] == v).any() for f in faces])
         arm = tip - np.outer(tip @ along / length**2, along)
         arm /= np.maximum(np.linalg.norm(arm, axis=1), np.finfo(float).tiny)[:, None]
-        angle = np.arctan2(np.cross(arm[0], arm) @ along / length, arm @ arm[0]) % (2.0 * np.pi)
+        angle = np.arctan2(cross(arm[0], arm) @ along / length, arm @ arm[0]) % (2.0 * np.pi)
         angle = np.where(angle > 2.0 * np.pi - SAME_ANGLE, 0.0, angle)
         order = np.argsort(angle, kind="stable")
         change = np.where(forth, 1, -1)[order]
@@ -383,7 +383,7 @@ def _clipped(t: F64, normal: F64, start: F64, end: F64, noise: float) -> F64:
     low, high = np.zeros(len(t)), np.ones(len(t))
     for k in range(3):
         edge = t[:, (k + 1) % 3] - t[:, k]
-        inward = np.cross(normal, edge)
+        inward = cross(normal, edge)
         inward /= np.maximum(np.linalg.norm(inward, axis=1), np.finfo(float).tiny)[:, None]
         d0 = np.einsum("ni,ni->n", start - t[:, k], inward) - noise
         d1 = np.einsum("ni,ni->n", end - t[:, k], inward) - noise

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..worlds.arrays import F64, cross
+from ..worlds.arrays import F64, cross, dot
 
 __all__ = ["Nearest", "nearest_on_triangles", "segment_points", "triangle_pair", "triangle_pair_segments"]
 
@@ -18,10 +18,6 @@ class Nearest(NamedTuple):
     point: F64
 
 
-def _dot(a: F64, b: F64) -> F64:
-    return np.asarray(np.einsum("...i,...i->...", a, b))
-
-
 def nearest_on_triangles(points: F64, triangles: F64) -> Nearest:
     """Nearest point of each triangle to each point, pairwise by broadcasting.
 
@@ -31,21 +27,21 @@ def nearest_on_triangles(points: F64, triangles: F64) -> Nearest:
     """
     a, b, c = triangles[..., 0, :], triangles[..., 1, :], triangles[..., 2, :]
     normal = cross(b - a, c - a)
-    square = np.maximum(_dot(normal, normal), np.finfo(float).tiny)
+    square = np.maximum(dot(normal, normal), np.finfo(float).tiny)
     # Edge tests against the plane of each edge and the normal: inside all three, the foot of the plane is nearest.
     side = np.minimum(
-        np.minimum(_dot(cross(normal, b - a), points - a), _dot(cross(normal, c - b), points - b)),
-        _dot(cross(normal, a - c), points - c),
+        np.minimum(dot(cross(normal, b - a), points - a), dot(cross(normal, c - b), points - b)),
+        dot(cross(normal, a - c), points - c),
     )
-    height = _dot(points - a, normal) / square
+    height = dot(points - a, normal) / square
     best = points - height[..., None] * normal
     distance2 = np.where(side >= 0.0, height * height * square, np.inf)
     for start, end in ((a, b), (b, c), (c, a)):
         along = end - start
-        t = np.clip(_dot(points - start, along) / np.maximum(_dot(along, along), np.finfo(float).tiny), 0.0, 1.0)
+        t = np.clip(dot(points - start, along) / np.maximum(dot(along, along), np.finfo(float).tiny), 0.0, 1.0)
         foot = start + t[..., None] * along
         gap = points - foot
-        d2 = _dot(gap, gap)
+        d2 = dot(gap, gap)
         closer = d2 < distance2
         distance2 = np.where(closer, d2, distance2)
         best = np.where(closer[..., None], foot, best)
@@ -58,13 +54,13 @@ def segment_points(p: F64, u: F64, q: F64, v: F64) -> tuple[F64, F64]:
     Cross products instead of the usual a e - b^2 keep nearly parallel segments accurate (own derivation).
     """
     tiny = np.finfo(float).tiny
-    uu, vv, uv = _dot(u, u), _dot(v, v), _dot(u, v)
+    uu, vv, uv = dot(u, u), dot(v, v), dot(u, v)
     r = q - p
     normal = cross(u, v)
-    square = _dot(normal, normal)
+    square = dot(normal, normal)
     crossing = square > 1e-30 * uu * vv
-    s = np.clip(np.where(crossing, _dot(cross(r, v), normal) / np.where(crossing, square, 1.0), 0.0), 0.0, 1.0)
-    ru, rv = _dot(r, u), _dot(r, v)
+    s = np.clip(np.where(crossing, dot(cross(r, v), normal) / np.where(crossing, square, 1.0), 0.0), 0.0, 1.0)
+    ru, rv = dot(r, u), dot(r, v)
     t = np.clip((s * uv - rv) / np.maximum(vv, tiny), 0.0, 1.0)
     s = np.clip((t * uv + ru) / np.maximum(uu, tiny), 0.0, 1.0)
     # One more sweep ends the alternation for parallel segments, whose first s was arbitrary.

@@ -35,7 +35,8 @@ def build_interior(
 ) -> ToolReply:
     """Make a building of rooms with floors, walls, doors, windows, furniture by function and what lies on it, as one revision, and check it.
 
-    Corridors with steps, storeys joined by stairs, barn or museum hall, a roof, uneven ground (`on`: plinth, steps, floor at the entrance).
+    Corridors with steps, L-shaped rooms (shape), storeys joined by stairs, also straight in an open well with railings, barn or museum hall, a roof,
+    uneven ground (`on`: plinth, steps, floor at the entrance).
     Makes ordinary entities <interior>_<room>_<thing>, a region <interior>_<room>, a route through every door; tells what found no place and why.
     Repeating it replaces what it made. Not for: single things (place_object with asset). Next: place_object for what the prompt asks beyond that.
     """

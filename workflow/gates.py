@@ -39,7 +39,9 @@ def require_probe(session: Session, freeze: str) -> dict[str, Any]:
             "call probe_sim"
         )
     if known is None:
-        raise RefusedError("bake_sim needs a passing probe of exactly these settings; call probe_sim first")
+        raise RefusedError(
+            f"bake_sim needs a passing probe of exactly these settings{_changed_since(session)}; call probe_sim first"
+        )
     stages, last = session.ledger.stages(), int(known["detail"].get("rows", {}).get("last", -1))
     judged = [r for r in session.ledger.rows() if stages.get(r.id) == "probe" and not r.evidence.get("stale")]
     left = sorted({*_open_of_record(session, known), *(r.id for r in open_in_probe(judged, last))})
@@ -49,6 +51,24 @@ def require_probe(session: Session, freeze: str) -> dict[str, Any]:
     raise RefusedError(
         f"bake_sim needs a passing probe of exactly these settings (the last probe left {named[:_NAMED]} open); call probe_sim first"
     )
+
+
+def _changed_since(session: Session) -> str:
+    """What became other since the last probe that passed, as the end of a clause; empty where none has passed."""
+    from ..worlds.patch import differences
+    from ..worlds.slices import motion_slice
+    from ..worlds.spec import WorldSpec
+
+    passed = next((f for f in session.ledger.freezes() if f["passed"]), None)
+    judged = None if passed is None else session.ledger.revision_spec(passed["revision"])
+    if passed is None or judged is None:
+        return ", and no probe of this world has passed"
+    places = list(differences(motion_slice(WorldSpec.model_validate_json(judged[0])), motion_slice(session.spec)))
+    since = f", and since the one that passed (revision {passed['revision']})"
+    if not places:
+        return f"{since} the geometry was built anew or the program that moves it was updated"
+    more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
+    return f"{since} other settings hold at {', '.join(places[:_NAMED])}{more}"
 
 
 def _open_of_record(session: Session, known: dict[str, Any]) -> list[str]:

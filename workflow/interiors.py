@@ -25,8 +25,8 @@ __all__ = ["interior"]
 
 SHOWN = 20
 """Things without a place that a reply names."""
-ENDS = ("", "_upper", "_outside", *(f"_{storey}" for storey in range(1, 6)))
-"""Ends of the ids of regions that a room has: of itself, of its part above steps, of the ground before its door, on upper storeys."""
+ENDS = ("", "_upper", "_wing", "_outside", *(f"_{storey}" for storey in range(1, 6)))
+"""Ends of the ids of regions that a room has: of itself, of its part above steps, of its wing, of the ground before its door, on upper storeys."""
 
 
 def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:

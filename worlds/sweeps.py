@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .arrays import F64, I32
+from .arrays import F64, I32, cross
 
 if TYPE_CHECKING:
     from .shapes import Sweep
@@ -76,13 +76,13 @@ def _first_frame(along: F64) -> tuple[F64, F64]:
     wanted = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 0.999 else np.array([0.0, 1.0, 0.0])
     up = wanted - (wanted @ along) * along
     up /= np.linalg.norm(up)
-    return np.cross(along, up), up
+    return cross(along, up), up
 
 
 def _carried(vector: F64, before: F64, after: F64) -> F64:
     """A vector turned by the least turn from one direction to the next."""
-    axis, cosine = np.cross(before, after), float(before @ after)
-    turned: F64 = vector * cosine + np.cross(axis, vector) + axis * float(axis @ vector) / (1.0 + cosine)
+    axis, cosine = cross(before, after), float(before @ after)
+    turned: F64 = vector * cosine + cross(axis, vector) + axis * float(axis @ vector) / (1.0 + cosine)
     return turned
 
 
@@ -117,4 +117,4 @@ def sweep_volume(shape: Sweep) -> float:
         fan = np.array([(0, k, k + 1) for k in range(1, corners - 1)])
         faces += [fan, fan[:, ::-1] + (points - 1) * corners]
     corner = rings.reshape(-1, 3)[np.concatenate(faces)]
-    return abs(float(np.einsum("ij,ij->i", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])).sum())) / 6
+    return abs(float(np.einsum("ij,ij->i", corner[:, 0], cross(corner[:, 1], corner[:, 2])).sum())) / 6

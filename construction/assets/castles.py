@@ -173,7 +173,7 @@ def _leaf(made: Made, p: CastleParameters, name: str, sign: int, face: float) ->
     for k in range(planks):
         a, b = sorted(sign * (0.003 + (axis - 0.003) * j / planks) for j in (k, k + 1))
         leaf.box(f"plank_{k + 1}", (a, front, low), (b, rails, high))
-    for k, z in enumerate((*_hinges(p), 0.5 * (low + high))):
+    for k, z in enumerate((*_hinges(p), 0.5 * sum(_hinges(p)))):
         a, b = sorted((sign * 0.05, sign * axis))
         leaf.box(f"rail_{k + 1}", (a, rails, z - 0.02), (b, back, z + 0.14))
     made.joints[f"leaf_{name}"] = Joint(

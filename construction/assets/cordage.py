@@ -29,7 +29,8 @@ class RopeCoilParameters(Parameters):
 
 def _rope_coil(p: RopeCoilParameters, rng: np.random.Generator) -> Made:
     body = Body("rope coil", p.material)
-    r = min(p.rope, p.diameter / (2.2 * (p.turns + 1.5))) / 2
+    # Layers begin anywhere in a turn and spiral in by up to one turn more; the innermost must still go round a hole.
+    r = min(p.rope, p.diameter / (2.2 * (p.turns + 2.0))) / 2
     pitch, profile = 2.16 * r, circle(r, 8)
     half = max(v for _, v in profile)
     for layer in range(p.layers):
@@ -65,12 +66,16 @@ class ChainParameters(Parameters):
 
 
 def _chain(p: ChainParameters, rng: np.random.Generator) -> Made:
-    r = p.wire * p.length / 2
+    # The wire of the next link has 1.1 mm of room on either side in the hole of a link.
+    r = min(p.wire * p.length / 2, (p.width * p.length / 2 - 1.1e-3) / 3)
     profile = circle(r, 8)
     reach = max(math.hypot(u, v) for u, v in profile)
     high, wide = p.length / 2 - r, p.width * p.length / 2 - r
     straight = high - wide
-    pitch = 2 * (straight + wide * math.cos(math.pi / 10)) - 2 * reach - 1.2e-3
+    # A bow has a flat chord at its end; thick wire on a short one comes nearer to the chords beside it, which slope by 36 degrees.
+    corner = wide * math.sin(math.pi / 10) - reach * math.tan(math.pi / 10)
+    gap = max(1.2e-3, (reach + 1.2e-3 - corner * math.sin(math.pi / 5)) / math.cos(math.pi / 5) - reach)
+    pitch = 2 * (straight + wide * math.cos(math.pi / 10)) - 2 * reach - gap
     bows = [(wide * math.cos(a), straight + wide * math.sin(a)) for a in np.linspace(0, math.pi, 6)]
     loop = [*bows, *((-u, -v) for u, v in bows)]
     made, turn = Made({}), float(rng.uniform(0, math.pi))

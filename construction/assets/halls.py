@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import Literal
 
@@ -130,12 +129,12 @@ def _rug(p: RugParameters, rng: np.random.Generator) -> Made:
             if edges[2] - edges[1] > 0.1
             else [p.material, p.material, p.border, p.material]
         )
-        for number, (a, b) in enumerate(itertools.pairwise(edges), start=1):
+        a = 0.0
+        for number, (b, stuff) in enumerate(zip(edges[1:], stuffs, strict=True), start=1):
             if b - a < 1e-3:
                 continue
-            body.turned(
-                f"ring_{number}", [(a * x, 0.0), (b * x, 0.0), (b * x, t), (a * x, t)], segments=40, material=stuffs[number - 1]
-            )
+            body.turned(f"ring_{number}", [(a * x, 0.0), (b * x, 0.0), (b * x, t), (a * x, t)], segments=40, material=stuff)
+            a = b
         return made
     least = min(x, y)
     if kind != "plain":

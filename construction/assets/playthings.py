@@ -65,9 +65,8 @@ def _toy_car(p: ToyCarParameters, rng: np.random.Generator) -> Made:
         wheel = Body("wheel", p.tyre)
         inner = wide + GAP
         wheel.cylinder("tyre", (sx * inner, y * long, r), (sx * (inner + broad), y * long, r), r)
-        wheel.cylinder(
-            "hub", (sx * (inner + broad), y * long, r), (sx * (inner + 1.15 * broad), y * long, r), 0.5 * r, material=p.trim
-        )
+        outer = inner + broad + max(0.15 * broad, 0.0012)
+        wheel.cylinder("hub", (sx * (inner + broad), y * long, r), (sx * outer, y * long, r), 0.5 * r, material=p.trim)
         made.bodies[f"wheel_{name}"] = wheel
         friction = 1e-4 * (long / 0.16) ** 3
         made.joints[f"wheel_{name}"] = Joint(

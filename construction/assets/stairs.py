@@ -16,7 +16,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 
-__all__ = ["GENERATORS", "STRIDE", "Flight", "handrail"]
+__all__ = ["GENERATORS", "STRIDE", "Flight", "StairsParameters", "handrail", "stairs_run"]
 
 FLIGHT = 18
 """Most steps without a landing."""
@@ -76,7 +76,7 @@ def _solid(body: Body, f: Flight, floor: float) -> None:
         f.box(body, f"tread_{k + 1}", (-half, front, z - slab), (half, y + f.going - NOSING * (k < f.steps - 1), z))
 
 
-def _wooden(body: Body, f: Flight, floor: float, *, risers: bool) -> None:
+def _wooden(body: Body, f: Flight, floor: float, *, risers: bool, posts: bool) -> None:
     """Treads between two strings; posts under their upper end where the flight stands on the floor."""
     string, half = 0.045, f.width / 2
     inner, slope = half - string, f.rise / f.going
@@ -102,10 +102,9 @@ def _wooden(body: Body, f: Flight, floor: float, *, risers: bool) -> None:
     for sign, name in ((-1, "left"), (1, "right")):
         xs = (sign * inner, sign * half)
         f.hull(body, f"string_{name}", [(x, y, z) for x in xs for y, z in outline])
-        if begin < f.run - 0.2:
+        if posts and begin < f.run - 0.2:
             a, b = f.run - 0.09, f.run
-            posts = [(x, y, z) for x in xs for y in (a, b) for z in (-floor, line(y, -depth))]
-            f.hull(body, f"post_{name}", posts)
+            f.hull(body, f"post_{name}", [(x, y, z) for x in xs for y in (a, b) for z in (-floor, line(y, -depth))])
     for k in range(f.steps):
         y, z = k * f.going, (k + 1) * f.rise
         back = y + f.going if k == f.steps - 1 else y + f.going + 0.02
@@ -172,11 +171,11 @@ SIDES = {"none": (), "left": (-1,), "right": (1,), "both": (-1, 1)}
 Build = Literal["closed", "open", "stone"]
 
 
-def _flight(body: Body, f: Flight, build: Build, railings: Railings, floor: float = 0.0) -> None:
+def _flight(body: Body, f: Flight, build: Build, railings: Railings, floor: float = 0.0, *, posts: bool = True) -> None:
     if build == "stone":
         _solid(body, f, floor)
     else:
-        _wooden(body, f, floor, risers=build == "closed")
+        _wooden(body, f, floor, risers=build == "closed", posts=posts)
     for side in SIDES[railings]:
         handrail(body, f, side, solid=build == "stone")
 
@@ -198,7 +197,14 @@ class StairsParameters(Parameters):
     going: float = Field(default=0.28, ge=0.23, le=0.37, description="of a tread, kept where 2 R + G is from 0.55 to 0.70 [m]")
     build: Build = Field(default="closed", description="wood with risers, wood without, or solid stone")
     railing: Railings = Field(default="right", description="sides that have a railing")
+    posts: bool = Field(default=True, description="posts under the upper end of wood; false where the floor above carries it")
     material: str = material("oak", "beech", "pine", "limestone", "granite", "marble")
+
+
+def stairs_run(p: StairsParameters) -> float:
+    """Length of a straight flight in plan [m]."""
+    steps = _steps(p.rise, p.riser, FLIGHT)
+    return steps * _going(p.rise / steps, p.going)
 
 
 def _stairs(p: StairsParameters, rng: np.random.Generator) -> Made:
@@ -208,7 +214,7 @@ def _stairs(p: StairsParameters, rng: np.random.Generator) -> Made:
     going = _going(rise, p.going)
     run = steps * going
     f = Flight(steps, rise, going, p.width, lambda x, y, z: (x, y - run / 2, z))
-    _flight(made.main, f, p.build, p.railing)
+    _flight(made.main, f, p.build, p.railing, posts=p.posts)
     _places(made, f)
     return made
 

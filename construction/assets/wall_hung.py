@@ -230,6 +230,7 @@ def _pendulum_case(made: Made, p: WallClockParameters, extent: tuple[float, floa
     body.box("box_head", (-x + t, -deep, top - t), (x - t, -0.008, top))
     bob = made.bodies["pendulum"] = Body("pendulum", p.metal)
     hang, radius = top - t - 0.004, min(0.5 * (x - t), 0.2 * (top - low))
+    body.cylinder("suspension", (0, -0.008, hang), (0, -0.036, hang), 0.002, material=p.metal)
     foot = low + t + 0.012 + radius
     bob.cylinder("rod", (0, -0.04, hang), (0, -0.04, foot + radius), 0.0025)
     disc = [(0, -0.006), (0.6 * radius, -0.006), (radius, -0.0025), (radius, 0.0025), (0.6 * radius, 0.006), (0, 0.006)]
@@ -264,15 +265,10 @@ def _wall_shelf(p: WallShelfParameters, rng: np.random.Generator) -> Made:
     for number in range(count):
         a = (2 * number / (count - 1) - 1) * (x - 0.12 * p.width)
         if kind == "wood":
-            curve = [(-reach * math.cos(t), p.drop - 0.95 * p.drop * math.sin(t)) for t in np.linspace(0.0, math.pi / 2, 8)]
-            shape = [
-                (0.0, p.drop),
-                (-reach, p.drop),
-                (-reach, p.drop - 0.025),
-                *((b * 0.86, c - 0.02) for b, c in curve[1:-1]),
-                (-0.03, 0.0),
-                (0.0, 0.0),
-            ]
+            angles = np.linspace(0.0, math.pi / 2, 8)[1:-1]
+            curve = [(-0.86 * reach * math.cos(t), p.drop - 0.95 * p.drop * math.sin(t) - 0.02) for t in angles]
+            shape = [(0.0, p.drop), (-reach, p.drop), (-reach, p.drop - 0.025)]
+            shape += [*((b, c) for b, c in curve if b < -0.032 and c > 0.002), (-0.03, 0.0), (0.0, 0.0)]
             body.prism(f"bracket_{number + 1}", shape, a - 0.012, a + 0.012, axis="x")
             continue
         body.box(f"plate_{number + 1}", (a - 0.014, -0.004, 0.0), (a + 0.014, 0.0, p.drop), material=p.metal)

@@ -146,7 +146,8 @@ class Arrangement:
             return why
         room, above = self.space.room, self.frame.height
         low, high = (room.x0 - TOUCHING, room.y0 - TOUCHING, -TOUCHING), (room.x1 + TOUCHING, room.y1 + TOUCHING, above)
-        if not swept.within(low, high):
+        corner = room_beyond(self.space, above)
+        if not swept.within(low, high) or (corner is not None and swept.meets(corner)):
             return "the walls, as it opens,"
         named = [*((f.name, f.solid) for f in self.fixtures), *((s.piece.generator, s.solid) for s in self.standing)]
         return next((f"a {name}, as it opens," for name, there in named if swept.meets(there)), None)
@@ -164,6 +165,15 @@ class Arrangement:
     def on_floor(self) -> Iterator[tuple[Standing, Rect]]:
         """Things on the floor with their footprints [m]."""
         return ((s, s.spot.rect(s.piece.foot)) for s in self.standing if s.carrier == "floor" and s.spot is not None)
+
+
+def room_beyond(space: FloorSpace, height: float) -> Volume | None:
+    """The corner that an L-shaped room leaves out, less what may be touched; None of a rectangular one."""
+    n = space.notch
+    if n is None:
+        return None
+    low, high = (n.x0 + TOUCHING, n.y0 + TOUCHING, 0.0), (n.x1 - TOUCHING, n.y1 - TOUCHING, height)
+    return Volume(np.array([low]), np.array([high]))
 
 
 def over(a: Rect, b: Rect, gap: float = APART) -> bool:

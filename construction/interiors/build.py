@@ -19,10 +19,11 @@ from .furnishing import Frame, Standing, furnished
 from .ground import Heights, put_ground, seated
 from .layout import STRIP, Storey, room_of, storeys_of
 from .pieces import Stock
-from .plans import OUTSIDE, STEPS, Rect
+from .plans import OUTSIDE, STEPS, WING, Rect
 from .programs import KINDS
-from .shell import put_roof, put_shell, well_of
+from .shell import put_roof, put_shell
 from .walls import Opening, clear_rect
+from .wells import well_of
 
 __all__ = ["BuiltInterior", "build_interior"]
 
@@ -92,16 +93,18 @@ def _room(found: BuiltInterior, name: str, interior: Interior, storey: Storey, p
         rect = well.rectangle((0.0, 0.0), (well.across, STRIP))
     elif part == f"{own}_{STEPS}":
         return
+    wing = part == f"{own}_{WING}"
     frame = Frame(f"{name}_{part}{suffix(storey.number) if asked.kind == 'stairs' else ''}", storey.height - level, gap)
     found.regions[frame.id] = {
         "kind": "box",
         "min": numbers(found.place(rect.x0, rect.y0, storey.z + level)),
         "max": numbers(found.place(rect.x1, rect.y1, storey.z + storey.height - UNDER)),
     }
+    if wing:
+        return
     standing: list[Standing] = []
     if asked.furniture and asked.kind != "stairs":
-        openings = [replace(o, sill=o.sill - level, head=o.head - level) for o in storey.openings if _beside(o, rect, wall)]
-        space = FloorSpace(rect, openings, wall, name=part)
+        space = _space(storey, part, wall, level, wing=f"{part}_{WING}" if asked.shape == "L" else "")
         kind = KINDS[asked.kind]
         filled = furnished(frame, kind, space, supply.stock, density=supply.density, rng=supply.rng, things=asked.things)
         standing = filled.standing
@@ -111,12 +114,31 @@ def _room(found: BuiltInterior, name: str, interior: Interior, storey: Storey, p
         _stand(found, name, storey, thing, level)
     found.rooms[part + suffix(storey.number) if asked.kind == "stairs" else part] = {
         "kind": asked.kind,
-        "size": [round(rect.x1 - rect.x0, 3), round(rect.y1 - rect.y0, 3)],
+        "size": _size(rect),
         "things": len(standing),
         "generators": len({t.piece.generator for t in standing}),
+        **({"wing": _size(clear_rect(storey.plan.rooms[f"{part}_{WING}"], wall))} if asked.shape == "L" else {}),
         **({"storey": storey.number} if storey.number else {}),
         **({"level": round(level, 3)} if level else {}),
     }
+
+
+def _size(rect: Rect) -> list[float]:
+    return [round(rect.x1 - rect.x0, 3), round(rect.y1 - rect.y0, 3)]
+
+
+def _space(storey: Storey, part: str, wall: float, level: float, *, wing: str) -> FloorSpace:
+    """The floor of a room with the doors and windows about it; `wing` is the shorter part of an L-shaped one."""
+    rects = [clear_rect(storey.plan.rooms[p], wall) for p in (part, wing) if p]
+    inner = (part, wing)
+    openings = [
+        replace(o, sill=o.sill - level, head=o.head - level)
+        for o in storey.openings
+        if o.rooms != inner and any(_beside(o, r, wall) for r in rects)
+    ]
+    if wing:
+        return FloorSpace.of_wing(rects[0], rects[1], openings, wall, names=(part, wing))
+    return FloorSpace(rects[0], openings, wall, name=part)
 
 
 def _stand(found: BuiltInterior, name: str, storey: Storey, thing: Standing, level: float) -> None:
@@ -150,6 +172,8 @@ def _routes(found: BuiltInterior, name: str, storey: Storey) -> None:
             _connect(found, f"{name}_{a}_to_{b}", ids[a], ids[b], HEADROOM["door"])
     for opening in storey.passages:
         low, high = opening.rooms
+        if high == f"{low}_{WING}":
+            _connect(found, f"{name}_{low}_to_{WING}", ids[low], ids[high], HEADROOM["stairs"])
         if low.endswith(f"_{STEPS}"):
             _connect(found, f"{name}_{low}_up", f"{name}_{low.removesuffix(f'_{STEPS}')}", f"{name}_{high}", HEADROOM["stairs"])
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .arrangement import Frame
+from .faces import common_area, free_wall
 from .floor_space import FloorSpace
 from .pieces import Piece, Stock
-from .walls import common_area, free_wall
 from .wishes import RoomKind, Wish
 
 __all__ = ["Fitted", "Item", "everything", "fitted"]
@@ -165,8 +165,7 @@ def _cost(item: Item) -> tuple[float, float, float]:
 
 def _budget(space: FloorSpace, floor_share: float) -> _Budget:
     r = space.room
-    area = (r.x1 - r.x0) * (r.y1 - r.y0) - sum(common_area(d, r) for d in space.doors)
+    area = space.area - sum(common_area(d, r) for d in space.doors)
     windows = [rect for rect, sill in space.windows if sill < OVERHEAD]
-    return _Budget(
-        floor_share * area, WALL_SHARE * free_wall(r, space.doors), TALL_SHARE * free_wall(r, [*space.doors, *windows])
-    )
+    along, beside = free_wall(r, space.doors, notch=space.notch), free_wall(r, [*space.doors, *windows], notch=space.notch)
+    return _Budget(floor_share * area, WALL_SHARE * along, TALL_SHARE * beside)

@@ -56,7 +56,7 @@ def windows_in(space: FloorSpace) -> list[Fixture]:
     found = []
     for window in (o for o in space.openings if o.kind == "window"):
         own, (x, y) = made_piece("window", _window_parameters(window, space.wall), 0), window.center
-        at = (x, y, window.sill + LOOSE, _quarter(window, space.room) * math.pi / 2)
+        at = (x, y, window.sill + LOOSE, _quarter(window, space.beside(window)) * math.pi / 2)
         low, high = (np.concatenate([corners[k] for corners in own.parts.values()]) for k in (0, 1))
         found.append(Fixture("window", Volume(low, high).placed(*at), own.swept.placed(*at)))
     return found

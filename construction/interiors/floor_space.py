@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
+from .faces import WallLine, wall_lines
 from .plans import Rect
 from .walls import WIDE, Opening, leaves, swing
 
@@ -80,6 +82,7 @@ class FloorSpace:
     """A room between its walls, with the doors and windows in them."""
 
     room: Rect
+    """All of it; with the corner that an L-shaped room leaves out."""
     openings: list[Opening]
     wall: float
     solid: list[Rect] = field(default_factory=list)
@@ -88,31 +91,81 @@ class FloorSpace:
     """Floor from which things are used; free of other things."""
     name: str = ""
     """Room of the plan; doors that belong to it open into it."""
+    wing: str = ""
+    """Shorter part of an L-shaped room."""
+    parts: Mapping[str, Rect] = field(default_factory=dict)
+    """Both parts of an L-shaped room between their walls."""
+    notch: Rect | None = None
+    """Corner that an L-shaped room leaves out, up to the faces of its walls."""
+
+    @classmethod
+    def of_wing(cls, main: Rect, wing: Rect, openings: list[Opening], wall: float, *, names: tuple[str, str]) -> FloorSpace:
+        """An L-shaped room.
+
+        Args:
+            main: its longer part between its walls [m].
+            wing: its shorter part between its walls [m].
+            openings: doors and windows in its walls.
+            wall: thickness of walls [m].
+            names: of both parts.
+        """
+        room = Rect(min(main.x0, wing.x0), min(main.y0, wing.y0), max(main.x1, wing.x1), max(main.y1, wing.y1))
+        beside = wing.x0 > main.x1 or wing.x1 < main.x0
+        if beside:
+            x0, x1 = (main.x1, room.x1) if wing.x0 > main.x1 else (room.x0, main.x0)
+            y0, y1 = (wing.y1, room.y1) if wing.y0 - room.y0 < 1e-9 else (room.y0, wing.y0)
+        else:
+            y0, y1 = (main.y1, room.y1) if wing.y0 > main.y1 else (room.y0, main.y0)
+            x0, x1 = (wing.x1, room.x1) if wing.x0 - room.x0 < 1e-9 else (room.x0, wing.x0)
+        own = dict(zip(names, (main, wing), strict=True))
+        return cls(room, openings, wall, name=names[0], wing=names[1], parts=own, notch=Rect(x0, y0, x1, y1))
 
     def __post_init__(self) -> None:
-        self.doors = [swing(o, self.wall) for o in self.openings if o.kind == "door"]
-        self.leaves = [r for o in self._own_doors() for r in leaves(o, self.room)]
-        self.entries = [self._entry(o) for o in self.openings if o.kind == "door"]
+        ways = [o for o in self.openings if o.kind in ("door", "archway")]
+        self.doors = [swing(o, self.wall) for o in ways]
+        self.leaves = [r for o in self._own_doors() for r in leaves(o, self.beside(o))]
+        self.entries = [self._entry(o) for o in ways]
         if not self._walkable():
             # A way that the leaf alone bars is none that furniture could leave free.
             self.leaves = []
         self.windows = [(o.plan(self.wall), o.sill) for o in self.openings if o.kind == "window"]
 
+    @property
+    def area(self) -> float:
+        """[m^2]"""
+        return self.room.area - (self.notch.area if self.notch else 0.0)
+
+    def beside(self, opening: Opening) -> Rect:
+        """The room, or the part of an L-shaped one, in whose wall an opening is."""
+        return next((self.parts[n] for n in opening.rooms if n in self.parts), self.room)
+
+    def holds(self, rect: Rect) -> bool:
+        """True if a rectangle lies between the walls of the room."""
+        return _inside(rect, self.room) and not self.beyond(rect)
+
+    def beyond(self, rect: Rect) -> bool:
+        """True if a rectangle reaches into the corner that an L-shaped room leaves out."""
+        return self.notch is not None and _meet(rect, self.notch, -1e-9)
+
+    def walls(self) -> list[WallLine]:
+        """Faces of the walls: of a rectangle by quarter, of an L six."""
+        return wall_lines(self.room, self.notch)
+
     def _own_doors(self) -> list[Opening]:
-        return [o for o in self.openings if o.kind == "door" and o.rooms[0] == self.name]
+        return [o for o in self.openings if o.kind == "door" and o.rooms[0] in {self.name, self.wing} - {""}]
 
     def _entry(self, opening: Opening) -> tuple[float, float]:
         """Point just inside of a door, beside its leaf."""
-        x, y = opening.center
+        (x, y), own = opening.center, self.beside(opening)
         reach = self.wall / 2 + WALKER / 2 + GRID
         if opening in self._own_doors() and opening.width <= WIDE:
             if opening.along == "x":
-                x += BESIDE_LEAF if 2 * x < self.room.x0 + self.room.x1 else -BESIDE_LEAF
+                x += BESIDE_LEAF if 2 * x < own.x0 + own.x1 else -BESIDE_LEAF
             else:
-                y += BESIDE_LEAF if 2 * y < self.room.y0 + self.room.y1 else -BESIDE_LEAF
+                y += BESIDE_LEAF if 2 * y < own.y0 + own.y1 else -BESIDE_LEAF
         if opening.along == "x":
-            return (x, y + (reach if y < (self.room.y0 + self.room.y1) / 2 else -reach))
-        return (x + (reach if x < (self.room.x0 + self.room.x1) / 2 else -reach), y)
+            return (x, y + (reach if y < (own.y0 + own.y1) / 2 else -reach))
+        return (x + (reach if x < (own.x0 + own.x1) / 2 else -reach), y)
 
     def fits(self, foot: Rect, use: Rect | None, height: float) -> str | None:
         """The constraint that stands in the way of a thing, in words; None where it fits, ways and what opens not asked yet.
@@ -122,7 +175,7 @@ class FloorSpace:
             use: floor from which it is used.
             height: [m]
         """
-        if not _inside(foot, self.room):
+        if not self.holds(foot):
             return "the walls"
         if any(_meet(foot, s, APART) for s in self.solid):
             return "other furniture"
@@ -132,7 +185,7 @@ class FloorSpace:
             return "a window"
         if any(_meet(foot, a) for a in self.access):
             return "floor from which other furniture is used"
-        if use is not None and (not _inside(use, self.room) or any(_meet(use, s) for s in self.solid)):
+        if use is not None and (not self.holds(use) or any(_meet(use, s) for s in self.solid)):
             return "too little room before it"
         return None
 
@@ -160,7 +213,7 @@ class FloorSpace:
         nx, ny = math.ceil((room.x1 - room.x0) / GRID), math.ceil((room.y1 - room.y0) / GRID)
         free = np.zeros((nx + 2, ny + 2), dtype=bool)
         free[1:-1, 1:-1] = True
-        for s in (*self.solid, *self.leaves):
+        for s in (*self.solid, *self.leaves, *((self.notch,) if self.notch else ())):
             i0, j0 = (math.floor((s.x0 - room.x0) / GRID), math.floor((s.y0 - room.y0) / GRID))
             i1, j1 = (math.ceil((s.x1 - room.x0) / GRID), math.ceil((s.y1 - room.y0) / GRID))
             free[max(0, i0) + 1 : i1 + 1, max(0, j0) + 1 : j1 + 1] = False

@@ -94,13 +94,15 @@ def _loose(wanted: Wanted, rng: np.random.Generator) -> list[str]:
 def _best_round(room: Arrangement, asked: Fitted) -> list[tuple[str, str]]:
     """Place what is asked for in the best of a few rounds; names of what found no place, and why."""
     urgency: Counter[int] = Counter()
-    best: tuple[list[tuple[str, str]], Arrangement] | None = None
+    best: tuple[tuple[int, float], list[tuple[str, str]], Arrangement] | None = None
     start = room.mark()
     for number in range(ROUNDS):
         failed = _round(room, asked.items, urgency, number)
         told = [(f"{i.name}", why) for i, why in failed]
-        if best is None or len(told) < len(best[0]):
-            best = told, _copy(room)
+        # Of rounds with as many without a place the one that leaves out the smaller things.
+        loss = len(failed), sum(i.claim for i, _ in failed)
+        if best is None or loss < best[0]:
+            best = loss, told, _copy(room)
         if not told:
             break
         for item, _ in failed:
@@ -110,7 +112,7 @@ def _best_round(room: Arrangement, asked: Fitted) -> list[tuple[str, str]]:
                 item.size = min(item.size + 1, len(item.pieces) - 1)
         room.back(start)
     assert best is not None
-    told, kept = best
+    _, told, kept = best
     room.standing, room.hung, room.flat = kept.standing, kept.hung, kept.flat
     room.space.solid, room.space.access = kept.space.solid, kept.space.access
     return told
@@ -184,7 +186,7 @@ def _stand(room: Arrangement, item: Item, spot: Spot, size: int) -> str | None:
     wish, own = item.wish, item.pieces[size]
     foot = spot.rect(own.foot)
     if wish.rule == "flat":
-        if not within(foot, room.space.room):
+        if not within(foot, room.space.room) or room.space.beyond(foot):
             return "the walls"
         if any(over(foot, s) for _, s in room.on_floor()) or any(over(foot, f) for f in room.flat):
             return "furniture"

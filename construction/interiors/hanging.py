@@ -85,7 +85,7 @@ def _barred(room: Arrangement, own: Piece, foot: Rect, z: float, *, close: bool)
     """The constraint that stands in the way of a thing on a wall, in words."""
     tall, thick = own.height, own.foot.y1 - own.foot.y0
     near = Rect(foot.x0 - BESIDE, foot.y0 - BESIDE, foot.x1 + BESIDE, foot.y1 + BESIDE)
-    if not within(foot, room.space.room):
+    if not within(foot, room.space.room) or room.space.beyond(foot):
         return "the walls"
     openings = ((o.plan(room.space.wall), o.sill - ABOUT_OPENING, o.head + ABOUT_OPENING) for o in room.space.openings)
     if any(over(near, rect) and z < head and z + tall > sill for rect, sill, head in openings):

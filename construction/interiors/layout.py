@@ -5,20 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from ...worlds.errors import InputError
 from ...worlds.spec import Interior, Room
+from ..assets.stairs import StairsParameters, stairs_run
 from ..assets.stairwells import WellStairsParameters, well_run
 from .built import LOOSE, SLAB
 from .planning import solve_plans
-from .plans import OUTSIDE, STEPS, UPPER, Need, Plan
+from .plans import OUTSIDE, STEPS, UPPER, WING, Need, Plan
 from .programs import KINDS
 from .walls import CORNER, Doorway, Opening, doors_of, passages_of, windows_of
 
 __all__ = [
+    "ARRIVAL",
     "DOOR_HEIGHT",
+    "FLIGHT",
     "GOING",
     "JAMB",
     "RISER",
@@ -29,6 +33,7 @@ __all__ = [
     "height_of",
     "room_of",
     "storeys_of",
+    "straight_stairs",
     "well_stairs",
 ]
 
@@ -46,6 +51,10 @@ STRIP = 1.1
 """[m] Own choice: floor before the stairs of a stairwell, so that the leaf of a door turns."""
 FLIGHT, LANDING = 0.9, 0.95
 """[m] Own choice: width of the flights of a stairwell and depth of its landing, at least (homes: 0.8, DIN 18065)."""
+GALLERY, ARRIVAL = 0.95, 0.95
+"""[m] Own choice: floor beside a straight flight and behind its upper end, at least; a railing takes 0.12 m of the first."""
+STRAIGHT = {"riser": 0.19, "going": 0.25}
+"""[m] Own choice: steps of a straight flight, steep as in homes: 2 R + G about 0.62 m (UK Approved Document K)."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +83,7 @@ def room_of(interior: Interior, name: str) -> tuple[str, Room]:
     """The room of which a part of a plan is one, and its id."""
     if name in interior.rooms:
         return name, interior.rooms[name]
-    own = name.removesuffix(f"_{STEPS}").removesuffix(f"_{UPPER}")
+    own = next(name.removesuffix(f"_{end}") for end in (STEPS, UPPER, WING) if name.endswith(f"_{end}"))
     return own, interior.rooms[own]
 
 
@@ -96,11 +105,14 @@ def storeys_of(interior: Interior, rng: np.random.Generator) -> tuple[Storey, ..
         rise = RISER * max((interior.rooms[k].steps for k in stepped), default=0)
         levels = dict.fromkeys(plan.raised, rise)
         parts = [p for k in stepped for p in ((k, f"{k}_{STEPS}"), (f"{k}_{STEPS}", f"{k}_{UPPER}"))]
+        parts += [(k, f"{k}_{WING}") for k, r in interior.rooms.items() if r.shape == "L" and r.storey == number]
         height = height_of(interior) + rise
         passages = passages_of(plan, parts, wall=interior.wall, head=height)
-        doorways = [_doorway(interior, a, b, levels) for a, b in plan.doors]
+        ways = [pair for pair in plan.doors if any(n in interior.rooms and interior.rooms[n].open for n in pair)]
+        passages += passages_of(plan, ways, wall=interior.wall, head=height, kind="archway")
+        doorways = [_doorway(interior, a, b, levels) for a, b in plan.doors if (a, b) not in ways]
         doors = doors_of(plan, doorways, wall=interior.wall, rng=rng)
-        lit = {k: _lit(interior, k, levels.get(k, 0.0)) for k in plan.rooms if k in needs and needs[k].daylight}
+        lit = {k: _lit(interior, k, levels.get(k, 0.0)) for k in plan.rooms if _has_windows(interior, k, needs)}
         windows = windows_of(plan, lit, doors, wall=interior.wall)
         found.append(Storey(number, plan, z, height, levels, tuple(doors), tuple(passages), tuple(windows)))
         z += height + SLAB
@@ -117,9 +129,24 @@ def gate_of(interior: Interior, a: str, b: str) -> tuple[float, float] | None:
     return KINDS[room_of(interior, a)[1].kind].gate if b == OUTSIDE else None
 
 
+def _has_windows(interior: Interior, part: str, needs: Mapping[str, Need]) -> bool:
+    """True of a room with daylight, and of both parts of an L-shaped one."""
+    own, room = room_of(interior, part)
+    return needs[own].daylight and (part == own or room.shape == "L")
+
+
 def _check_names(interior: Interior) -> None:
     stepped: dict[int, str] = {}
     for name, room in interior.rooms.items():
+        if room.shape == "L" and f"{name}_{WING}" in interior.rooms:
+            raise InputError(
+                f"room {f'{name}_{WING}'!r} has the name of the shorter part of the L-shaped room {name!r}; name it otherwise"
+            )
+        if room.shape == "L" and not any(r.storey == room.storey for k, r in interior.rooms.items() if k != name):
+            raise InputError(
+                f"room {name!r} is an L and alone on storey {room.storey}; the outline is a rectangle: add a room that fills its corner, "
+                "e.g. a hall with a door to it"
+            )
         if room.steps:
             taken = [n for n in (f"{name}_{STEPS}", f"{name}_{UPPER}") if n in interior.rooms]
             if taken:
@@ -170,7 +197,9 @@ def _need(interior: Interior, name: str, room: Room) -> Need:
     daylight = own.daylight if room.windows is None else room.windows
     if room.kind == "stairs":
         storeys = _joined(interior, name, room)
-        return Need(own.area, own.width, own.aspect, doors, daylight, storeys, well=_well(interior, storeys))
+        straight = room.stairs == "straight"
+        sides = _straight_well(interior, storeys) if straight else _well(interior, storeys)
+        return Need(own.area, own.width, own.aspect, doors, daylight, storeys, well=sides, straight=straight)
     if room.kind == "corridor":
         width = room.width or own.width
         beside = [r for k, r in interior.rooms.items() if k != name and (name in r.doors or k in room.doors)]
@@ -179,7 +208,8 @@ def _need(interior: Interior, name: str, room: Room) -> Need:
         area = room.area or width * max(2 * width, length + flight)
         return Need(area, width, own.aspect, doors, daylight, (room.storey,), False, True, flight)
     width = own.width if room.furniture or own.bare_width is None else own.bare_width
-    return Need(room.area or own.area, width, own.aspect, doors, daylight, (room.storey,), room.area is not None)
+    asked, wing = room.area is not None, room.shape == "L"
+    return Need(room.area or own.area, width, own.aspect, doors, daylight, (room.storey,), asked, wing=wing)
 
 
 def _joined(interior: Interior, name: str, room: Room) -> tuple[int, ...]:
@@ -220,3 +250,24 @@ def _well(interior: Interior, storeys: tuple[int, ...]) -> tuple[float, float]:
     if max(rises) > most:
         raise InputError(f"storeys of {max(rises):.2f} m are too high for a stairwell, at most {most:g} m: lower height")
     return across, STRIP + max(well_run(well_stairs(r, across)) for r in rises) + LANDING
+
+
+def straight_stairs(rise: float, railing: Literal["left", "right"] = "right") -> StairsParameters:
+    """The straight flight of a stairwell.
+
+    Args:
+        rise: from floor to floor [m].
+        railing: side that is open.
+    """
+    return StairsParameters(rise=round(rise, 6), width=FLIGHT, railing=railing, posts=False, **STRAIGHT)
+
+
+def _straight_well(interior: Interior, storeys: tuple[int, ...]) -> tuple[float, float]:
+    """Clear sides of a stairwell with a straight flight [m]."""
+    rises = [_rise(interior, s) for s in storeys[:-1]]
+    most = StairsParameters.model_json_schema()["properties"]["rise"]["maximum"]
+    if max(rises) > most:
+        raise InputError(
+            f"storeys of {max(rises):.2f} m are too high for one straight flight, at most {most:g} m: lower height, or leave stairs out"
+        )
+    return FLIGHT + GALLERY, STRIP + max(stairs_run(straight_stairs(r)) for r in rises) + ARRIVAL

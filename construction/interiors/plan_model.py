@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, get_args
 
-from .plans import CELL, OUTSIDE, SLACK, STEPS, UPPER, Need, Plan, Rect, Side, cells
+from .plans import CELL, OUTSIDE, SLACK, STEPS, UPPER, WING, Need, Plan, Rect, Side, cells
 
 __all__ = ["solved"]
 
@@ -19,9 +19,16 @@ BETWEEN = 3
 """Own choice: a corridor with so many doors to rooms has rooms on both sides."""
 LEAST_PART = 2.5
 """[m] Own choice: length of a corridor below and above its steps, at least."""
+LEAST_WING, LEAST_NOTCH = 1.5, 1.0
+"""[m] Own choice: clear sides of the wing of an L-shaped room, and how much narrower it is than the room, at least."""
+WING_SHARE = (25, 70)
+"""[%] Own choice: area of the wing against that of the rest of its room."""
 EACH = 3
 """Own choice: one of so many rooms beside a corridor with steps at least is on either level."""
 SIDES: tuple[Side, ...] = get_args(Side)
+OPPOSITE: Mapping[Side, Side] = {"west": "east", "east": "west", "south": "north", "north": "south"}
+LEFT: Mapping[Side, Side] = {"south": "west", "north": "east", "west": "north", "east": "south"}
+"""Side on the left of who climbs straight from a front."""
 FLIPPED: Mapping[Side, Side] = {"west": "east", "east": "west", "south": "south", "north": "north"}
 
 
@@ -79,6 +86,10 @@ class _Model:
         self.upper: dict[str, Any] = {}
         """Literal of each room on a storey with steps: its floor is the upper one."""
         self.front: dict[str, list[Any]] = {}
+        self.mirrored: dict[str, Any] = {}
+        """Literal of each stairwell with a straight flight: it is on the right."""
+        self.ways: dict[tuple[str, str], list[Any]] = {}
+        """Literals of each pair of parts of rooms of which one says that a door has a place between them."""
         self.terms: list[Any] = []
         self.stepped = {s for n in needs.values() if n.flight for s in n.storeys}
         for name, need in needs.items():
@@ -107,20 +118,48 @@ class _Model:
             self._corridor(name, need)
         else:
             box = self._box(name, need.storeys, max(2, cells(need.width + self.wall)))
-            goal = self._scale(need.storeys[0]) * need.area / CELL**2
-            model.add(box.area >= math.floor((1 - SLACK) * goal))
-            model.add(box.area <= math.ceil((1 + SLACK) * goal))
+            goal, area = self._scale(need.storeys[0]) * need.area / CELL**2, box.area
+            if need.wing:
+                area += self._wing(name, need, box).area
+            model.add(area >= math.floor((1 - SLACK) * goal))
+            model.add(area <= math.ceil((1 + SLACK) * goal))
             model.add(100 * box.w <= round(100 * need.aspect) * box.d)
             model.add(100 * box.d <= round(100 * need.aspect) * box.w)
             wide, deep = self.extent
             off, slim = model.new_int_var(0, wide * deep, f"{name}_off"), model.new_int_var(0, max(wide, deep), f"{name}_slim")
-            model.add_abs_equality(off, box.area - round(goal))
+            model.add_abs_equality(off, area - round(goal))
             model.add_abs_equality(slim, box.w - box.d)
             self.terms += [off, TIDY * slim] if need.aspect <= 3 else [off]
         if need.storeys[0] in self.stepped and name not in self.upper:
             self.upper[name] = model.new_constant(0) if need.well else model.new_bool_var(f"{name}_upper")
+            self.upper |= dict.fromkeys(self._parts(name), self.upper[name])
         if need.daylight:
-            model.add_bool_or(self._at_edge(self.boxes[name], name))
+            model.add_bool_or([lit for part in self._parts(name) for lit in self._at_edge(self.boxes[part], part)])
+
+    def _parts(self, name: str) -> list[str]:
+        """Boxes of a room: one, or two of an L-shaped one."""
+        return [name, f"{name}_{WING}"] if name in self.needs and self.needs[name].wing else [name]
+
+    def _wing(self, name: str, need: Need, main: _Box) -> _Box:
+        """The second box of an L-shaped room: on one side of the first, flush with one of its ends and shorter by a notch."""
+        model, key, notch = self.model, f"{name}_{WING}", cells(LEAST_NOTCH)
+        box = self._box(key, need.storeys, cells(LEAST_WING + self.wall))
+        least, most = WING_SHARE
+        model.add(100 * box.area >= least * main.area)
+        model.add(100 * box.area <= most * main.area)
+        model.add(100 * box.w <= round(100 * need.aspect) * box.d)
+        model.add(100 * box.d <= round(100 * need.aspect) * box.w)
+        cases = []
+        for side, meets in zip(SIDES, ((box.x1, main.x), (box.y1, main.y), (main.x1, box.x), (main.y1, box.y)), strict=True):
+            low, high = ("y", "y1") if side in ("west", "east") else ("x", "x1")
+            for flush, other, sign in ((low, high, 1), (high, low, -1)):
+                literal = model.new_bool_var(f"{key}_{side}_{flush}")
+                model.add(meets[0] == meets[1]).only_enforce_if(literal)
+                model.add(getattr(box, flush) == getattr(main, flush)).only_enforce_if(literal)
+                model.add(sign * (getattr(main, other) - getattr(box, other)) >= notch).only_enforce_if(literal)
+                cases.append(literal)
+        model.add_exactly_one(cases)
+        return box
 
     def _scale(self, storey: int) -> float:
         """Area that the rooms of a storey get over what they ask for; wells and corridors are as they are."""
@@ -139,6 +178,8 @@ class _Model:
         box = self._box(name, need.storeys, min(across, along))
         self.front[name] = sides = [model.new_bool_var(f"{name}_front_{s}") for s in SIDES]
         model.add_exactly_one(sides)
+        if need.straight:
+            self.mirrored[name] = model.new_bool_var(f"{name}_mirrored")
         for side, literal in zip(SIDES, sides, strict=True):
             w, d = (along, across) if side in ("west", "east") else (across, along)
             model.add(box.w == w).only_enforce_if(literal)
@@ -188,37 +229,58 @@ class _Model:
     def join(self, a: str, b: str, entrance: Side | None) -> None:
         """Ask for a wall between two rooms, or to the outside (on a side, where one is given), that is wide enough for a door."""
         if b == OUTSIDE:
-            literals = self._at_edge(self.boxes[a], f"{a}_door")
-            self.model.add_bool_or(literals if entrance is None else [literals[SIDES.index(entrance)]])
+            for part in self._parts(a):
+                literals = self._at_edge(self.boxes[part], f"{part}_door")
+                self.ways[part, b] = literals if entrance is None else [literals[SIDES.index(entrance)]]
+            self.model.add_bool_or([lit for part in self._parts(a) for lit in self.ways[part, b]])
             if a in self.upper:
                 self.model.add(self.upper[a] == 0)
             return
         one, two = (a, b) if self.needs[b].flight else (b, a)
         if not self.needs[two].flight:
-            self.model.add_bool_or(self._share(a, b))
+            self.model.add_bool_or(self._between(self._parts(a), self._parts(b)))
             if a in self.upper and b in self.upper:
                 self.model.add(self.upper[a] == self.upper[b])
             return
         for part, literal in ((two, self.upper[one].negated()), (f"{two}_{UPPER}", self.upper[one])):
-            self.model.add_bool_or(self._share(one, part)).only_enforce_if(literal)
+            self.model.add_bool_or(self._between(self._parts(one), [part])).only_enforce_if(literal)
+
+    def _between(self, ones: Sequence[str], twos: Sequence[str]) -> list[Any]:
+        """Literals of which each says that a door has a place between two of these parts of rooms."""
+        for one, two in itertools.product(ones, twos):
+            self.ways[one, two] = self.ways[two, one] = self._share(one, two)
+        return [literal for pair in itertools.product(ones, twos) for literal in self.ways[pair]]
 
     def _share(self, a: str, b: str) -> list[Any]:
         """Literals of which each says that two rooms have enough cells of a wall in common on one side of the first."""
         model, one, two, literals = self.model, self.boxes[a], self.boxes[b], []
-        cases = (("east", one.x1, two.x, 1), ("west", two.x1, one.x, 1), ("north", one.y1, two.y, 0), ("south", two.y1, one.y, 0))
+        cases: tuple[tuple[Side, Any, Any, int], ...] = (
+            ("east", one.x1, two.x, 1),
+            ("west", two.x1, one.x, 1),
+            ("north", one.y1, two.y, 0),
+            ("south", two.y1, one.y, 0),
+        )
         for side, end, start, across in cases:
             literal = model.new_bool_var(f"{a}_{b}_share_{side}")
             low, high = across, 4 + across
             model.add(end == start).only_enforce_if(literal)
             model.add(one[high] - two[low] >= self.reach).only_enforce_if(literal)
             model.add(two[high] - one[low] >= self.reach).only_enforce_if(literal)
-            if a in self.front:
-                model.add_implication(literal, self.front[a][SIDES.index(side)])
-            if b in self.front:
-                opposite: dict[str, Side] = {"east": "west", "west": "east", "north": "south", "south": "north"}
-                model.add_implication(literal, self.front[b][SIDES.index(opposite[side])])
+            for well, own in ((a, side), (b, OPPOSITE[side])):
+                if well in self.mirrored:
+                    self._beside_flight(well, own, literal)
+                elif well in self.front:
+                    model.add_implication(literal, self.front[well][SIDES.index(own)])
             literals.append(literal)
         return literals
+
+    def _beside_flight(self, well: str, side: Side, literal: Any) -> None:
+        """A door on a side of a stairwell: its straight flight is not along that side."""
+        for front, faces in zip(SIDES, self.front[well], strict=True):
+            on_left, on_right = side == LEFT[front], side == OPPOSITE[LEFT[front]]
+            if on_left or on_right:
+                mirrored = self.mirrored[well]
+                self.model.add_bool_or([literal.negated(), faces.negated(), mirrored if on_left else mirrored.negated()])
 
     def finish(self, pairs: Sequence[tuple[str, str]]) -> None:
         """Rooms on both levels beside a corridor with steps, and what is to be least."""
@@ -235,6 +297,7 @@ class _Model:
         value, (wide, deep) = solver.value, (CELL * side for side in self.extent)
         rects = {n: Rect(*(CELL * value(v) for v in (b.x, b.y, b.x1, b.y1))) for n, b in self.boxes.items()}
         fronts = {n: SIDES[[value(v) for v in sides].index(1)] for n, sides in self.front.items()}
+        mirrored = {n for n, v in self.mirrored.items() if bool(value(v)) != flipped}
         if flipped:
             rects = {n: Rect(wide - r.x1, r.y0, wide - r.x0, r.y1) for n, r in rects.items()}
             fronts = {n: FLIPPED[s] for n, s in fronts.items()}
@@ -244,11 +307,13 @@ class _Model:
             for name, other in ((a, b), (b, a)):
                 if b != OUTSIDE and self.needs[name].flight and other in raised:
                     a, b = (f"{a}_{UPPER}", b) if a == name else (a, f"{b}_{UPPER}")
-            doors.append((a, b))
+            ends = itertools.product(self._parts(a), [b] if b == OUTSIDE else self._parts(b))
+            doors.append(next(pair for pair in ends if any(value(v) for v in self.ways[pair])))
         count = 1 + max(s for own in self.storeys.values() for s in own)
         found = []
         for storey in range(count):
             here = {n: r for n, r in rects.items() if storey in self.storeys[n]}
             inside = tuple((a, b) for a, b in doors if a in here and (b in here or (b == OUTSIDE and storey == 0)))
-            found.append(Plan(wide, deep, here, raised & set(here), {n: s for n, s in fronts.items() if n in here}, inside))
+            own = {n: s for n, s in fronts.items() if n in here}
+            found.append(Plan(wide, deep, here, raised & set(here), own, frozenset(mirrored & set(here)), inside))
         return tuple(found)

@@ -53,6 +53,12 @@ def solve_plans(
     if size is None:
         ratios = LONG_RATIOS if any(n.corridor for n in needs.values()) else RATIOS
         options = [_near(max(sums), ratio) for ratio in ratios]
+        for need in needs.values():
+            if need.well is not None and need.straight:
+                # A long well runs from wall to wall of a small house, or leaves no room at its end.
+                long = cells(max(need.well) + wall)
+                across = max(1, round(max(sums) / CELL**2 / long))
+                options = [(across, long), *options, (long, across)]
     else:
         options = [(max(1, round(size[0] / CELL)), max(1, round(size[1] / CELL)))]
     for storey, whole in enumerate(sums):
@@ -113,7 +119,7 @@ def _check_storeys(needs: Mapping[str, Need], pairs: list[tuple[str, str]]) -> N
                 "(a room of kind 'stairs'), which lead to the other storey"
             )
         for well, other in ((a, b), (b, a)):
-            if needs[well].well is not None and (well, both[0]) in taken:
+            if needs[well].well is not None and not needs[well].straight and (well, both[0]) in taken:
                 raise InputError(
                     f"stairs {well!r} have doors to {taken[well, both[0]]!r} and {other!r} on storey {both[0]}; one fits: let it lead to a hall"
                 )

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-__all__ = ["CELL", "OUTSIDE", "SLACK", "STEPS", "UPPER", "Need", "Plan", "Rect", "Side", "cells"]
+__all__ = ["CELL", "OUTSIDE", "SLACK", "STEPS", "UPPER", "WING", "Need", "Plan", "Rect", "Side", "cells"]
 
 CELL = 0.25
 """[m] Own choice: grid of plans; walls stand on its lines."""
@@ -17,6 +17,8 @@ SLACK = 0.3
 """Own choice: share by which a room's area may differ from what is asked for."""
 STEPS, UPPER = "steps", "upper"
 """Ends of the ids of the parts of a corridor with steps: the flight, and the part above it."""
+WING = "wing"
+"""End of the id of the shorter part of an L-shaped room."""
 
 Side = Literal["west", "south", "east", "north"]
 
@@ -45,6 +47,10 @@ class Need:
     """Length of a flight of steps in a corridor [m]; 0 for none."""
     well: tuple[float, float] | None = None
     """Clear sides of a stairwell across and along the climb [m]."""
+    straight: bool = False
+    """Its stairs are one straight flight along a side wall, with floor on the other side."""
+    wing: bool = False
+    """It is L-shaped: two rectangles that meet, flush on one side."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +80,9 @@ class Plan:
     raised: frozenset[str] = frozenset()
     """Rooms whose floor is level with the upper part of the corridor."""
     fronts: Mapping[str, Side] = field(default_factory=dict)
-    """Side of each stairwell at which one gets on and off the stairs."""
+    """Side of each stairwell at which one gets on the stairs."""
+    mirrored: frozenset[str] = frozenset()
+    """Stairwells whose straight flight is on the right of who climbs."""
     doors: tuple[tuple[str, str], ...] = ()
     """Rooms between which a door leads, each pair once; parts of corridors by their own ids."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -12,64 +11,14 @@ from ...worlds.errors import InputError
 from ...worlds.spec import Interior
 from ..assets.registry import generator
 from .built import LOOSE, SLAB, BuiltInterior, block_entity, put_asset, suffix
-from .layout import GOING, RISER, Storey, room_of, well_stairs
+from .layout import GOING, RISER, Storey, room_of
 from .pieces import made_piece
-from .plans import STEPS, UPPER, Rect, Side
+from .plans import STEPS, UPPER
 from .programs import KINDS
-from .walls import Block, clear_rect, floor_blocks, slab_rect, wall_blocks
+from .walls import Block, clear_rect, floor_blocks, wall_blocks
+from .wells import ledges, put_stairs
 
-__all__ = ["Well", "put_roof", "put_shell", "well_of"]
-
-GUARD = 0.95
-"""[m] Height of the railing at the opening of a floor (homes: 0.9, UK Approved Document K)."""
-
-FLANGE, BESIDE = 0.05, 0.01
-"""[m] How far the feet of a railing reach beyond its length, and its distance from the wall and the edge."""
-
-
-class Well(NamedTuple):
-    """The frame of a stairwell: u across from the left, v along the climb from the front, both between its walls."""
-
-    rect: Rect
-    """Between the faces of its walls [m]."""
-    front: Side
-
-    @property
-    def across(self) -> float:
-        """[m]"""
-        r = self.rect
-        return r.y1 - r.y0 if self.front in ("west", "east") else r.x1 - r.x0
-
-    @property
-    def along(self) -> float:
-        """[m]"""
-        r = self.rect
-        return r.x1 - r.x0 if self.front in ("west", "east") else r.y1 - r.y0
-
-    @property
-    def yaw(self) -> float:
-        """Turn of what looks towards its front [rad]."""
-        return {"south": 0.0, "east": math.pi / 2, "north": math.pi, "west": -math.pi / 2}[self.front]
-
-    def at(self, u: float, v: float) -> tuple[float, float]:
-        """A point in the plan [m]."""
-        r = self.rect
-        return {
-            "south": (r.x0 + u, r.y0 + v),
-            "north": (r.x1 - u, r.y1 - v),
-            "west": (r.x0 + v, r.y1 - u),
-            "east": (r.x1 - v, r.y0 + u),
-        }[self.front]
-
-    def rectangle(self, low: tuple[float, float], high: tuple[float, float]) -> Rect:
-        """A rectangle in the plan from two of its corners (u, v) [m]."""
-        (ax, ay), (bx, by) = self.at(*low), self.at(*high)
-        return Rect(min(ax, bx), min(ay, by), max(ax, bx), max(ay, by))
-
-
-def well_of(storey: Storey, name: str, wall: float) -> Well:
-    """The frame of a stairwell of a storey."""
-    return Well(clear_rect(storey.plan.rooms[name], wall), storey.plan.fronts[name])
+__all__ = ["put_roof", "put_shell"]
 
 
 def put_shell(found: BuiltInterior, name: str, interior: Interior, storeys: tuple[Storey, ...]) -> None:
@@ -87,7 +36,7 @@ def put_shell(found: BuiltInterior, name: str, interior: Interior, storeys: tupl
         material = interior.walls or KINDS[next(iter(interior.rooms.values())).kind].walls
         found.entities[f"{name}_walls{end}"] = block_entity("walls between the rooms", material, walls, origin)
         found.supports(f"{name}_walls{end}_stand", f"{name}_floor{end}", f"{name}_walls{end}")
-        _stairs(found, name, interior, storey, storeys)
+        put_stairs(found, name, interior, storey, storeys)
     if interior.ceiling:
         top = storeys[-1]
         slab = {
@@ -134,7 +83,7 @@ def _floor(interior: Interior, storey: Storey, storeys: tuple[Storey, ...]) -> d
         name, room = room_of(interior, part)
         material = KINDS[room.kind].floor
         if room.kind == "stairs" and storey.number and part in storeys[storey.number - 1].plan.rooms:
-            found |= {k: (b, material) for k, b in _ledges(interior, storey, storeys, part, thickness).items()}
+            found |= {k: (b, material) for k, b in ledges(interior, storey, storeys, part, thickness).items()}
             continue
         found[part] = (block, material)
         if part == f"{name}_{STEPS}":
@@ -157,71 +106,3 @@ def _steps(storey: Storey, part: str, upper: str, count: int, wall: float) -> di
                 low, high = (r.x0 + near, clear.y0 + LOOSE), (r.x0 + far, clear.y1 - LOOSE)
         found[f"{part}_{k}"] = Block((*low, 0.0), (*high, k * RISER))
     return found
-
-
-def _strip(storeys: tuple[Storey, ...], number: int, well: Well) -> float:
-    """Depth of the floor before the stairs that lead up to a storey [m]."""
-    below, here = storeys[number - 1], storeys[number]
-    own = made_piece("well_stairs", _stair_parameters(here.z - below.z, well), 0)
-    return well.along - (own.foot.y1 - own.foot.y0) - LOOSE
-
-
-def _stair_parameters(rise: float, well: Well) -> dict[str, float]:
-    own = well_stairs(rise, well.across)
-    return {"rise": own.rise, "width": own.width, "landing": own.landing}
-
-
-def _ledges(interior: Interior, storey: Storey, storeys: tuple[Storey, ...], name: str, thickness: float) -> dict[str, Block]:
-    """The floor of a stairwell over another storey: a strip at the front, and what lies under the walls about the opening."""
-    well, slab = well_of(storey, name, interior.wall), slab_rect(storey.plan, name, interior.wall)
-    strip = _strip(storeys, storey.number, well)
-    corner = [slab.x0, slab.y0, slab.x1, slab.y1]
-    clear = well.rect
-    margins = {
-        "west": clear.x0 - corner[0],
-        "south": clear.y0 - corner[1],
-        "east": corner[2] - clear.x1,
-        "north": corner[3] - clear.y1,
-    }
-    order = {
-        "south": ("west", "east", "north"),
-        "north": ("east", "west", "south"),
-        "west": ("north", "south", "east"),
-        "east": ("south", "north", "west"),
-    }
-    left, right, back = (margins[s] for s in order[well.front])
-    front = margins[well.front]
-    across, along = well.across, well.along
-    rects = {
-        name: well.rectangle((-left, -front), (across + right, strip)),
-        f"{name}_left": well.rectangle((-left, strip), (0.0, along)),
-        f"{name}_right": well.rectangle((across, strip), (across + right, along)),
-        f"{name}_back": well.rectangle((-left, along), (across + right, along + back)),
-    }
-    return {k: Block((r.x0, r.y0, -thickness), (r.x1, r.y1, 0.0)) for k, r in rects.items()}
-
-
-def _stairs(found: BuiltInterior, name: str, interior: Interior, storey: Storey, storeys: tuple[Storey, ...]) -> None:
-    """Stairs from a storey to the next one, and a railing where a floor ends at the opening."""
-    for room in storey.plan.fronts:
-        well, key = well_of(storey, room, interior.wall), f"{name}_{room}_flights{suffix(storey.number)}"
-        if storey.number + 1 < len(storeys) and room in storeys[storey.number + 1].plan.rooms:
-            strip = _strip(storeys, storey.number + 1, well)
-            own = made_piece("well_stairs", _stair_parameters(storeys[storey.number + 1].z - storey.z, well), interior.seed)
-            x, y = well.at(well.across / 2, (strip + well.along) / 2)
-            pose = RigidPose(np.array(found.place(x, y, storey.z + LOOSE)), euler_to_quaternion((0.0, 0.0, well.yaw)))
-            put_asset(found, key, own, pose, motion="static")
-            found.supports(f"{key}_stand", f"{name}_floor{suffix(storey.number)}", key)
-        elif storey.number:
-            strip = _strip(storeys, storey.number, well)
-            _guard(found, name, f"{name}_{room}_railing", storey, well, strip)
-
-
-def _guard(found: BuiltInterior, name: str, key: str, storey: Storey, well: Well, strip: float) -> None:
-    """A railing at the edge over the lower flight."""
-    length = well.across / 2 - 2 * FLANGE - 2 * BESIDE
-    own = made_piece("railing", {"length": round(length, 6), "height": GUARD}, 0)
-    x, y = well.at(BESIDE - own.foot.x0, strip - own.foot.y1 - BESIDE)
-    pose = RigidPose(np.array(found.place(x, y, storey.z + LOOSE)), euler_to_quaternion((0.0, 0.0, well.yaw)))
-    put_asset(found, key, own, pose, motion="static")
-    found.supports(f"{key}_stands", f"{name}_floor{suffix(storey.number)}", key)

@@ -49,13 +49,12 @@ def spots(room: Arrangement, item: Item, own: Piece, anchor: Standing | None) ->
 
 def along_walls(room: Arrangement, own: Piece, only: Sequence[int] = (0, 1, 2, 3)) -> Iterator[Spot]:
     """Places with the back to a wall, corners a little before the rest, and flush with what stands or opens there."""
-    r, found = room.space.room, []
+    found = []
     things = [*room.space.solid, *room.space.doors]
-    for quarter in only:
+    for quarter, across, start, end in (w for q in only for w in room.space.walls() if w.quarter == q):
         wide, deep = turned_size(own.foot, quarter)
         level = quarter % 2 == 0
         length = wide if level else deep
-        start, end = (r.x0, r.x1) if level else (r.y0, r.y1)
         span = end - start - length
         if span < 2 * APART:
             continue
@@ -64,10 +63,10 @@ def along_walls(room: Arrangement, own: Piece, only: Sequence[int] = (0, 1, 2, 3
         grid = [min(APART + k * STEP, span - APART) for k in range(max(2, math.floor(span / STEP) + 1))]
         for shift in (*grid, *(f for f in flush if APART < f < span - APART)):
             back = {
-                0: (r.x0 + shift, r.y1 - APART - deep),
-                1: (r.x0 + APART, r.y0 + shift),
-                2: (r.x0 + shift, r.y0 + APART),
-                3: (r.x1 - APART - wide, r.y0 + shift),
+                0: (start + shift, across - APART - deep),
+                1: (across + APART, start + shift),
+                2: (start + shift, across + APART),
+                3: (across - APART - wide, start + shift),
             }[quarter]
             corner = min(shift, span - shift)
             found.append((float(room.rng.random()) + CORNER * corner, at_corner(own, quarter, back)))

@@ -10,7 +10,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...worlds.errors import InputError
-from .plans import OUTSIDE, Plan, Rect, Side
+from .faces import free_wall
+from .plans import CELL, OUTSIDE, Plan, Rect, Side
 
 __all__ = [
     "CORNER",
@@ -19,10 +20,8 @@ __all__ = [
     "Doorway",
     "Opening",
     "clear_rect",
-    "common_area",
     "doors_of",
     "floor_blocks",
-    "free_wall",
     "hinge",
     "leaves",
     "passages_of",
@@ -43,10 +42,6 @@ MOST_WINDOW = 1.6
 LEAST_WINDOW = 0.5
 LEAF_REACH, LEAF_ACROSS = 0.955, 0.26
 """Reach of an open leaf (80 degrees) into its room, and its extent along the wall less a cell of ways, over the width of the opening."""
-STRIP = 0.35
-"""[m] Own choice: depth before a wall that has to be free for furniture along it."""
-LEAST_WALL = 0.45
-"""[m] Own choice: shorter pieces of wall are of no use to furniture."""
 PIER = 0.5
 """[m] Own choice: wall between a window and the next, or a corner."""
 WIDE = 1.3
@@ -62,10 +57,10 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Opening:
-    """A door, a window, or a passage as wide as its corridor, in a wall."""
+    """A door, a window, a passage between parts of a room, or an archway as wide as the wall that two rooms share."""
 
     id: str
-    kind: Literal["door", "window", "passage"]
+    kind: Literal["door", "window", "passage", "archway"]
     along: Literal["x", "y"]
     """Axis along which its wall runs."""
     center: tuple[float, float]
@@ -139,13 +134,15 @@ def _meet(a: Rect, b: Rect) -> bool:
     return a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1
 
 
-def passages_of(plan: Plan, parts: Sequence[tuple[str, str]], *, wall: float, head: float) -> list[Opening]:
-    """Openings between parts of corridors, as wide and high as these."""
+def passages_of(
+    plan: Plan, parts: Sequence[tuple[str, str]], *, wall: float, head: float, kind: Literal["passage", "archway"] = "passage"
+) -> list[Opening]:
+    """Openings between parts of rooms, or rooms, as wide as what they share and as high."""
     found = []
     for a, b in parts:
         (edge,) = _shared(plan.rooms[a], plan.rooms[b])
         width = edge.end - edge.start - wall
-        found.append(Opening(f"{a}_{b}", "passage", edge.along, edge.at((edge.start + edge.end) / 2), width, 0.0, head, (a, b)))
+        found.append(Opening(f"{a}_{b}", kind, edge.along, edge.at((edge.start + edge.end) / 2), width, 0.0, head, (a, b)))
     return found
 
 
@@ -164,6 +161,11 @@ class Doorway(NamedTuple):
     side: Side | None = None
     """Side of the building for a door to the outside; None for any."""
 
+    def at(self, edge: _Edge, where: float) -> Opening:
+        """It in a wall, its middle at a place along it [m]."""
+        key, head = f"{self.a}_{self.b}", self.level + self.head
+        return Opening(key, "door", edge.along, edge.at(where), self.width, self.level, head, (self.a, self.b))
+
 
 def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.random.Generator) -> list[Opening]:
     """A door for each pair of rooms, near an end of the wall that they share, so that walls stay free for furniture.
@@ -172,7 +174,9 @@ def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.ra
         InputError: two rooms share no wall that is wide enough.
     """
     found: list[Opening] = []
-    for a, b, width, head, level, side in doorways:
+    others: list[list[Opening]] = []
+    for own in doorways:
+        a, b, width, _, _, side = own
         edges = _outer(plan, plan.rooms[a], side) if b == OUTSIDE else _shared(plan.rooms[a], plan.rooms[b])
         margin = wall / 2 + CORNER + width / 2
         wide = [e for e in edges if e.end - e.start >= 2 * margin]
@@ -180,18 +184,40 @@ def doors_of(plan: Plan, doorways: Sequence[Doorway], *, wall: float, rng: np.ra
             raise InputError(
                 f"rooms {a!r} and {b!r} share no wall of {2 * margin:.2f} m for a door {width:g} m wide; leave that door out or ask for larger rooms"
             )
+        steps = [(e, w) for e in wide for w in np.arange(e.start + margin, e.end - margin + 1e-9, CELL).tolist()]
+        others.append([own.at(e, w) for e, w in steps])
         if b == OUTSIDE:
             wide = [min(wide, key=lambda e: e.end - e.start)]
         places = [(e, where) for e in wide for where in (e.start + margin, e.end - margin)]
         if width > WIDE:
             places = [(e, (e.start + e.end) / 2) for e in wide]
         order = [places[k] for k in rng.permutation(len(places))]
-        options = [Opening(f"{a}_{b}", "door", e.along, e.at(where), width, level, level + head, (a, b)) for e, where in order]
-        # Leaves of two doors of a corner would meet.
+        options = [own.at(e, where) for e, where in order]
+        # Leaves of two doors of a corner would meet; where there is no better place, at least none stands before the other door.
         free = [o for o in options if not any(_meet(swing(o, wall), swing(d, wall)) for d in found)]
+        free = free or [o for o in options if not any(_bars(plan, o, d, wall) or _bars(plan, d, o, wall) for d in found)]
         sides = [clear_rect(plan.rooms[n], wall) for n in (a, b) if n != OUTSIDE]
         found.append(max(free or options, key=lambda o: sum(free_wall(r, [swing(d, wall) for d in (*found, o)]) for r in sides)))
-    return found
+    return _moved_apart(plan, found, others, wall)
+
+
+def _moved_apart(plan: Plan, doors: list[Opening], others: list[list[Opening]], wall: float) -> list[Opening]:
+    """Doors of which one is moved to another of its places where the leaf of one stood before the other; the first that helps."""
+
+    def barred(door: Opening, rest: Sequence[Opening]) -> bool:
+        return any(_bars(plan, door, d, wall) or _bars(plan, d, door, wall) for d in rest)
+
+    for k, door in enumerate(doors):
+        rest = [*doors[:k], *doors[k + 1 :]]
+        if barred(door, rest):
+            doors[k] = next((o for o in others[k] if not barred(o, rest)), door)
+    return doors
+
+
+def _bars(plan: Plan, door: Opening, other: Opening, wall: float) -> bool:
+    """True if the open leaf of a door stands on the floor before another."""
+    floor = swing(other, wall)
+    return any(_meet(leaf, floor) for leaf in leaves(door, clear_rect(plan.rooms[door.rooms[0]], wall)))
 
 
 def windows_of(
@@ -360,26 +386,3 @@ def leaves(opening: Opening, room: Rect) -> list[Rect]:
         return [Rect(low, min(y, far), low + across, max(y, far)) for low in lows]
     far = x - reach if x > (room.x0 + room.x1) / 2 else x + reach
     return [Rect(min(x, far), low, max(x, far), low + across) for low in lows]
-
-
-def common_area(a: Rect, b: Rect) -> float:
-    """Area of what two rectangles have in common [m^2]."""
-    return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.y1, b.y1) - max(a.y0, b.y0))
-
-
-def free_wall(r: Rect, taken: Sequence[Rect]) -> float:
-    """Length of the walls of a room of clear size `r` before which nothing is, in pieces that furniture fits [m]."""
-    strips = [
-        (Rect(r.x0, r.y0 - STRIP, r.x1, r.y0 + STRIP), True),
-        (Rect(r.x0, r.y1 - STRIP, r.x1, r.y1 + STRIP), True),
-        (Rect(r.x0 - STRIP, r.y0, r.x0 + STRIP, r.y1), False),
-        (Rect(r.x1 - STRIP, r.y0, r.x1 + STRIP, r.y1), False),
-    ]
-    total = 0.0
-    for strip, level in strips:
-        start, end = (strip.x0, strip.x1) if level else (strip.y0, strip.y1)
-        cuts = sorted((t.x0, t.x1) if level else (t.y0, t.y1) for t in taken if common_area(t, strip) > 0)
-        for low, high in [*cuts, (end, end)]:
-            total += max(0.0, low - start) if low - start >= LEAST_WALL else 0.0
-            start = max(start, high)
-    return total

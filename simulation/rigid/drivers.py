@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ...worlds.arrays import F64, pose_of, rotation_matrix
+from ...worlds.arrays import F64, pose_of
 from ...worlds.errors import InputError
 from ...worlds.fields import acting_on
-from ...worlds.spec import DetachDriver, FieldDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, RigidPhysics, WorldSpec
+from ...worlds.spec import DetachDriver, FieldDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, WorldSpec
 from ..protocol import Intervention
 from .flex import part_flexes
 from .holds import Holds
 from .model import RigidModel
+from .start import set_velocities
 
 __all__ = ["Drivers"]
 
@@ -334,36 +335,12 @@ class Drivers:
                 data.qfrc_applied[dofs] = self.holds.armature(dofs) * (path.twists[step + 1] - path.twists[step]) / dt
 
     def start_velocities(self, data: Any) -> None:
-        """Set the declared velocities at frame 0."""
-        model = self.rigid.model
-        for entity, contract in self.spec.entities.items():
-            dofs = self._dofs.get(entity)
-            if not dofs or not isinstance(contract.physics, RigidPhysics) or entity in self.kinematic:
-                continue
-            linear, angular = np.array(contract.physics.linear_velocity), np.array(contract.physics.angular_velocity)
-            if not linear.any() and not angular.any():
-                continue
-            if entity not in self._free:
-                raise InputError(
-                    f"entity {entity!r} hangs on a joint and cannot start with a velocity; give it a motor or force driver"
-                )
-            body, at = int(model.dof_bodyid[dofs[0]]), self._free[entity]
-            if contract.breakable is not None:
-                self._start_clusters(entity, data, linear, angular)
-                continue
-            center = data.subtree_com[body] if len(self._bodies[entity]) > 1 else data.xipos[body]
-            data.qvel[dofs[:3]] = linear + np.cross(angular, data.xpos[body] - center)
-            data.qvel[dofs[3:6]] = rotation_matrix(data.qpos[at + 3 : at + 7]).T @ angular
+        """Set the declared velocities at frame 0.
 
-    def _start_clusters(self, entity: str, data: Any, linear: F64, angular: F64) -> None:
-        """Give the clusters of a breakable entity the velocities of one body."""
-        model, bodies = self.rigid.model, self._bodies[entity]
-        mass = model.body_mass[bodies]
-        center = mass @ data.xipos[bodies] / mass.sum()
-        for body in bodies:
-            dof = int(model.body_dofadr[body])
-            data.qvel[dof : dof + 3] = linear + np.cross(angular, data.xpos[body] - center)
-            data.qvel[dof + 3 : dof + 6] = data.xmat[body].reshape(3, 3).T @ angular
+        Raises:
+            InputError: joints do not allow a declared velocity.
+        """
+        set_velocities(self.spec, self.rigid.model, data, self._dofs, self._bodies, self.kinematic)
 
     def active(self, start: float, end: float) -> Any:
         """Which drivers acted during [start, end), u1, shape (drivers,)."""

@@ -1,13 +1,15 @@
 """Joints, springs, ropes and free rotation against closed forms."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import ellipk
-from worldagent.tests.physics.rigid_world import G, Run, ball, box, entity, floor, world
+from worldagent.tests.physics.rigid_world import G, Run, ball, box, entity, floor, solver, world
+from worldagent.worlds.errors import InputError
 
 PERIOD = 1e-3
 """Gate of the table, relative."""
@@ -40,6 +42,67 @@ def test_a_pendulum_has_the_period_of_the_elliptic_integral(amplitude):
     assert periods.mean() == pytest.approx(exact, rel=PERIOD)
     # The joint's coordinate is zero at frame 0 and measures the same motion.
     assert np.allclose(run.joint("h"), amplitude - angle, atol=1e-6) or np.allclose(run.joint("h"), angle - amplitude, atol=1e-6)
+
+
+@pytest.mark.parametrize("speed", [0.5, -1.2])
+def test_a_pendulum_that_starts_with_a_velocity_rises_as_high_as_its_energy_says(speed):
+    length, radius = 0.8, 0.05
+    joint = {"h": {"kind": "hinge", "child": "bob", "anchor": (0, 0, 0), "axis": (0, 1, 0)}}
+    bob = ball(radius, at=(0, 0, -length), v=(speed, 0, 0), w=(0, -speed / length, 0))
+    run = Run(world({"bob": bob}, seconds=2, fps=120, joints=joint))
+    assert run.of("bob", "velocity")[0] == pytest.approx((speed, 0, 0), abs=1e-9)
+    assert run.of("bob", "angular_velocity")[0] == pytest.approx((0, -speed / length, 0), abs=1e-9)
+    energy = 0.5 * speed**2 * (1 + 0.4 * (radius / length) ** 2)
+    assert run.of("bob")[:, 2].max() + length == pytest.approx(energy / G, rel=2e-3)
+
+
+def test_a_chain_starts_with_the_velocities_of_all_its_links():
+    """A double pendulum whose rods turn at different rates: the second one's joint is carried along by the first."""
+    spins, length, top, speed = (2.0, -3.0), 0.5, np.zeros(3), np.zeros(3)
+    rods, joints = {}, {}
+    for k, spin in enumerate(spins):
+        arm = np.array([0, 0, -length / 2])
+        turn = np.array([0, spin, 0])
+        linear = speed + np.cross(turn, arm)
+        rods[f"r{k}"] = box(0.02, 0.02, length, at=top + arm, mass=1.0, v=linear, w=turn)
+        joints[f"j{k}"] = {
+            "kind": "hinge", "child": f"r{k}", "parent": f"r{k - 1}" if k else None, "anchor": tuple(top), "axis": (0, 1, 0),
+        }  # fmt: skip
+        top, speed = top + 2 * arm, speed + np.cross(turn, 2 * arm)
+    run = Run(world(rods, seconds=0.1, fps=60, joints=joints))
+    for name, rod in rods.items():
+        assert run.of(name, "velocity")[0] == pytest.approx(rod["physics"]["linear_velocity"], abs=1e-9)
+        assert run.of(name, "angular_velocity")[0] == pytest.approx(rod["physics"]["angular_velocity"], abs=1e-9)
+
+
+def test_a_velocity_that_a_joint_does_not_allow_is_refused_with_the_nearest_that_it_allows():
+    joint = {"h": {"kind": "hinge", "child": "bob", "anchor": (0, 0, 0), "axis": (0, 1, 0)}}
+
+    def started(linear, angular):
+        return world({"bob": ball(0.05, at=(0, 0, -0.8), v=linear, w=angular)}, joints=joint)
+
+    with pytest.raises(InputError, match="do not let it start") as refused:
+        solver(started((0, 1, 0), (0, 0, 0)))
+    assert "linear_velocity (0, 0, 0)" in str(refused.value)
+    with pytest.raises(InputError, match="nearest that they allow") as refused:
+        solver(started((1, 0, 0), (0, 0, 0)))
+    numbers = re.search(r"Declare that one, linear_velocity \((.*?)\) and angular_velocity \((.*?)\)", str(refused.value))
+    assert numbers is not None
+    linear, angular = (tuple(float(v) for v in numbers[k].split(",")) for k in (1, 2))
+    solver(started(linear, angular))  # the numbers of the message are taken
+
+
+def test_what_hangs_on_a_moving_body_declares_its_own_velocity():
+    def cart(**wheel):
+        made = {"cart": box(0.4, 0.2, 0.1, at=(0, 0, 1), v=(1, 0, 0)), "wheel": ball(0.05, at=(0, 0, 0.9), **wheel)}
+        joint = {"axle": {"kind": "hinge", "child": "wheel", "parent": "cart", "anchor": (0, 0, 0.9), "axis": (0, 1, 0)}}
+        return world(made, joints=joint)
+
+    rolling = solver(cart(v=(1, 0, 0), w=(0, 20, 0)))
+    wheel = rolling.index().bodies.index("wheel/body")
+    assert rolling.frame_data()["angular_velocity"][wheel] == pytest.approx((0, 20, 0))
+    with pytest.raises(InputError, match=r"'wheel'.*linear_velocity \(1, 0, 0\)"):
+        solver(cart())
 
 
 def _double_pendulum(seconds, start=(1.2, 0.9)):

@@ -188,3 +188,74 @@ def test_houses_stand_along_a_street_on_a_landscape_and_one_walks_from_door_to_d
         _row(agent, f"navigability:{n}")["status"] for n in ("inn_hall_outside_to_hall", "shop_hall_outside_to_hall", "across")
     } == {"pass"}
     assert _row(agent, "terrain:land:ground:ground")["status"] == "pass"
+
+
+ELL: dict[str, Any] = {
+    "rooms": {
+        "living": {"kind": "living", "shape": "L", "area": 22, "doors": ["outside"], "windows": False},
+        "store": {"kind": "store", "doors": ["living"], **BARE},
+    },
+    "density": 0.1,
+}
+
+
+def test_an_l_shaped_room_is_walked_round_its_corner_and_not_through_a_wall_across_it(agent: Any) -> None:
+    made = _built(agent, "A living room is L-shaped.", ELL)
+    assert made["rooms"]["living"]["wing"]
+    assert made["rooms"]["living"]["things"] > 10
+    assert _row(agent, "navigability:b_living_to_wing")["status"] == "pass"
+    one, two = (_spec(agent, f"/graph/regions/b_living{end}") for end in ("", "_wing"))
+    low = [max(one["min"][k], two["min"][k]) for k in (0, 1)]
+    high = [min(one["max"][k], two["max"][k]) for k in (0, 1)]
+    size, middle = [abs(h - a) for a, h in zip(low, high, strict=True)], [(a + h) / 2 for a, h in zip(low, high, strict=True)]
+    wall = {"shape": {"kind": "box", "size": [*size, 2.0]}, "pose": {"position": [*middle, 1.01]}}
+    entity = {
+        "role": "a wall",
+        "motion": "static",
+        "material": "oak",
+        "dimensions": {"size": [*size, 2.0]},
+        "parts": {"all": wall},
+    }
+    members = _spec(agent, "/simulation/solvers/rigid/members")
+    agent.edit(("/entities/bar", entity), ("/simulation/solvers/rigid/members", [*members, "bar"]))
+    agent.call("run_checks", world="w", scope="static")
+    assert _row(agent, "navigability:b_living_to_wing")["status"] == "fail"
+
+
+def _straight(**more: Any) -> dict[str, Any]:
+    rooms = {**HOUSE["rooms"], "stairs": {"kind": "stairs", "stairs": "straight", **more}}
+    return {"rooms": {k: {**r, "furniture": False, "windows": False} if k != "stairs" else r for k, r in rooms.items()}}
+
+
+@pytest.mark.slow
+def test_a_straight_flight_in_an_open_well_is_walked_and_not_with_its_well_closed(agent: Any) -> None:
+    _built(agent, "A house has a straight stair in a well.", _straight(open=True))
+    for name in ("b_stairs_up_1", "b_hall_to_stairs", "b_landing_to_stairs"):
+        assert _row(agent, f"navigability:{name}")["status"] == "pass"
+    front, back = (_spec(agent, f"/entities/b_floor_1/parts/stairs{end}") for end in ("", "_back"))
+    place = _spec(agent, "/entities/b_stairs_flights/pose/position")
+    own = _spec(agent, "/entities/b_floor_1/pose/position")
+    slab = {**front, "shape": {"kind": "box", "size": [0.8, 0.8, 0.19]}}
+    slab["pose"] = {"position": [place[0] - own[0], place[1] - own[1], back["pose"]["position"][2]]}
+    agent.edit(("/entities/b_floor_1/parts/lid", slab))
+    agent.call("run_checks", world="w", scope="static")
+    assert _row(agent, "navigability:b_stairs_up_1")["status"] == "fail"
+
+
+@pytest.mark.slow
+def test_a_straight_flight_is_not_walked_without_a_tread_nor_past_a_railing_across_it(agent: Any) -> None:
+    _built(agent, "A house has a straight stair in a well.", _straight())
+    assert _row(agent, "navigability:b_stairs_up_1")["status"] == "pass"
+    x, y, z = _spec(agent, "/entities/b_stairs_railing_1_front/pose/position")
+    flight = _spec(agent, "/entities/b_stairs_flights/pose/position")
+    over = [2 * flight[0] - x, 2 * flight[1] - y, z]
+    agent.edit(("/entities/b_stairs_railing_1_front/pose/position", over))
+    agent.call("run_checks", world="w", scope="static")
+    assert _row(agent, "navigability:b_stairs_up_1")["status"] == "fail", "the railing stands across the arrival"
+    back = ("/entities/b_stairs_railing_1_front/pose/position", [x, y, z])
+    agent.edit(back, hypothesis="the railing stands across the arrival; at the front edge it bars no way")
+    agent.call("run_checks", world="w", scope="static")
+    assert _row(agent, "navigability:b_stairs_up_1")["status"] == "pass"
+    _without(agent, "/entities/b_stairs_flights/parts/tread_6", "/entities/b_stairs_flights/parts/riser_6")
+    row = _row(agent, "navigability:b_stairs_up_1")
+    assert row["status"] == "fail"

@@ -44,7 +44,9 @@ def test_probe_with_failing_static_rows_names_row_value_and_bound(agent: Any) ->
 
 def test_nothing_after_the_probe_opens_without_it(agent: Any) -> None:
     agent.call("edit_spec", world="w", prompt=PROMPT, spec=small_spec())
-    assert "call probe_sim first" in agent.refused("bake_sim", world="w")
+    unproved = agent.refused("bake_sim", world="w")
+    assert "call probe_sim first" in unproved
+    assert "no probe of this world has passed" in unproved
     assert "bake_sim" in agent.refused("run_checks", world="w", scope="acceptance")
     assert "run_checks(world, scope='acceptance')" in agent.refused("render_shot", world="w", kind="final")
     assert "probe_sim" in agent.refused("inspect_world", world="w", part="events")
@@ -58,7 +60,9 @@ def test_bake_after_a_failed_probe_names_what_it_left_open(failed: Any) -> None:
 
 def test_every_later_edit_of_the_motion_closes_bake_acceptance_and_final(accepted: Any) -> None:
     accepted.edit(("/entities/ball/physics/linear_velocity/0", 1.05))
-    assert "passing probe of exactly these settings" in accepted.refused("bake_sim", world="w")
+    unproved = accepted.refused("bake_sim", world="w")
+    assert "passing probe of exactly these settings" in unproved
+    assert "other settings hold at /entities/ball/physics/linear_velocity" in unproved
     assert "complete bake of exactly these settings" in accepted.refused("run_checks", world="w", scope="acceptance")
     assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
 

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "59006fcc770ea9cb3a1ed816b6e2085510802d7a2709c903fe84dbc5caddb129"
+SCHEMA = "508c398ae96b70337fadc5516690d3b82fd2a68f3206ed91a8c17bc402217385"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...worlds.cache import Cache
     from ...worlds.candidate import Candidate
 
-__all__ = ["MIN_IMPULSE", "givers_of", "pushes_of", "sizes_of", "touches_of"]
+__all__ = ["MIN_IMPULSE", "givers_of", "pressed_by", "pushes_of", "sizes_of", "touches_of"]
 
 MIN_IMPULSE = 1e-6
 """[N s] Smallest impulse that carries a chain of pushes: 1 mm/s of a 1 g body."""
@@ -34,6 +34,24 @@ def sizes_of(candidate: Candidate, cache: Cache, bodies: tuple[str, ...]) -> F64
     if given.shape[1:] != (len(bodies), 6):
         raise EvidenceError(f"channel {CHANNEL!r} of {cache.index.solver!r} has shape {given.shape}; bake again")
     return np.asarray(np.linalg.norm(given[:, :, :3], axis=2))
+
+
+def pressed_by(candidate: Candidate, cache: Cache, matter: str, other: str) -> F64:
+    """Size of the impulse between the matter of an instance and a solid over each frame [N s], shape (frames,).
+
+    Raises:
+        EvidenceError: the record does not tell the matter from other members, or the solid is none of those that it meets.
+    """
+    solver, solids = cache.index.solver, cache.index.colliders
+    if len(candidate.spec.simulation.solvers[solver].members) > 1:
+        raise EvidenceError(
+            f"the record of {solver!r} does not tell {matter!r} from its other members; give it an instance of its own"
+        )
+    rows = [k for k, n in enumerate(solids) if n.split("/", 1)[0] == other]
+    if not rows:
+        raise EvidenceError(f"{other!r} is none of the solids that {matter!r} meets")
+    total: F64 = sizes_of(candidate, cache, solids)[:, rows].sum(axis=1)
+    return total
 
 
 def givers_of(candidate: Candidate, cache: Cache, channel: str, fields: F64 | None) -> dict[Origin, F64]:

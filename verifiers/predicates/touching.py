@@ -1,8 +1,8 @@
 """Evaluators of predicates about surfaces and forces between entities.
 
 Touching in the past tense comes from the contact log of the solver; resting, support and separation come from the
-visible surfaces. The log of a sleeping body is empty, so where both bodies sleep or are static, surfaces decide there too. Cloth is
-in no log of contacts: what it and a solid gave each other over a frame, friction included, is in its own record.
+visible surfaces. The log of a sleeping body is empty, so where both bodies sleep or are static, surfaces decide there too. Cloth, grains
+and liquids are in no log of contacts: what they and a solid gave each other over a frame, friction included, is in their own record.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...geometry import clearance_series
 from ...worlds.arrays import F64
+from ...worlds.categories.registry import shape_of
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import Contact, NoContact, RestsOn, Separation, Supported
 from ..categories.registry import pressed
@@ -129,7 +130,8 @@ def _still(scope: Scope, entity: str) -> Truth:
 def _touched(scope: Scope, a: str, b: str) -> tuple[Truth, F64]:
     """Truth of a touch of the two since the last frame, and its impulse [N s], per frame of the interval."""
     for name in (a, b):
-        motion.require_motion(scope.candidate, name)
+        if not _loose(scope, name):  # of loose matter the record below is the evidence
+            motion.require_motion(scope.candidate, name)
     recorded = pressed(scope.candidate, a, b)
     if recorded is not None:
         return recorded[scope.window] != 0.0, recorded[scope.window]
@@ -150,6 +152,18 @@ def _touched(scope: Scope, a: str, b: str) -> tuple[Truth, F64]:
     return touched, impulse
 
 
+def _loose(scope: Scope, entity: str) -> bool:
+    """True of matter that is many particles, which has no surface of its own.
+
+    Raises:
+        EvidenceError: no such entity.
+    """
+    known = scope.candidate.spec.entities.get(entity)
+    if known is None:
+        raise EvidenceError(f"entity {entity!r} is not in the specification")
+    return shape_of(known) == "loose"
+
+
 def contact(scope: Scope, p: Contact) -> Outcome:
     """Measured: summed normal impulse, or how far they stay apart where none is asked for.
 
@@ -168,6 +182,8 @@ def contact(scope: Scope, p: Contact) -> Outcome:
         first = scope.frames[0] + int(np.argmax(touched))
         text = f"{p.a} and {p.b} first touch at frame {first}, {total:.4g} N s in all (needed {p.min_impulse:g})"
         details["first_touch"] = first
+    elif _loose(scope, p.a) or _loose(scope, p.b):
+        text = f"{p.a} and {p.b} never touch"
     else:
         distance, frame = _closest(scope, p.a, p.b)
         text = f"{p.a} and {p.b} never touch; nearest {distance:.3g} m at frame {frame}"
@@ -175,8 +191,10 @@ def contact(scope: Scope, p: Contact) -> Outcome:
     missed = _Missed(total, p.min_impulse, ">=", "N s")
     if not ok and total >= p.min_impulse:
         # No impulse is asked for, and yet they never touch: the distance is what is missed.
-        gap, distance = surfaces_of(scope.candidate).contact_gap(p.a, p.b), float(details["nearest_gap"])
-        missed = _Missed(distance, gap, "<=", "m") if distance > gap else _Missed(0.0, 1.0, ">=", "frame")
+        missed = _Missed(0.0, 1.0, ">=", "frame")
+        if "nearest_gap" in details:
+            gap, distance = surfaces_of(scope.candidate).contact_gap(p.a, p.b), float(details["nearest_gap"])
+            missed = _Missed(distance, gap, "<=", "m") if distance > gap else missed
     first_true = scope.frames[0] + int(reached[0]) if ok else None
     return missed.outcome(scope, (p.a, p.b), text, touched, first_true, None if ok else scope.frames[1], details)
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 
 __all__ = ["Columns", "Grid", "Hits", "Ints", "Pieces", "Soup", "expand", "heights_of", "rasterise"]
 
@@ -117,7 +117,7 @@ class Columns:
         """Triangles that can be floor: solid, facing up, no steeper than `tangent`, shape (t,)."""
         if tangent not in self._gentle:
             a, b, c = self.soup.triangles[:, 0], self.soup.triangles[:, 1], self.soup.triangles[:, 2]
-            normal = np.cross(b - a, c - a)
+            normal = cross(b - a, c - a)
             level = np.hypot(normal[:, 0], normal[:, 1]) <= tangent * (1 + 1e-9) * normal[:, 2]
             self._gentle[tangent] = self.soup.solid & (normal[:, 2] > 0) & level
         return self._gentle[tangent]
@@ -160,7 +160,7 @@ class Columns:
 def heights_of(corner: F64, points: F64) -> tuple[F64, NDArray[np.bool_], NDArray[np.bool_], F64]:
     """Height of each triangle's plane at its point, whether the triangle covers it, faces up, and its gradient (n, 2)."""
     a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
-    normal = np.cross(b - a, c - a)
+    normal = cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1)
     area = normal[:, 2]
     flat = np.abs(area) > VERTICAL * np.maximum(length, 1e-300)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...worlds.arrays import F64, cross, pose_of, rotation_matrix
+from ...worlds.arrays import F64, cross, length, pose_of, rotation_matrix
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import (
     Boolean,
@@ -156,7 +156,7 @@ def _extent(vertices: F64, faces: NDArray[Any]) -> Extent:
     found = Extent(triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1)))
     if enough == 0.0 or _borne_by_large(triangles, area, enough, found):
         return found
-    longest = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
+    longest = length(triangles - np.roll(triangles, 1, axis=1)).max(axis=1)
     wide = 2.0 * area > SPECK * float(np.linalg.norm(found.size)) * longest
     if not wide.any():
         return found
@@ -174,7 +174,7 @@ def _extent(vertices: F64, faces: NDArray[Any]) -> Extent:
 
 def _areas(triangles: F64) -> F64:
     arms = triangles[:, 1:] - triangles[:, :1]
-    return np.asarray(0.5 * np.linalg.norm(cross(arms[:, 0], arms[:, 1]), axis=1))
+    return np.asarray(0.5 * length(cross(arms[:, 0], arms[:, 1])))
 
 
 def _borne_by_large(triangles: F64, area: F64, enough: float, box: Extent) -> bool:

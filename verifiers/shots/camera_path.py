@@ -167,7 +167,7 @@ def moves(sight: Sight, shot_id: str, shot: Shot) -> Finding:
         "shots",
         f"spread the keys of shot {shot_id} over more frames, cut into two shots, or show it from farther away",
         pointers=(f"/shots/{shot_id}/keys", f"/shots/{shot_id}/transition"),
-        patch=_steady(shot_id, shot, candidate.aimed(shot)),
+        patch=_steady(candidate, cameras, shot_id, shot),
     )
     return Finding(
         "fail" if at is not None else "pass" if complete else "unverified",
@@ -196,15 +196,25 @@ def _subject_steps(candidate: Candidate, cameras: list[tuple[int, Camera]], shot
     return found
 
 
-def _steady(shot_id: str, shot: Shot, aimed: Shot) -> list[dict[str, Any]]:
-    """The edit that keeps the aim of the shot's first key throughout."""
-    first, *others = sorted(aimed.keys.items(), key=lambda item: item[1].frame)
+def _steady(candidate: Candidate, cameras: list[tuple[int, Camera]], shot_id: str, shot: Shot) -> list[dict[str, Any]]:
+    """The edit that keeps one key's aim throughout: the first's, or that of a later key with more of the subjects in its picture."""
+    keys, eyes = candidate.aimed(shot).keys, dict(cameras)
+    shown = {name: _shown(candidate, shot, key.frame, eyes.get(key.frame)) for name, key in keys.items()}
+    kept = keys[max(keys, key=lambda name: (shown[name], -keys[name].frame))]
     edits: list[dict[str, Any]] = []
-    for name, key in others:
-        if key.target == first[1].target:
+    for name, key in sorted(keys.items(), key=lambda item: item[1].frame):
+        if key.target == kept.target:
             continue
         place = f"/shots/{shot_id}/keys/{name}"
         if shot.keys[name].look_at is not None:
             edits.append({"op": "remove", "path": f"{place}/look_at"})
-        edits.append({"op": "add", "path": f"{place}/target", "value": list(first[1].target or ())})
+        edits.append({"op": "add", "path": f"{place}/target", "value": list(kept.target or ())})
     return edits
+
+
+def _shown(candidate: Candidate, shot: Shot, frame: int, camera: Camera | None) -> int:
+    """Number of the shot's subjects whose centre is in the picture at a frame; none where it is not simulated."""
+    if camera is None or frame > candidate.last_frame:
+        return 0
+    centers = [judge_of(candidate.spec, name).centers(candidate, name)[frame] for name in subjects_of(candidate, shot)]
+    return sum(bool(np.isfinite(c).all() and camera.in_frame(c[None])[0]) for c in centers)

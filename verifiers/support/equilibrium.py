@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...worlds.arrays import F64
+from ...worlds.arrays import F64, cross
 from ...worlds.errors import EvidenceError
 from .touching import Contacts
 
@@ -108,7 +108,7 @@ def _around(down: F64) -> F64:
     first = axis - (axis @ down) * down
     first /= np.linalg.norm(first)
     turns = np.arange(MOVES) * 2.0 * np.pi / MOVES
-    return np.asarray(np.cos(turns)[:, None] * first + np.sin(turns)[:, None] * np.cross(down, first))
+    return np.asarray(np.cos(turns)[:, None] * first + np.sin(turns)[:, None] * cross(down, first))
 
 
 def _pushes(group: Group, friction: float | None) -> Any:
@@ -128,7 +128,7 @@ def _pushes(group: Group, friction: float | None) -> Any:
             if name in row:
                 i = row[name] // 6
                 arm = (contacts.points - group.centers[i]) / group.sizes[i]
-                turn = np.cross(arm[:, None], forces)
+                turn = cross(arm[:, None], forces)
                 values = sign * np.concatenate([forces, turn], axis=2)
                 rows = np.broadcast_to(row[name] + np.arange(6), values.shape)
                 entries.append((rows.ravel(), np.broadcast_to(column[..., None], values.shape).ravel(), values.ravel()))
@@ -151,9 +151,9 @@ def _forces(group: Group, contacts: Contacts, friction: F64) -> F64:
     downhill = group.down - (normal @ group.down)[:, None] * normal
     level = np.linalg.norm(downhill, axis=1) < LEVEL
     spare = np.where(np.abs(normal[:, :1]) < 0.7, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    along = np.where(level[:, None], np.cross(normal, spare), downhill)
+    along = np.where(level[:, None], cross(normal, spare), downhill)
     along /= np.linalg.norm(along, axis=1)[:, None]
-    across = np.cross(normal, along)
+    across = cross(normal, along)
     turns = (np.arange(CONE_EDGES) + 0.5) * 2.0 * np.pi / CONE_EDGES
     width = (friction / np.cos(np.pi / CONE_EDGES))[:, None, None]
     tangent = np.cos(turns)[None, :, None] * along[:, None] + np.sin(turns)[None, :, None] * across[:, None]
@@ -165,7 +165,7 @@ def _moves(group: Group, ways: F64) -> Any:
     from scipy.sparse import diags, kron
 
     block = np.zeros((6, len(ways)))
-    block[3:] = np.cross(ways, group.down).T
+    block[3:] = cross(ways, group.down).T
     return kron(diags(group.weights / group.weights.sum()), block)
 
 

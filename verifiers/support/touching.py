@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry import distance_to_surface
 from ...geometry.triangles import nearest_on_triangles, segment_points
-from ...worlds.arrays import F64, cross
+from ...worlds.arrays import F64, cross, length
 from ..scene.bounds import ROUNDING
 from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
@@ -159,7 +159,7 @@ def _points(
         u, v = (q - p)[:, None], (s - r)[None]
         t, w = segment_points(p[:, None], u, r[None], v)
         first, second = p[:, None] + t[..., None] * u, r[None] + w[..., None] * v
-        distance = np.linalg.norm(first - second, axis=-1)
+        distance = length(first - second)
         found.append(first[distance <= slack])
         apart.append(distance[distance <= slack])
     points = np.concatenate(found) if found else np.zeros((0, 3))
@@ -257,7 +257,7 @@ def _directions(triangles: F64) -> F64:
 
 def _separating(ways: F64, point: F64, mine: F64, theirs: F64, slack: float) -> F64:
     above, below = (mine - point).reshape(-1, 3), (point - theirs).reshape(-1, 3)
-    allowed = [slack + BEND * np.linalg.norm(side, axis=1) for side in (above, below)]
+    allowed = [slack + BEND * length(side) for side in (above, below)]
     good = (ways @ above.T >= -allowed[0]).all(axis=1) & (ways @ below.T >= -allowed[1]).all(axis=1)
     return np.asarray(ways[good])
 

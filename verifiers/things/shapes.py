@@ -141,6 +141,8 @@ def difference(part: BuiltPart) -> Differs:
     Raises:
         EvidenceError: the visible surface cannot be measured.
     """
+    from scipy.spatial import cKDTree
+
     drawn = part.render.vertices
     if part.simulation is not None:
         off = np.linalg.norm(part.simulation.bound(part.simulation.vertices) - drawn, axis=1)
@@ -161,12 +163,15 @@ def difference(part: BuiltPart) -> Differs:
     if not pieces:
         return Differs(0.0, (0.0, 0.0, 0.0), STANDS_OUT)
     hulls = [_hull(c) for c in pieces]
+    bare = np.min([(spots @ h.planes[:, :3].T + h.planes[:, 3]).max(axis=1) for h in hulls], axis=0)
+    two = _at(np.maximum(bare, 0.0), spots, IS_BARE)
     felt = np.unique(np.round(np.concatenate([h.points for h in hulls]), 9), axis=0)
     felt = felt[~_among(felt, np.round(seen.vertices, 9))]
+    # No point is further from the surface than from a spot of it: those nearer than what is bare decide nothing.
+    felt = felt[cKDTree(spots).query(felt)[0] >= two.distance] if len(felt) else felt
     felt = felt[~contains(seen, felt)]
     over = distance_to_surface(seen, felt).distance if len(felt) else np.empty(0)
-    bare = np.min([(spots @ h.planes[:, :3].T + h.planes[:, 3]).max(axis=1) for h in hulls], axis=0)
-    one, two = _at(over, felt, STANDS_OUT), _at(np.maximum(bare, 0.0), spots, IS_BARE)
+    one = _at(over, felt, STANDS_OUT)
     return one if one.distance >= two.distance else two
 
 

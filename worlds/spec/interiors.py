@@ -14,9 +14,12 @@ RoomKindName = Literal[
     "living", "kitchen", "bedroom", "bathroom", "hall", "study", "workshop", "store", "corridor", "stairs", "barn", "museum"
 ]
 
+ONE_RECTANGLE = ("corridor", "stairs", "barn", "museum")
+"""Kinds of rooms that stairs, or things in rows, need as one rectangle."""
+
 
 class Room(SpecModel):
-    """One room: a rectangle of the plan of its storey."""
+    """One room: a rectangle of the plan of its storey, or an L of two."""
 
     kind: RoomKindName = Field(
         description="decides area, daylight, floor and furniture where nothing else is said; corridor: with rooms on both sides; stairs: a "
@@ -27,6 +30,10 @@ class Room(SpecModel):
         default=None, description="[m^2], met within 30 %; default by kind"
     )
     doors: Annotated[list[Id], Field(max_length=12)] = Field(default=[], description="rooms to which a door leads, or `outside`")
+    shape: Literal["rectangle", "L"] = Field(
+        default="rectangle",
+        description="L: two rectangles without a wall between them; the other rooms of its storey fill the corner",
+    )
     windows: bool | None = Field(default=None, description="windows in its outer walls; default by kind")
     furniture: bool = True
     things: Annotated[int, Field(ge=0, le=300)] | None = Field(
@@ -35,6 +42,11 @@ class Room(SpecModel):
     width: Annotated[float, Field(ge=0.9, le=4.0)] | None = Field(
         default=None, description="clear width of a corridor [m]; default 1.6"
     )
+    stairs: Literal["two_flights", "straight"] = Field(
+        default="two_flights",
+        description="of kind stairs: two flights with a landing, or a straight flight in an opening with railings, floor beside it (2 x 6 m)",
+    )
+    open: bool = Field(default=False, description="of kind stairs: no wall and door between it and its rooms")
     steps: int = Field(
         default=0, ge=0, le=6, description="steps across a corridor, 0.16 m each: rooms beyond them have the higher floor"
     )
@@ -43,6 +55,12 @@ class Room(SpecModel):
     def _of_corridors(self) -> Room:
         if self.kind != "corridor" and (self.width is not None or self.steps):
             raise ValueError(f"width and steps are those of a corridor, not of a {self.kind}")
+        if self.kind != "stairs" and (self.stairs != "two_flights" or self.open):
+            raise ValueError(f"stairs and open are those of a room of kind stairs, not of a {self.kind}")
+        if self.shape == "L" and self.kind in ONE_RECTANGLE:
+            raise ValueError(
+                f"a {self.kind} is a rectangle; an L may be a living, kitchen, bedroom, bathroom, hall, study, workshop or store"
+            )
         return self
 
 

@@ -274,7 +274,7 @@ def test_drawers_come_out_over_free_floor() -> None:
             assert within(drawn, room), chest.id
             assert not any(_meet(drawn, _foot(other)) for other in things), chest.id
             seen += 1
-    assert seen >= 8
+    assert seen == 12, "barrels give way to what takes more floor"
 
 
 def test_nothing_heavy_lies_where_a_sash_swings() -> None:

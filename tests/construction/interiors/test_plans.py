@@ -6,9 +6,19 @@ import itertools
 
 import numpy as np
 import pytest
+from worldagent.construction.interiors.faces import common_area
 from worldagent.construction.interiors.planning import solve_plans
 from worldagent.construction.interiors.plans import OUTSIDE, Need, Plan, Rect
-from worldagent.construction.interiors.walls import Doorway, doors_of, floor_blocks, wall_blocks, windows_of
+from worldagent.construction.interiors.walls import (
+    Doorway,
+    clear_rect,
+    doors_of,
+    floor_blocks,
+    leaves,
+    swing,
+    wall_blocks,
+    windows_of,
+)
 from worldagent.geometry.booleans import union_volume
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.errors import InputError
@@ -111,3 +121,39 @@ def test_a_door_where_rooms_share_no_wall_is_refused() -> None:
     plan = Plan(4.0, 2.0, {"a": Rect(0, 0, 1, 2), "b": Rect(1, 0, 3, 2), "c": Rect(3, 0, 4, 2)})
     with pytest.raises(InputError, match="'a' and 'c' share no wall"):
         doors_of(plan, _doorways([("a", "c")], 2.0), wall=WALL, rng=np.random.default_rng(0))
+
+
+NARROW = {
+    "beside each other": {
+        "hall": Rect(3.75, 2.0, 10.25, 3.75),
+        "bedroom": Rect(6.5, 3.75, 10.25, 7.75),
+        "store": Rect(7.0, 0.0, 10.25, 2.0),
+        "bathroom": Rect(3.75, 0.0, 7.0, 2.0),
+    },
+    "in a corner": {
+        "hall": Rect(4.75, 0.0, 6.5, 7.5),
+        "bedroom": Rect(0.0, 0.0, 4.75, 4.75),
+        "store": Rect(6.5, 2.0, 10.0, 5.25),
+        "bathroom": Rect(6.5, 0.0, 10.0, 2.0),
+    },
+}
+
+
+@pytest.mark.parametrize("rooms", NARROW.values(), ids=NARROW)
+def test_no_leaf_stands_before_another_door_of_a_narrow_hall(rooms: dict[str, Rect]) -> None:
+    """Law: where floors before doors meet in any case, the leaf of the entrance stands before none of the others."""
+    pairs = [("hall", OUTSIDE), ("bedroom", "hall"), ("store", "hall"), ("bathroom", "hall")]
+    whole = Plan(max(r.x1 for r in rooms.values()), max(r.y1 for r in rooms.values()), rooms)
+    met, barred = 0, []
+    for seed in range(12):
+        doors = doors_of(whole, _doorways(pairs, 2.07), wall=WALL, rng=np.random.default_rng(seed))
+        (entrance,) = [d for d in doors if OUTSIDE in d.rooms]
+        (leaf,) = leaves(entrance, clear_rect(rooms["hall"], WALL))
+        before = {d.id: swing(d, WALL) for d in doors if d is not entrance}
+        barred += [(seed, k) for k, r in before.items() if common_area(leaf, r) > 0.0]
+        met += any(
+            a.x0 < b.x1 and b.x0 < a.x1 and a.y0 < b.y1 and b.y0 < a.y1
+            for a, b in itertools.combinations([swing(d, WALL) for d in doors], 2)
+        )
+    assert barred == []
+    assert met > 0, "else there was a better place anyhow"

@@ -18,7 +18,7 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.categories.cloth.facts import THIN, pins_of
 from ....worlds.errors import EvidenceError
-from ..pushes import sizes_of
+from ..pushes import pressed_by
 from .frames import cloth_run
 
 if TYPE_CHECKING:
@@ -39,16 +39,9 @@ def sheet_impulse(candidate: Candidate, sheet: str, other: str) -> F64:
     solver = next((n for n, i in spec.simulation.cloth.items() if sheet in i.members and n in candidate.caches), None)
     if solver is None:
         raise EvidenceError(f"no cache holds the cloth {sheet!r}; list it as a member of a cloth instance and bake")
-    if len(spec.simulation.cloth[solver].members) > 1:
-        raise EvidenceError(f"the record of {solver!r} does not tell {sheet!r} from its other members")
     if any(p.to == other for p in pins_of(spec.entities[sheet]).values()):
         raise EvidenceError(f"{other!r} holds a pin of {sheet!r}, and the record does not tell its pull from a contact")
-    solids = candidate.caches[solver].index.colliders
-    rows = [k for k, n in enumerate(solids) if n.split("/", 1)[0] == other]
-    if not rows:
-        raise EvidenceError(f"{other!r} is none of the solids that {sheet!r} meets")
-    total: F64 = sizes_of(candidate, candidate.caches[solver], solids)[:, rows].sum(axis=1)
-    return total
+    return pressed_by(candidate, candidate.caches[solver], sheet, other)
 
 
 def shares(candidate: Candidate, cache: Cache, frame: int, rows: list[int]) -> list[dict[str, float]]:

@@ -11,7 +11,7 @@ from ....worlds.built import TriangleMesh
 from ....worlds.categories.liquid.surface import LiquidSurface, mesh_of
 from ..judge import Push, record_of
 from ..loose import Loose, Sample
-from ..pushes import pushes_of
+from ..pushes import pressed_by, pushes_of
 from .across import thin_lines
 from .check import category_rows, numerical_rows
 from .links import shares
@@ -65,6 +65,15 @@ class LiquidJudge(Loose):
         return pushes_of(
             candidate, self.caches(candidate).values(), lambda cache, frame, rows: shares(candidate, cache, frame, rows)
         )
+
+    def pressed(self, candidate: Candidate, entity: str, other: str) -> F64:
+        """Size of the impulse between a liquid and a solid over each frame [N s], shape (frames,).
+
+        Raises:
+            EvidenceError: no record tells.
+        """
+        _, cache, _ = self.held(candidate, entity)
+        return pressed_by(candidate, cache, entity, other)
 
     def blown(self, candidate: Candidate, solver: str) -> F64 | None:
         """Impulse of force fields over each frame [N s], shape (frames, 3); None where none acts."""

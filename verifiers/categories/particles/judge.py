@@ -9,10 +9,11 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
+from ....worlds.errors import EvidenceError
 from ....worlds.spec import DemInstance
 from ..judge import Push, Touch
 from ..loose import Loose, Sample
-from ..pushes import pushes_of, touches_of
+from ..pushes import pressed_by, pushes_of, touches_of
 from .check import category_rows, numerical_rows
 from .corrections import stock
 from .diagnosis import particle_names
@@ -83,6 +84,19 @@ class ParticleJudge(Loose):
         for solver, cache in self._granular(candidate).items():
             members = frozenset(candidate.spec.simulation.solvers[solver].members)
             yield from touches_of(candidate, cache, members, cache.index.colliders)
+
+    def pressed(self, candidate: Candidate, entity: str, other: str) -> F64:
+        """Size of the impulse between grains and a solid over each frame [N s], shape (frames,).
+
+        Raises:
+            EvidenceError: they are no grains, or no record tells.
+        """
+        solver, cache, _ = self.held(candidate, entity)
+        if solver not in self._granular(candidate):
+            raise EvidenceError(
+                f"{entity!r} flies in a ballistic instance, which presses nobody; make it grains of a dem instance"
+            )
+        return pressed_by(candidate, cache, entity, other)
 
     def blown(self, candidate: Candidate, solver: str) -> F64 | None:
         """Impulse of force fields over each frame [N s], shape (frames, 3)."""

@@ -110,7 +110,7 @@ def test_a_building_made_anew_leaves_nothing_of_its_storeys_and_steps(agent: Any
 
 
 def test_a_size_beside_the_grid_of_plans_is_told(agent: Any) -> None:
-    plan = {"rooms": {"hall": {"kind": "hall", "doors": ["outside"], **BARE}}, "size": [4.4, 3.6]}
+    plan = {"rooms": {"hall": {"kind": "hall", "doors": ["outside"], "area": 15.0, **BARE}}, "size": [4.4, 3.6]}
     made = _built(agent, "A hall.", plan)
     assert made["plan"] != plan["size"]
     assert made["size_rounded"] == "asked [4.4, 3.6] m; outer walls stand on a grid of 0.25 m"

@@ -157,3 +157,17 @@ def test_what_stands_on_the_ground_is_told_from_what_hangs_on_it() -> None:
     assert feet(make("door", {}, 1)) == [""]
     hung = make("picture_frame", {}, 1)
     assert feet(hung, stands=False) == [j.parent for j in hung.joints.values()]
+
+
+def _lowest_between_sides(**parameters: object) -> float:
+    """Height of the lowest part of a bookcase that is neither one of its sides nor the strip before one [m]."""
+    parts = make("bookcase", {"rise": 0.12, **parameters}, 1).main.parts
+    boxes = {n: p for n, p in parts.items() if p.shape.kind == "box" and not n.endswith(("_left", "_right"))}
+    assert {"bottom", "shelf_1"} <= boxes.keys()
+    return min(float(p.pose.position[2]) - float(p.shape.size[2]) / 2 for p in boxes.values())
+
+
+@pytest.mark.parametrize("frame", ["plain", "faced", "cornice"])
+def test_small_things_roll_under_a_bookcase_only_where_its_base_is_open(frame: str) -> None:
+    assert _lowest_between_sides(frame=frame, base="open") == pytest.approx(0.12)
+    assert _lowest_between_sides(frame=frame) == pytest.approx(0.0, abs=1e-9)

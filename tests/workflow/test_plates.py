@@ -201,7 +201,7 @@ def test_a_world_without_beats_to_be_seen_has_an_index_and_no_plates(candidate: 
 
 
 def test_an_acceptance_looks_longer_than_a_check(candidate: Candidate, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a check had no time for is rendered by it: judged without, its verdict is worth nothing."""
+    """It renders plates that a check had no time for: judged without, its verdict is worth nothing."""
     given: list[tuple[float, bool]] = []
     monkeypatch.setattr(plates, "make_plates", lambda _, *, seconds, distrust, **__: given.append((seconds, distrust)))
     session = SimpleNamespace(ledger=SimpleNamespace(bake=lambda freeze: {"detail": {"seconds": 4000.0}}))

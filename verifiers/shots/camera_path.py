@@ -68,8 +68,13 @@ def inside(sight: Sight, shot_id: str, shot: Shot) -> Finding:
 
 
 def stands_in(candidate: Candidate, camera: Camera, frame: int) -> list[str]:
-    """What is wrong with the place of one camera at a frame, a sentence per body that it is in or that its near plane cuts open."""
-    met = (_meets(candidate, part, [(frame, camera)]) for part in surfaces_of(candidate).parts)
+    """Sentences about the place of one camera at a frame: one for each body that it is in or that its near plane cuts open."""
+    surfaces, reach = surfaces_of(candidate), _near_reach(camera)
+    if not surfaces.parts:
+        return []
+    low, high = (v[:, 0] for v in surfaces.boxes(np.array([frame])))
+    near = np.flatnonzero(((low - reach <= camera.position) & (camera.position <= high + reach)).all(axis=1))
+    met = (_meets(candidate, surfaces.parts[i], [(frame, camera)]) for i in near)
     return list(dict.fromkeys(f"the camera {bad.text}".rstrip(",") for bad in met if bad is not None))
 
 

@@ -1,7 +1,8 @@
 """Words of place that a requirement stands for: its predicate must entail the word, and hold of something of the sentence.
 
-*on*: `rests_on`. *beside*: `separation` with `max`. Any word: `reaches` and `stays_in`, whose region is the agent's reading of the word, as
-a region that a claim names itself. A predicate that only compares heights, or denies something, says of no place where it is.
+*on*: `rests_on`. Any word: `reaches` and `stays_in`, whose region is the agent's reading of the word, as
+a region that a claim names itself. What only compares heights, or bounds a
+distance, says of no place where it is: what stands on a thing is as near to it as what stands beside.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ....worlds.predicates import Count, Not, Or, Reaches, RestsOn, Separation, StaysIn, describe_predicate, entities_of
+from ....worlds.predicates import Count, Not, Or, Reaches, RestsOn, StaysIn, describe_predicate, entities_of
 from ....worlds.spec import SpecModel
 from ...predicates.evaluators import evaluate
 from ...rows.findings import Finding
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["required"]
 
 ANY: tuple[type, ...] = (Reaches, StaysIn)
-ENTAILING: Mapping[str, tuple[type, ...]] = {"on": (RestsOn, *ANY), "beside": (Separation, *ANY)}
-"""Predicates that entail a word, besides regions."""
+ENTAILING: Mapping[str, tuple[type, ...]] = {"on": (RestsOn, *ANY)}
+"""Predicates that entail a word, where not regions alone."""
 
 
 def required(
@@ -69,6 +70,4 @@ def _entails(predicate: SpecModel, term: str) -> bool:
     children = [child for child in inner if isinstance(child, SpecModel)]
     if children:
         return any(_entails(child, term) for child in children)
-    if isinstance(predicate, Separation):
-        return term == "beside" and predicate.max is not None
     return isinstance(predicate, ENTAILING.get(term, ANY))

@@ -157,7 +157,7 @@ def _misnamed(spec: WorldSpec, name: str, grounds: Sequence[str]) -> bool:
 
 
 def _naming(spec: WorldSpec, name: str, word: Word) -> str:
-    """How a claim of place is marked: by the thing behind its word."""
+    """Tells the mark of a claim of place: by the thing behind its word."""
     quote, behind = spec.claims[name].quote, _behind(spec, name)
     ids = " ".join(behind[:3]) if behind else "ID"
     return f"a mark of place names the thing that stands behind {word.text!r}: [{quote}](place {ids})"

@@ -54,7 +54,7 @@ def require_probe(session: Session, freeze: str) -> dict[str, Any]:
 
 
 def _changed_since(session: Session) -> str:
-    """What became other since the last probe that passed, as the end of a clause; empty where none has passed."""
+    """Settings that changed since the last probe that passed, as the end of a clause."""
     from ..worlds.patch import differences
     from ..worlds.slices import motion_slice
     from ..worlds.spec import WorldSpec

@@ -32,6 +32,7 @@ ENDS = ("", "_upper", "_wing", "_outside", *(f"_{storey}" for storey in range(1,
 def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Build an interior of the specification, make it the next revision, and run the static checks."""
     from ..construction.interiors.build import build_interior
+    from ..construction.interiors.plans import CELL
     from ..worlds.spec import Interior
 
     session = Session.at(WorldFolder.at(Path(payload["folder"])))
@@ -53,6 +54,8 @@ def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     follows |= {f"/materials/{m}" for m in after.materials if m not in session.spec.materials}
     follows |= {f"/entities/{e}/pose" for e in made.entities}
     data: dict[str, Any] = {"plan": [made.plan.width, made.plan.depth], "rooms": made.rooms, "entities": len(made.entities)}
+    if asked.size is not None and list(asked.size) != data["plan"]:
+        data["size_rounded"] = f"asked {list(asked.size)} m; outer walls stand on a grid of {CELL:g} m"
     if made.site:
         data["ground"] = made.site
     if made.lacking:

@@ -109,6 +109,15 @@ def test_a_building_made_anew_leaves_nothing_of_its_storeys_and_steps(agent: Any
     assert {n for n, r in _spec(agent, "/graph/relations").items() if r["kind"] == "connects"} == set()
 
 
+def test_a_size_beside_the_grid_of_plans_is_told(agent: Any) -> None:
+    plan = {"rooms": {"hall": {"kind": "hall", "doors": ["outside"], "area": 15.0, **BARE}}, "size": [4.4, 3.6]}
+    made = _built(agent, "A hall.", plan)
+    assert made["plan"] != plan["size"]
+    assert made["size_rounded"] == "asked [4.4, 3.6] m; outer walls stand on a grid of 0.25 m"
+    again = agent.call("build_interior", world="w", interior="b", plan={**plan, "size": made["plan"]}, wait_s=240)
+    assert (again["plan"], "size_rounded" in again) == (made["plan"], False)
+
+
 @pytest.mark.slow
 def test_storeys_are_walked_up_the_stairs_and_not_without_them(agent: Any) -> None:
     made = _built(agent, "A house has an upper storey.", HOUSE)

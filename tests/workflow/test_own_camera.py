@@ -45,6 +45,7 @@ def test_a_camera_that_looks_at_an_entity_has_it_in_the_middle_of_the_picture(ca
         ({"look_at": "ball"}, ["camera.position is missing"]),
         ({"position": [0, 0], "look_at": "ball"}, ["camera.position = [0, 0] has 2 items, it needs 3"]),
         ({"position": "0 0 1", "look_at": "ball"}, ["camera.position = '0 0 1' must be a list of 3 numbers"]),
+        ({"position": [0, 0, 1], "look_at": [0, 0, 0.5]}, ["takes the id of an entity", "a point is given as target"]),
         ({"position": [0, 0, 1], "look_at": "bal"}, ["'bal' is no entity", "did you mean 'ball'", "floor"]),
         ({"position": [0, 0, 1], "look_at": "ball", "target": [0, 0, 0]}, ["both camera.target and camera.look_at"]),
         ({"position": [0, 0, 1], "lookat": "ball"}, ["camera has no 'lookat'", "did you mean 'look_at'"]),

@@ -61,6 +61,8 @@ JUDGED_BY: Mapping[ClaimType, tuple[str, ...]] = {
 """Where a claim of each type may be judged."""
 _ENTITY = re.compile(r"/entities/([^/]+)(?:/parts/[^/]+)?")
 _ASKED = re.compile(r"/story/(beats|requirements)/([^/]+)")
+_SHOWN = 20
+"""Claims that a problem names."""
 _ORDERED = frozenset({"before", "after", "until", "within"})
 
 
@@ -92,7 +94,11 @@ def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
     if claim.same_as is not None:
         other = spec.claims.get(claim.same_as)
         if other is None or other.same_as is not None or other.type != claim.type or claim.same_as == name:
-            text = f"same_as {claim.same_as!r} must be another claim of type {claim.type} that stands for itself"
+            alone = sorted(k for k, c in spec.claims.items() if k != name and c.type == claim.type and c.same_as is None)
+            text = (
+                f"same_as {claim.same_as!r} must be another claim of type {claim.type} that stands for itself; it takes a claim's id, made of "
+                f"the words that it quotes: {', '.join(alone[:_SHOWN]) or 'there is none yet'}"
+            )
             yield Problem(f"{place}/same_as", text)
         elif not set(claim.by) <= set(other.by):
             more = sorted(set(claim.by) - set(other.by))

@@ -79,7 +79,8 @@ WRONG: dict[str, tuple[WorldSpec, str, str]] = {
         "/claims/falls_off/by/0", "told of 'shelf', which no claim of a thing names"),
     "a pointer that leads nowhere": (world(swapped("[shelf](thing shelf)", "[shelf](thing /entities/table)")), "/claims/shelf/by/0", "leads nowhere"),
     "a same_as of another type": (
-        world(swapped("[block](thing b3 same_as=blocks)", "[block](thing b3 same_as=rolls)")), "/claims/block/same_as", "must be another claim of type thing"),
+        world(swapped("[block](thing b3 same_as=blocks)", "[block](thing b3 same_as=rolls)")), "/claims/block/same_as",
+        "must be another claim of type thing that stands for itself; it takes a claim's id, made of the words that it quotes: ball, blocks, shelf"),
     "an order of one beat": (world(swapped("The last [block]", "The [last](order fall) [block]")), "/claims/last/by", "name two beats, the first first"),
 }  # fmt: skip
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from ..workflow.arguments import WorldId
 from ..workflow.context import Link, Picture, ToolContext, ToolReply
-from ..workflow.pictures import Kind, View, draw
+from ..workflow.pictures import Kind, View, draw, misplaced
 from ..worlds.errors import InputError
 from ..worlds.folder import write_atomically
 
@@ -117,8 +117,9 @@ def _pictured(session: Session, asked: _Asked) -> ToolReply:
     size = asked.size[0] or wide, asked.size[1] or tall
     unjudged = session.shown(candidate, candidate.last_frame if kind == "contact_sheet" else state)
     own = None if camera is None else own_camera(candidate, camera, state, *size)
-    image = draw(candidate, View(kind, state, frame, shot, own, size, asked.frames, asked.samples))
-    warnings = [] if own is None else buried(candidate, own)
+    view_of = View(kind, state, frame, shot, own, size, asked.frames, asked.samples)
+    image = draw(candidate, view_of)
+    warnings = [*([] if own is None else buried(candidate, own)), *misplaced(candidate, view_of)]
     warnings += [unjudged] if unjudged else []
     if state != frame:
         warnings.append("nothing is simulated yet: the state of frame 0, seen from this frame's camera")

@@ -100,6 +100,12 @@ def _job_of(session: Session, scope: str, only: list[Check] | None) -> tuple[str
     return "check", {"scope": scope, "only": only}, f"check:{scope}:{'+'.join(only or ('all',))}"
 
 
+NO_READER = (
+    "nobody can answer from here. The server's owner names a model (WORLDAGENT_REVIEW_URL and WORLDAGENT_REVIEW_MODEL), or a person "
+    "answers on the page of `worldagent serve --transport http`; an acceptance stands without, and says so"
+)
+
+
 def verdict_reply(job: Job) -> ToolReply:
     """Reply for checks or an acceptance that have ended."""
     from ..workflow.waiting import ended_data
@@ -149,6 +155,9 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
         good = found["mandatory_open"] <= later or ("stopped_at" in data and not found["fail"])
         if data["scope"] == "review":
             text = f"{text}; read by {data['read_by']}"
+            if data["read_by"] == "nobody":
+                text = f"{text}: {NO_READER}"
+                then = call("render_shot", world=world, kind="final") if data.get("accepted") else then
         if only:
             text = f"{text} (only {', '.join(only)})"
             then = call("run_checks", world=world, scope=data["scope"])

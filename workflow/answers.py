@@ -85,14 +85,15 @@ def rows_answer(world: str, data: Mapping[str, Any], detail: Detail, summary: st
 
 
 def job_answer(data: Mapping[str, Any]) -> dict[str, Any]:
-    """The state of a job that has not ended, with what its work was estimated to take until some of it is measured."""
+    """The state of a job that has not ended, with what its work was estimated to take until some of it is measured; without one, nothing of it."""
     progress, estimate = data.get("progress"), data.get("estimate_s")
     share = "" if progress is None else f", {100 * progress:.0f} %"
     awaited = estimate and not progress and data["seconds"] < estimate
     whole = f"; {data.get('estimate_of', 'all of it')} was estimated at about {estimate:g} s beforehand" if awaited else ""
     message = f": {data['message']}" if data.get("message") else ""
     summary = f"{data['kind']} of {data['world']} is {data['state']}{share} after {data['seconds']:g} s{whole}{message}"
-    return answer(data, summary, call("job", action="wait", job_id=data["job_id"]))
+    known = {k: v for k, v in data.items() if estimate is not None or k not in ("estimate_s", "estimate_of")}
+    return answer(known, summary, call("job", action="wait", job_id=data["job_id"]))
 
 
 def fitted(data: dict[str, Any], cap: int = MAX_CHARACTERS) -> dict[str, Any]:

@@ -161,10 +161,11 @@ def review(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
 
 def plates_of(work: Work, context: JobContext, *, distrust: bool = False) -> None:
-    """Render the plates of a bake that are missing or stale; `distrust` as in `make_plates`."""
-    from .plates import allowed_seconds, make_plates
+    """Render the plates of a bake that are missing or stale; `distrust` as in `make_plates`, for an acceptance, which may take longer."""
+    from .plates import AT_ACCEPTANCE, allowed_seconds, make_plates
 
     candidate, seconds = work.candidate("full"), allowed_seconds(work.session.ledger.bake(work.freeze))
+    seconds *= AT_ACCEPTANCE if distrust else 1.0
     told = Part(context.progress, 0.0, LOOKING)
     make_plates(candidate, seconds=seconds, progress=told, check=context.check, distrust=distrust)
 

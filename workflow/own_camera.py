@@ -107,6 +107,10 @@ def _numbers(name: str, given: Any, count: int) -> list[float]:
 def _middle(candidate: Candidate, entity: Any, frame: int) -> F64:
     if not isinstance(entity, str) or entity not in candidate.spec.entities:
         known = sorted(candidate.spec.entities)
+        if isinstance(entity, Sequence) and not isinstance(entity, str):
+            raise InputError(
+                f"camera.look_at {shown(list(entity))} takes the id of an entity; a point is given as target: a camera is {FORM}"
+            )
         raise InputError(
             f"camera.look_at {shown(entity)} is no entity{did_you_mean(entity, known) or ';'} the world has {known[:20]}"
         )

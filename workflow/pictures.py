@@ -17,13 +17,17 @@ if TYPE_CHECKING:
     from ..worlds.arrays import U8
     from ..worlds.candidate import Candidate
 
-__all__ = ["Kind", "View", "draw", "film_sheet", "motion_sheet"]
+__all__ = ["Kind", "View", "draw", "film_sheet", "misplaced", "motion_sheet"]
 
 Kind = Literal["preview", "still", "contact_sheet", "ids", "ledger", "plan", "section", "field", "final"]
 
 SHEET_FRAMES = 9
 SHEET_WIDTH = 1920
 """Pixels of a contact sheet at most."""
+
+
+MOST_HOLDERS = 3
+"""Bodies that a warning about a camera names."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +89,23 @@ def draw(candidate: Candidate, view: View) -> Picture:
         image = rendering.preview(candidate, view.frame, **seen)
     encoded = rendering.encode(image)
     return Picture(encoded.data, encoded.format)
+
+
+def misplaced(candidate: Candidate, view: View) -> list[str]:
+    """A warning where a camera stands in a body, which hides the world or is cut open, as rows `shots:inside` judge it; of a sheet for the first such frame."""
+    from .. import rendering
+    from ..verifiers.shots.camera_path import stands_in
+
+    if view.kind not in ("preview", "still", "ids", "contact_sheet"):
+        return []
+    sheet = view.kind == "contact_sheet"
+    frames = view.frames or spread(candidate.last_frame) if sheet else [view.frame]
+    for frame in frames:
+        at, (width, height) = frame if sheet else view.seen_from, view.size
+        camera = view.camera or rendering.camera_for(candidate, at, shot=view.shot, width=width, height=height)
+        if told := stands_in(candidate, camera, frame):
+            return [f"{text} at frame {at}: move it out" for text in told[:MOST_HOLDERS]]
+    return []
 
 
 def _sheet(candidate: Candidate, view: View, camera: Camera | None) -> Picture:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from .session import Session
 
-__all__ = ["SAMPLES", "allowed_seconds", "depart", "make_plates", "plates_anywhere", "require_seen"]
+__all__ = ["AT_ACCEPTANCE", "SAMPLES", "allowed_seconds", "depart", "make_plates", "plates_anywhere", "require_seen"]
 
 SAMPLES = 16
 """[paths/pixel] Own choice: the default of a film, whose light is to be judged; its noise is measured, and more would only lower it."""
@@ -33,6 +33,8 @@ SHARE_OF_BAKE = 0.1
 """[1] Own choice: part of a bake's time that looking at it may take."""
 LEAST_S = 60.0
 """[s] Own choice: however short the bake; two cores load a scene and take all plates of a small world in it. One more call goes on."""
+AT_ACCEPTANCE = 2.0
+"""[1] Own choice: times as long where an acceptance looks, so that it renders what a check had no time for: without a plate it is wasted."""
 NAMED = 8
 """Open rows that a refusal names."""
 DEPARTURE = 0.05

@@ -19,6 +19,8 @@ MAX_NAMED = 6
 """Bodies of one entity that a reply names."""
 MAX_SAMPLES = 40
 """Frames at which one reply tells a motion."""
+OFF_ORIGIN = 1e-3
+"""[m] Distance from which on a centre of mass is told beside the position."""
 MAX_OTHERS = 4
 """Others whose contact forces are told over frames: those that push most."""
 
@@ -46,6 +48,12 @@ def _one_body(candidate: Candidate, asked: str) -> tuple[str, str, dict[str, str
     return name, body, {"body": f"{place}; a box holds all; entities=['{name}/{bodies[1]}'] tells of another: {listed}, ..."}
 
 
+def _center_off(candidate: Candidate, name: str, body: str) -> F64 | None:
+    """Centre of mass of a body in its own frame [m], shape (1, 3), where it is not where the body's position is."""
+    center: F64 = next(b.center for b in candidate.entity(name).bodies if b.name == body)
+    return center[None] if float(np.abs(center).max()) > OFF_ORIGIN else None
+
+
 def _body_vertices(candidate: Candidate, name: str, body: str, frame: int) -> F64:
     """Visible vertices of one body in the world, shape (n, 3)."""
     return np.concatenate([candidate.surface(name, p.part, frame) for p in candidate.entity(name).parts if p.body == body])
@@ -70,6 +78,8 @@ def state_at(
             "box_min": rounded(vertices.min(0)),
             "box_max": rounded(vertices.max(0)),
         }
+        if (center := _center_off(candidate, name, body)) is not None:
+            found["centre"] = rounded(pose.apply(center)[0])
         place = candidate.cache_row(name, body)
         if place is not None:
             found["velocity"] = rounded(place[0].series("velocity")[frame, place[1]])
@@ -101,6 +111,8 @@ def motion_over(
             "position": [rounded(p.position, 4) for p in poses],
             "quaternion": [rounded(p.quaternion, 3) for p in poses],
         }
+        if (center := _center_off(candidate, name, body)) is not None:
+            found["centre"] = [rounded(p.apply(center)[0], 4) for p in poses]
         place = candidate.cache_row(name, body)
         if place is not None:
             velocity, spin = (place[0].series(channel)[:, place[1]] for channel in ("velocity", "angular_velocity"))

@@ -99,12 +99,16 @@ class BookcaseParameters(Parameters):
     frame: Literal["varied", "plain", "faced", "cornice"] = Field(
         default="varied", description="plain boards; strips before their edges; or with a cornice as well"
     )
+    base: Literal["closed", "open"] = Field(
+        default="closed", description="a kick board under the lowest shelf, or open room there, into which small things roll"
+    )
+    rise: float = Field(default=0.07, ge=0.05, le=0.2, description="from the floor to the lowest shelf [m]")
     material: str = material(*WOODS)
 
 
 def _bookcase(p: BookcaseParameters, rng: np.random.Generator) -> Made:
     body, frame = Body("bookcase", p.material), pick(p.frame, rng, "plain", "faced", "cornice")
-    made, thick, rise = Made.of(body), 0.022, 0.07
+    made, thick, rise, closed = Made.of(body), 0.022, p.rise, p.base == "closed"
     crown = 0.05 if frame == "cornice" else 0.0
     reach = 0.02 if crown else 0.0
     strip = 0.0 if frame == "plain" else 0.016
@@ -113,7 +117,8 @@ def _bookcase(p: BookcaseParameters, rng: np.random.Generator) -> Made:
     body.box("side_left", (-x, front, 0), (-x + thick, back, high))
     body.box("side_right", (x - thick, front, 0), (x, back, high))
     inner, rear = x - thick, back - (0.006 if p.back else 0.0)
-    body.box("kick", (-inner, front + 0.02, 0), (inner, front + 0.038, rise))
+    if closed:
+        body.box("kick", (-inner, front + 0.02, 0), (inner, front + 0.038, rise))
     if p.back:
         body.box("back", (-inner, rear, rise), (inner, back, high))
     board = min(0.034, max(0.018, 2 * inner / 42))
@@ -136,7 +141,8 @@ def _bookcase(p: BookcaseParameters, rng: np.random.Generator) -> Made:
         body.box("face_left", (-x, front - strip, 0), (-x + wide, front, high))
         body.box("face_right", (x - wide, front - strip, 0), (x, front, high))
         body.box("face_top", (-x + wide, front - strip, high - 0.06), (x - wide, front, high))
-        body.box("face_bottom", (-x + wide, front - strip, 0), (x - wide, front, rise + 0.5 * board))
+        foot = 0.0 if closed else rise
+        body.box("face_bottom", (-x + wide, front - strip, foot), (x - wide, front, rise + 0.5 * board))
     if crown:
         cornice(body, (-x, front - strip, high), (x, back, p.height), reach)
     made.places["top"] = Place((0, (front + back) / 2, p.height), (2 * x, back - front))

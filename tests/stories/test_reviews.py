@@ -57,6 +57,8 @@ def rows_of(agent: Any) -> dict[str, tuple[str, bool]]:
 def test_nobody_reads_unless_the_owner_names_a_reader(accepted: Any) -> None:
     told = accepted.call("run_checks", world="w", scope="review")
     assert told["read_by"] == "nobody"
+    assert "WORLDAGENT_REVIEW_URL and WORLDAGENT_REVIEW_MODEL" in told["summary"]
+    assert (told["accepted"], told["next"]) == (True, "render_shot(world='w', kind='final')")
     assert told["asked"]["spans"] == len(SPANS)
     assert rows_of(accepted) == {}
     folder = accepted.workspace / "w" / told["asked"]["folder"]

@@ -21,3 +21,10 @@ def test_an_estimate_made_beforehand_is_told_while_nothing_is_measured() -> None
 )
 def test_an_estimate_that_time_or_progress_has_overtaken_is_not_told(later: dict[str, Any]) -> None:
     assert "6 s" not in job_answer({**JOB, **later})["summary"]
+
+
+def test_where_nothing_is_estimated_nothing_is_said_of_it() -> None:
+    told = job_answer({**JOB, "progress": None, "estimate_s": None, "estimate_of": "moving its liquids"})
+    assert not {"estimate_s", "estimate_of"} & set(told)
+    assert "estimated" not in told["summary"]
+    assert job_answer({**JOB, "progress": None})["estimate_s"] == 6.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,10 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, ground, make_candidate, world
 from worldagent.workflow.own_camera import own_camera
+from worldagent.workflow.pictures import Kind, View, misplaced
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import InputError
+from worldagent.worlds.spec import CameraKey, Shot
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +48,7 @@ def test_a_camera_that_looks_at_an_entity_has_it_in_the_middle_of_the_picture(ca
         ({"look_at": "ball"}, ["camera.position is missing"]),
         ({"position": [0, 0], "look_at": "ball"}, ["camera.position = [0, 0] has 2 items, it needs 3"]),
         ({"position": "0 0 1", "look_at": "ball"}, ["camera.position = '0 0 1' must be a list of 3 numbers"]),
+        ({"position": [0, 0, 1], "look_at": [0, 0, 0.5]}, ["takes the id of an entity", "a point is given as target"]),
         ({"position": [0, 0, 1], "look_at": "bal"}, ["'bal' is no entity", "did you mean 'ball'", "floor"]),
         ({"position": [0, 0, 1], "look_at": "ball", "target": [0, 0, 0]}, ["both camera.target and camera.look_at"]),
         ({"position": [0, 0, 1], "lookat": "ball"}, ["camera has no 'lookat'", "did you mean 'look_at'"]),
@@ -56,3 +60,36 @@ def test_what_is_no_camera_is_told_by_name(candidate: Candidate, given: Any, wor
     with pytest.raises(InputError) as error:
         own_camera(candidate, given, 0, 64, 36)
     assert all(w in str(error.value) for w in words)
+
+
+@pytest.mark.parametrize("kind", ["preview", "still", "ids"])
+@pytest.mark.parametrize(("frame", "inside"), [(0, False), (1, True)])
+def test_a_camera_in_a_body_is_told(candidate: Candidate, kind: Kind, frame: int, inside: bool) -> None:
+    """At frame 1 the ball is where the camera stands."""
+    eye = own_camera(candidate, [1, 0.02, 0.1, 3, 0, 0.1], frame, 64, 36)
+    told = misplaced(candidate, View(kind, frame, frame, None, eye, (64, 36)))
+    assert told == (["the camera is inside ball at frame 1: move it out"] if inside else [])
+
+
+def test_a_camera_that_cuts_a_body_open_is_told(candidate: Candidate) -> None:
+    (told,) = misplaced(
+        candidate, View("still", 0, 0, None, own_camera(candidate, [3, 0, 0.0005, 0, 0, 0.1], 0, 64, 36), (64, 36))
+    )
+    assert "mm of floor, which its near plane cuts open at frame 0" in told
+
+
+def test_a_sheet_tells_the_first_frame_and_drawings_have_no_camera(candidate: Candidate) -> None:
+    eye = own_camera(candidate, [1, 0.02, 0.1, 3, 0, 0.1], 0, 64, 36)
+    assert misplaced(candidate, View("contact_sheet", 2, 0, None, eye, (64, 36))) == [
+        "the camera is inside ball at frame 1: move it out"
+    ]
+    assert misplaced(candidate, View("contact_sheet", 2, 0, None, eye, (64, 36), frames=[0, 2])) == []
+    assert misplaced(candidate, View("plan", 1, 1, None, eye, (64, 36))) == []
+
+
+def test_the_camera_of_a_shot_in_a_body_is_told(candidate: Candidate) -> None:
+    key = CameraKey(frame=0, position=(1, 0.02, 0.1), target=(3, 0, 0.1), fov_deg=40)
+    shots = {"only": Shot(frames=(0, 2), covers=[], intent="the ball", keys={"a": key})}
+    seen = dataclasses.replace(candidate, spec=candidate.spec.model_copy(update={"shots": shots}))
+    assert misplaced(seen, View("preview", 1, 1, "only", None, (64, 36))) == ["the camera is inside ball at frame 1: move it out"]
+    assert misplaced(seen, View("preview", 0, 0, "only", None, (64, 36))) == []

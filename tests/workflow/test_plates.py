@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from worldagent.execution import Cancelled
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, ground, make_candidate, world
 from worldagent.verifiers.shots.seen import check
-from worldagent.workflow import plates
+from worldagent.workflow import jobs, plates
 from worldagent.workflow.plates import LEAST_S, allowed_seconds, depart, make_plates
 from worldagent.workflow.review.pictures import MOST_PICTURES, frames_to_show, pictures_of
 from worldagent.worlds.candidate import Candidate
@@ -197,6 +198,18 @@ def test_a_world_without_beats_to_be_seen_has_an_index_and_no_plates(candidate: 
     assert make_plates(bare, seconds=60).views == ()
     assert isinstance(Plates.open(plates_folder(bare)), Plates)
     assert check(bare) == []
+
+
+def test_an_acceptance_looks_longer_than_a_check(candidate: Candidate, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It renders plates that a check had no time for: judged without, its verdict is worth nothing."""
+    given: list[tuple[float, bool]] = []
+    monkeypatch.setattr(plates, "make_plates", lambda _, *, seconds, distrust, **__: given.append((seconds, distrust)))
+    session = SimpleNamespace(ledger=SimpleNamespace(bake=lambda freeze: {"detail": {"seconds": 4000.0}}))
+    work: Any = SimpleNamespace(session=session, freeze="f", candidate=lambda stage: candidate)
+    quiet: Any = SimpleNamespace(progress=lambda *_: None, check=lambda: None)
+    jobs.plates_of(work, quiet)
+    jobs.plates_of(work, quiet, distrust=True)
+    assert given == [(400.0, False), (800.0, True)]
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from worldagent.workflow import measurements
 from worldagent.workflow.answers import PAGE_CHARACTERS, size_of
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.patch import parse_spec
-from worldagent.worlds.spec import RigidPhysics, WorldSpec
+from worldagent.worlds.spec import Pose, RigidPhysics, WorldSpec
 
 G = 9.81
 
@@ -76,6 +76,23 @@ def test_a_body_tells_its_orientation_and_spin_and_the_force_that_bears_it(
     assert still
     assert set(still) <= set(over["asleep_at"]), "no contact is logged of what sleeps, which is said"
     assert found.of("crate", still[0])["asleep"]
+
+
+def test_a_body_whose_position_is_not_its_middle_tells_its_centre_of_mass_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A marble whose position is its lowest point, as generators place it: rolling, that point goes up and down, the centre does not."""
+    marble = ball(
+        0.1, motion="dynamic", at=(0, 0, 0.0002), physics=RigidPhysics(angular_velocity=(0, 10.0, 0), linear_velocity=(1, 0, 0))
+    )
+    ((part, made),) = marble.parts.items()
+    lifted = marble.model_copy(update={"parts": {part: made.model_copy(update={"pose": Pose(position=(0, 0, 0.1))})}})
+    found = World(world({"floor": ground(), "marble": lifted}, frames=13), tmp_path, 13, monkeypatch)
+    over = found.of("marble", 0, 12)
+    assert np.ptp([z for _, _, z in over["position"]]) > 0.1
+    assert np.allclose([z for _, _, z in over["centre"]], 0.1, atol=1e-3)
+    assert found.of("marble", 6)["centre"] == pytest.approx(over["centre"][6], abs=1e-4)
+    assert "centre" not in found.of("floor", 0)
 
 
 def test_grains_tell_how_many_are_where_and_how_fast_and_what_they_push(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

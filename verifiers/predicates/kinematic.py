@@ -132,6 +132,8 @@ def _in_region(scope: Scope, entity: str, region_id: str, measure: str) -> Serie
                 depths, offsets = region_offset(region, (points - at[i]) @ frames_of[i])
             worst = int(np.argmin(depths))
             depth[i], offset[i] = depths[worst], offsets[worst]
+    with np.errstate(invalid="ignore", over="ignore"):
+        offset = np.einsum("fij,fj->fi", frames_of, offset)  # along the world's axes, as whoever moves something needs it
     what = "centre" if measure == "center" else "surface"
 
     def tell(i: int) -> str:
@@ -140,7 +142,7 @@ def _in_region(scope: Scope, entity: str, region_id: str, measure: str) -> Serie
             return f"{entity}'s {what} was {depth[i]:.3g} m inside region {region_id} at frame {frame}"
         return (
             f"{entity}'s {what} was {-depth[i]:.3g} m outside region {region_id} at frame {frame}, "
-            f"offset {vector(offset[i])} m, centre at {vector(centers[i])} m"
+            f"offset {vector(offset[i])} m, centre at {vector(centers[i])} m, both in the world's frame"
         )
 
     def detail(i: int) -> dict[str, object]:
@@ -155,7 +157,10 @@ def _in_region(scope: Scope, entity: str, region_id: str, measure: str) -> Serie
 
 
 def reaches(scope: Scope, p: Reaches) -> Outcome:
-    """Measured: distance outside the region (negative: depth inside) at the frame that decides."""
+    """Measured: distance outside the region (negative: depth inside) at the frame that decides.
+
+    Its details tell `offset`, from the region's nearest point to what was measured, and `position`, both along the world's axes [m].
+    """
     return judge(_in_region(scope, p.entity, p.region, p.measure), p.when)
 
 

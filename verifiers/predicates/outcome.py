@@ -50,8 +50,8 @@ def finite(value: float | None) -> float | None:
 
 
 def vector(point: F64) -> str:
-    """A point or offset in words, millimetre digits: `(+0.080, +0.000, -0.020)`."""
-    return "(" + ", ".join(f"{c:+.3f}" for c in point) + ")"
+    """A point or offset in words, millimetre digits, no zero below zero: `(+0.080, +0.000, -0.020)`."""
+    return "(" + ", ".join(f"{round(float(c), 3) + 0.0:+.3f}" for c in point) + ")"
 
 
 def missing(frames: tuple[int, int], unit: str, reason: str) -> Outcome:

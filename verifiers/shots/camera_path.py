@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..scene.shapes import PartSurface
     from .sight import Sight
 
-__all__ = ["inside", "moves"]
+__all__ = ["inside", "moves", "stands_in"]
 
 LEVER = 0.02
 """Own choice: turning and zooming are measured this far from the aim, as a share of the picture's width."""
@@ -65,6 +65,17 @@ def inside(sight: Sight, shot_id: str, shot: Shot) -> Finding:
         text = f"outside all solids up to frame {last}; frames up to {frames[1]} are not simulated"
         return Finding("unverified", text, frames=frames)
     return Finding("pass", f"outside all solids at and between frames {frames[0]}..{last}", frames=frames)
+
+
+def stands_in(candidate: Candidate, camera: Camera, frame: int) -> list[str]:
+    """Sentences about the place of one camera at a frame: one for each body that it is in or that its near plane cuts open."""
+    surfaces, reach = surfaces_of(candidate), _near_reach(camera)
+    if not surfaces.parts:
+        return []
+    low, high = (v[:, 0] for v in surfaces.boxes(np.array([frame])))
+    near = np.flatnonzero(((low - reach <= camera.position) & (camera.position <= high + reach)).all(axis=1))
+    met = (_meets(candidate, surfaces.parts[i], [(frame, camera)]) for i in near)
+    return list(dict.fromkeys(f"the camera {bad.text}".rstrip(",") for bad in met if bad is not None))
 
 
 def _meets(candidate: Candidate, part: PartSurface, cameras: list[tuple[int, Camera]]) -> _Bad | None:

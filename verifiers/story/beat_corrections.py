@@ -14,7 +14,7 @@ from ...worlds.predicates.registry import is_invariant
 from ..categories.fracture.corrections import breaking
 from ..categories.registry import judged
 from ..predicates.evaluators import evaluate
-from ..predicates.outcome import Outcome
+from ..predicates.outcome import Outcome, vector
 from ..rows.corrections import correction, halve_any_step, longer, set_value
 from .bounds import MORE, SETTLING_FRAMES, STARTED
 from .offers import faster, let_meet, offered
@@ -198,13 +198,13 @@ def _aim(candidate: Candidate, entity: str, outcome: Outcome, details: dict[str,
 
 
 def _nearer(candidate: Candidate, entity: str, shift: list[float], distance: float) -> list[Correction]:
-    """Move the start by what is missing [m], or change speed and direction."""
+    """Move the start by what is missing along the world's axes [m], or change speed and direction."""
     start, speed = f"/entities/{entity}/pose/position", f"/entities/{entity}/physics/linear_velocity"
-    words = ", ".join(f"{c:+.3f}" for c in shift)
+    words = f"{vector(np.array(shift))} m along the world's axes"
     position = candidate.spec.entities[entity].pose.position
     value = [round(p + s, 6) for p, s in zip(position, shift, strict=True)]
-    action = f"move its start by ({words}) m; where a throw or slope magnifies the start, by less"
-    aim = f"aim {entity} so that it arrives ({words}) m further"
+    action = f"move its start by {words}; where a throw or slope magnifies the start, by less"
+    aim = f"aim {entity} so that it arrives {words} from there"
     return [
         correction(f"{entity} misses by {distance:.3g} m", "placement", action, pointers=(start,), patch=set_value(start, value)),
         correction("its speed or direction is off", "initial_state", aim, pointers=(speed,)),

@@ -218,6 +218,7 @@ def read_world(session: Session, candidate: Candidate, check: Callable[[], None]
         ReaderError: the model gave no answer that counts; nothing is recorded.
         InputError: the settings of the reader are wrong.
     """
+    from ...verifiers.acceptance import acceptance_subject
     from ..rows import summary as rows_summary
 
     endpoint = configured() if ask else None
@@ -229,9 +230,11 @@ def read_world(session: Session, candidate: Candidate, check: Callable[[], None]
     rows = rows_of_reviews(session, candidate, found)
     session.record(rows, stage="full", checks=("review",))
     reviews, reader = readers_of(session, found)
+    known = session.ledger.acceptance(acceptance_subject(session.spec, session.freeze(), candidate.digest))
     return {
         "scope": "review",
         "read_by": reader,
+        "accepted": known is not None and known["verdict"] == "accepted",
         "reviews": summary(reviews),
         "earlier_reviews": len(session.ledger.reviews()) - len(reviews),
         "asked": {"spans": len(found.questions.spans), "left_out": found.questions.left_out, "folder": found.place},

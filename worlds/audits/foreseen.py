@@ -6,26 +6,29 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from ..categories.registry import CATEGORIES
+from ..categories.registry import CATEGORIES, shape_of
 from ..drivers import acts_from
 from ..errors import EvidenceError
 from ..predicates import atoms_of
 from ..problems import Problem
 from ..spec import Beat, PathDriver, WorldSpec
+from .pairs import materials_of
 from .turning import turning_in_place
 
 __all__ = ["SCREEN_STEP", "foreseen"]
 
 SCREEN_STEP = 0.2
 """[1] Largest move on the picture per frame, in widths: the bound of `shots:motion`."""
+LIVELY = 0.05
+"""[1] Own choice: a body that keeps less of its speed rises by less than a four hundredth of what it fell."""
 NARROWEST = 5.0
 """[deg] Narrowest vertical field of view of a camera."""
 
 
 def foreseen(spec: WorldSpec) -> list[Problem]:
-    """Warnings of the categories, then of drivers that no beat owns, bodies that turn in place and subjects too fast for any camera."""
+    """Warnings of the categories, then of drivers that no beat owns, bodies that turn in place, subjects too fast for any camera and bounces off what gives none."""
     found = [p for category in CATEGORIES.values() for p in category.warnings(spec)]
-    return [*found, *_unowned(spec), *turning_in_place(spec), *_too_fast(spec)]
+    return [*found, *_unowned(spec), *turning_in_place(spec), *_too_fast(spec), *_dead_bounces(spec)]
 
 
 def _unowned(spec: WorldSpec) -> Iterator[Problem]:
@@ -45,6 +48,41 @@ def _unowned(spec: WorldSpec) -> Iterator[Problem]:
             f"0 beats are owned by {driver.kind} {name!r}, which acts on {told} from {begins:g} s on; 1 is wanted: causal:untold runs the world "
             f"again without it and fails every beat that does not come then. Give it a beat (owner {name}), or take it away",
         )
+
+
+def _dead_bounces(spec: WorldSpec) -> Iterator[Problem]:
+    """Beats in which a rigid body bounces, though no rigid body that is there gives it any restitution."""
+    if any(shape_of(e) == "deforming" for e in spec.entities.values()):
+        return  # off what deforms a body bounces without
+    for name, beat in spec.story.beats.items():
+        for bouncer in dict.fromkeys(
+            getattr(a, "entity", "") for a in atoms_of(beat.predicate) if getattr(a, "kind", "") == "bounces"
+        ):
+            if bouncer not in spec.entities or shape_of(spec.entities[bouncer]) != "solid":
+                continue
+            others = [n for n, e in spec.entities.items() if n != bouncer and shape_of(e) == "solid"]
+            best = max((_restitution(spec, bouncer, other) for other in others), default=1.0)
+            if best < LIVELY:
+                own = max(spec.materials[m].restitution for m in materials_of(spec, bouncer))
+                yield Problem(
+                    f"/story/beats/{name}",
+                    f"{bouncer!r} is to bounce, and with nothing that is there it has a restitution of {LIVELY:g} or more (the largest is "
+                    f"{best:g}): a pair has the smaller one of its two materials, its own is {own:g}, and what a material does not say is 0. "
+                    f"Give the material it falls on a restitution, or the pair: simulation.contacts {{a: {bouncer!r}, b: ..., restitution: ...}}",
+                )
+
+
+def _restitution(spec: WorldSpec, a: str, b: str) -> float:
+    """Largest restitution that two bodies can have with one another."""
+    own = next(
+        (p.restitution for p in spec.simulation.contacts.values() if {p.a, p.b} == {a, b} and p.restitution is not None), None
+    )
+    if own is not None:
+        return own
+    sides = [materials_of(spec, name) for name in (a, b)]
+    return max(
+        (min(spec.materials[m].restitution, spec.materials[n].restitution) for m in sides[0] for n in sides[1]), default=1.0
+    )
 
 
 def _too_fast(spec: WorldSpec) -> Iterator[Problem]:

@@ -11,7 +11,7 @@ from ..problems import Problem, replaced
 if TYPE_CHECKING:
     from ..spec import ContactPair, WorldSpec
 
-__all__ = ["departures", "surface_problems"]
+__all__ = ["departures", "materials_of", "surface_problems"]
 
 FRICTION_FACTOR = 2.0
 """Own choice: measured coefficients of one pair of materials scatter by so much; beyond, the surfaces are others than the materials say."""
@@ -38,7 +38,7 @@ def surface_problems(spec: WorldSpec) -> Iterator[Problem]:
 
 def departures(spec: WorldSpec, pair: ContactPair) -> Iterator[tuple[str, float, tuple[float, float]]]:
     """Own values of a pair that its materials do not give: field, value, and least and greatest that the materials give."""
-    sides = [_materials(spec, name) for name in (pair.a, pair.b)]
+    sides = [materials_of(spec, name) for name in (pair.a, pair.b)]
     if not all(sides):
         return
     for field, joined in (("friction", max), ("restitution", min)):
@@ -60,7 +60,7 @@ def _measured(spec: WorldSpec, a: str, b: str, value: float) -> bool:
     return found is not None and found.holds(value)
 
 
-def _materials(spec: WorldSpec, name: str) -> set[str]:
+def materials_of(spec: WorldSpec, name: str) -> set[str]:
     """Materials of an entity's parts that the specification has."""
     entity = spec.entities.get(name)
     if entity is None:

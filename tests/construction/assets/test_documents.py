@@ -14,6 +14,7 @@ from worldagent.testing.assets import faults
 from worldagent.worlds.arrays import RigidPose, euler_to_quaternion
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.patch import parse_edit
+from worldagent.worlds.shapes import Box
 
 HERE = RigidPose(np.array([1.0, 2.0, 0.5]), euler_to_quaternion((0.0, 0.0, math.pi / 2)))
 
@@ -157,3 +158,21 @@ def test_what_stands_on_the_ground_is_told_from_what_hangs_on_it() -> None:
     assert feet(make("door", {}, 1)) == [""]
     hung = make("picture_frame", {}, 1)
     assert feet(hung, stands=False) == [j.parent for j in hung.joints.values()]
+
+
+def _lowest_between_sides(**parameters: object) -> float:
+    """Height of the lowest part of a bookcase that is neither one of its sides nor the strip before one [m]."""
+    parts = make("bookcase", {"rise": 0.12, **parameters}, 1).main.parts
+    boxes = {
+        n: p.pose.position[2] - p.shape.size[2] / 2
+        for n, p in parts.items()
+        if isinstance(p.shape, Box) and "_left" not in n and "_right" not in n
+    }
+    assert {"bottom", "shelf_1"} <= boxes.keys()
+    return min(boxes.values())
+
+
+@pytest.mark.parametrize("frame", ["plain", "faced", "cornice"])
+def test_small_things_roll_under_a_bookcase_only_where_its_base_is_open(frame: str) -> None:
+    assert _lowest_between_sides(frame=frame, base="open") == pytest.approx(0.12)
+    assert _lowest_between_sides(frame=frame) == pytest.approx(0.0, abs=1e-9)

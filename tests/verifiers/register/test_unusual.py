@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.testing.worlds.small_worlds import Touch, box, ground, make_candidate, world
+from worldagent.testing.worlds.small_worlds import MATERIALS, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.register.unusual import unusual
+from worldagent.worlds.materials import material_table
 from worldagent.worlds.predicates import Contact
-from worldagent.worlds.spec import Beat, ContactPair, Requirement, Story
+from worldagent.worlds.spec import Beat, ContactPair, Material, Requirement, Story
 from worldagent.worlds.verdicts import unusual_told
 
 CRATE = {"crate": box(0.1, 0.1, 0.1, at=(0, 0, 0.05), motion="dynamic"), "floor": ground()}
@@ -53,6 +54,52 @@ def test_what_hardly_loses_energy_in_a_bounce_is_unusual(tmp_path: Path) -> None
     (line,) = lines(tmp_path / "lively", contacts={"pair": lively})
     assert "with a restitution of 0.96" in line
     assert lines(tmp_path / "dull", contacts={"pair": lively.model_copy(update={"restitution": 0.9})}) == []
+
+
+def of(material: str, **more: Any) -> Any:
+    """A marble that another can meet."""
+    return ball(0.02, material=material, at=(0, 0, 0.02), **{"motion": "dynamic", **more})
+
+
+def glass(restitution: float = 0.97, row: str | None = None) -> Material:
+    return Material(density=2500, restitution=restitution, of=row)
+
+
+DULL = Material(density=700, restitution=0.4)
+
+
+def said(folder: Path, materials: dict[str, Material], *bodies: Any, **more: Any) -> list[str]:
+    entities = {f"body-{k}": body for k, body in enumerate(bodies)}
+    return lines(folder, entities, materials={**MATERIALS, **materials}, **more)
+
+
+def test_a_lively_material_is_unusual_only_beside_another_that_it_can_meet(tmp_path: Path) -> None:
+    """Two materials in touch have the smaller restitution of the two."""
+    known = {"clear": glass(), "superball": glass(0.98), "board": DULL}
+    assert said(tmp_path / "alone", known, of("clear"), of("board", motion="static")) == []
+    (line,) = said(tmp_path / "like", known, of("clear"), of("clear"), of("board", motion="static"))
+    assert line.startswith("material 'clear' has a restitution of 0.97")
+    (line,) = said(tmp_path / "two", known, of("clear"), of("superball", motion="static"))
+    assert line.startswith("materials 'clear' and 'superball' have together a restitution of 0.97")
+    still = of("clear", motion="static")
+    assert said(tmp_path / "still", known, still, still) == []
+
+
+def test_a_restitution_of_the_table_is_not_unusual(tmp_path: Path) -> None:
+    row = next(
+        n for n, r in material_table().materials.items() if r.figures.get("restitution") and r.figures["restitution"].holds(0.97)
+    )
+    table, above = glass(row=row), glass(1.0, row=row)
+    assert said(tmp_path / "table", {"clear": table}, of("clear"), of("clear")) == []
+    (line,) = said(tmp_path / "above", {"clear": above}, of("clear"), of("clear"))
+    assert "restitution of 1:" in line
+    (line,) = said(tmp_path / "one", {"clear": table, "own": glass()}, of("clear"), of("own"))
+    assert "'clear' and 'own'" in line
+
+
+def test_a_pair_of_its_own_stands_for_its_materials(tmp_path: Path) -> None:
+    damped = ContactPair(a="body-0", b="body-1", restitution=0.5, reason="felt between the two")
+    assert said(tmp_path, {"clear": glass()}, of("clear"), of("clear"), contacts={"pair": damped}) == []
 
 
 def test_a_touch_of_any_strength_is_unusual_unless_it_is_denied(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from worldagent.testing.worlds.small_gas import fire_spec
 from worldagent.testing.worlds.small_worlds import IDENTITY, MATERIALS, ball, box, ground, make_candidate, world
 from worldagent.verifiers.categories.registry import judge_of
 from worldagent.verifiers.checks import run_checks
+from worldagent.verifiers.diagnosis.cite import diagnose
 from worldagent.verifiers.shots.bounds import JUST_NOTICEABLE, SEEN_SHARE
 from worldagent.verifiers.shots.difference import compared, lab
 from worldagent.verifiers.shots.seen import check, seen_ids
@@ -277,6 +278,9 @@ def test_who_was_not_looked_at_is_unverified_and_told_why(tmp_path: Path) -> Non
     assert row.status == "unverified"
     assert "the time for plates was over" in row.evidence["explanation"]
     assert row.corrections[0].action.startswith("call run_checks(scope='full')")
+    (only,) = diagnose(row, candidate.spec).corrections
+    assert only.group == "look"  # more frames would show no more
+    assert only.action.startswith("call run_checks(scope='full')")
 
 
 def test_the_view_is_where_the_subject_is_largest_while_its_beat_comes_true(tmp_path: Path) -> None:

@@ -117,3 +117,35 @@ def test_what_goes_by_an_end_or_an_angle_is_not_told() -> None:
     assert _seesaw({"kind": "lifts", "entity": "beam", "other": "cube"}) == ()
     assert _seesaw({"kind": "tilts", "entity": "beam", "min": 0.2}) == ()
     assert len(_seesaw({"kind": "lifts", "entity": "cube", "other": "beam"})) == 1
+
+
+BOUNCES = ("/story/beats/roll/predicate", {"kind": "bounces", "entity": "ball"})
+
+
+def bouncing(*operations: tuple[str, Any]) -> list[str]:
+    return [w for w in audit(changed(BOUNCES, *operations)).warnings if "is to bounce" in w]
+
+
+def materials_with(restitution: float) -> list[tuple[str, Any]]:
+    return [(f"/materials/{name}/restitution", restitution) for name in changed().materials]
+
+
+def test_a_bounce_where_nothing_gives_restitution_is_told_before_any_run() -> None:
+    (told,) = bouncing(*materials_with(0.0))
+    assert told.startswith(
+        "/story/beats/roll: 'ball' is to bounce, and with nothing that is there it has a restitution of 0.05 or more"
+    )
+    assert "the smaller one of its two materials, its own is 0" in told
+
+
+def test_a_bounce_between_lively_materials_or_of_a_lively_pair_is_not_told() -> None:
+    assert bouncing(*materials_with(0.5)) == []
+    pair = ("/simulation/contacts/hop", {"a": "ball", "b": "b1", "restitution": 0.5, "reason": "a spring lies between the two"})
+    assert bouncing(*materials_with(0.0), pair) == []
+
+
+def test_one_lively_material_alone_gives_no_bounce() -> None:
+    ball = changed().entities["ball"].material
+    (told,) = bouncing(*materials_with(0.0), (f"/materials/{ball}/restitution", 0.9))
+    assert "(the largest is 0)" in told
+    assert "its own is 0.9" in told

@@ -16,6 +16,12 @@ NEARER = 0.9
 """[1] Own choice: ratio of the distances, or fields of view, at the end and the start of a push in."""
 NEAR = 1.0
 """[1] Own choice: what is beside something is no farther from it than the larger of both is long."""
+BENEATH = 0.5
+"""[1] Own choice: share of the smaller outline, as seen along gravity, that lies within the other's where one is under the other: the larger part of it."""
+PLATE = 0.25
+"""[1] Own choice: thickness over the lesser of width and height up to which what stands upright is a plate, as a window, with nothing within its outline."""
+REVEAL = 0.2
+"""[m] Own choice: half of a thick wall. What stands under a window is no farther from its plane than this and half of its own depth."""
 TOUCHING = 2.0
 """[1] Own choice: gaps that count as touching, in `limits.contact_gap`: rests are checked by rows of their own."""
 WALLS = 3

@@ -63,8 +63,8 @@ def test_a_path_needs_increasing_times():
         solver(world(moving, drivers={"d": _path("a", 0, 1), "e": _path("a", 0, 1)}))
 
 
-def test_a_body_on_a_joint_cannot_start_with_a_velocity():
-    with pytest.raises(InputError, match="motor or force"):
+def test_a_body_on_a_joint_cannot_start_with_a_velocity_that_the_joint_does_not_allow():
+    with pytest.raises(InputError, match="by a motor or a force"):
         solver(world({"a": box(0.1, 0.1, 0.1, v=(1, 0, 0))}, joints={"j": {**HINGE, "child": "a"}}))
 
 

@@ -21,7 +21,8 @@ def _trials(name: str, count: int, start: int = 0) -> None:
         except InputError:
             refused += 1
             continue
-        assert faults(made, stands=generator.stands) == [], (parameters, seed)
+        stands = generator.stands and bool(parameters.get("posts", True))  # without its posts the floor above carries a flight
+        assert faults(made, stands=stands) == [], (parameters, seed)
     assert refused <= REFUSED * count, f"{refused} of {count} refused"
 
 

@@ -91,12 +91,8 @@ def _probe(context: ToolContext, session: Session, payload: dict[str, Any], wait
     payload |= {"coarser": coarser} if overrides else {}
     data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:
-        estimate = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
-        if estimate is not None:
-            data |= {
-                "estimate_s": estimate,
-                "estimate_of": "moving its liquids and gases once (checks and runs without a cause apart)",
-            }
+        data["estimate_s"] = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
+        data["estimate_of"] = "moving its liquids and gases once (checks and runs without a cause apart)"
     return data
 
 

@@ -54,7 +54,7 @@ def require_probe(session: Session, freeze: str) -> dict[str, Any]:
 
 
 def _changed_since(session: Session) -> str:
-    """Settings that changed since the last probe that passed, as the end of a clause."""
+    """Settings that changed since the last probe that passed, in brackets."""
     from ..worlds.patch import differences
     from ..worlds.slices import motion_slice
     from ..worlds.spec import WorldSpec
@@ -62,13 +62,13 @@ def _changed_since(session: Session) -> str:
     passed = next((f for f in session.ledger.freezes() if f["passed"]), None)
     judged = None if passed is None else session.ledger.revision_spec(passed["revision"])
     if passed is None or judged is None:
-        return ", and no probe of this world has passed"
+        return " (no probe of this world has passed)"
     places = list(differences(motion_slice(WorldSpec.model_validate_json(judged[0])), motion_slice(session.spec)))
-    since = f", and since the one that passed (revision {passed['revision']})"
+    since = f" (since the one of revision {passed['revision']}"
     if not places:
-        return f"{since} the geometry was built anew or the program that moves it was updated"
+        return f"{since} the geometry was built anew or the program that moves it was updated)"
     more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
-    return f"{since} other settings hold at {', '.join(places[:_NAMED])}{more}"
+    return f"{since} there changed {', '.join(places[:_NAMED])}{more})"
 
 
 def _open_of_record(session: Session, known: dict[str, Any]) -> list[str]:

@@ -30,7 +30,7 @@ def set_velocities(
     bodies: Mapping[str, Sequence[int]],
     kinematic: frozenset[str],
 ) -> None:
-    """Write the declared velocities at frame 0 into `data.qvel`.
+    """Write the declared velocities at frame 0 [m/s, rad/s] into `data.qvel`.
 
     What hangs on joints gets the rates of its joints that give its bodies the declared velocity, parents before children.
 
@@ -97,20 +97,16 @@ def _start_on_joints(entity: str, model: Any, data: Any, own: list[int], bodies:
     carried = jacobian @ data.qvel
     if np.abs(target).max() <= STILL and np.abs(carried).max() <= STILL:
         return
-    rates = np.linalg.lstsq(jacobian[:, own], target - carried, rcond=None)[0]
-    data.qvel[own] += rates
+    data.qvel[own] += np.linalg.lstsq(jacobian[:, own], target - carried, rcond=None)[0]
     reached = jacobian @ data.qvel
     off, speed = (float(np.linalg.norm(v.reshape(-1, 3), axis=1).max()) for v in (reached - target, target))
     if off <= OFF * (1.0 + speed):
         return
-    first = reached.reshape(-1, 3)
-    places = np.array([data.xipos[b] for b in bodies])
-    near_linear = mass @ first[0::2] / mass.sum()
-    near_angular = first[1] / max(sizes[0], 1e-12)
-    place = mass @ places / mass.sum()
+    allowed = reached.reshape(-1, 3)
+    near_linear, near_angular = mass @ allowed[0::2] / mass.sum(), allowed[1] / max(sizes[0], 1e-12)
     raise InputError(
         f"the joints of entity {entity!r} do not let it start with linear_velocity {_text(linear)} m/s (of its centre of mass, at "
-        f"{_text(place)}) and angular_velocity {_text(angular)} rad/s: that is {off:.3g} m/s from the nearest that they allow. Declare that "
+        f"{_text(center)}) and angular_velocity {_text(angular)} rad/s: that is {off:.3g} m/s from the nearest that they allow. Declare that "
         f"one, linear_velocity {_text(near_linear)} and angular_velocity {_text(near_angular)}, or move it by a motor or a force"
     )
 

@@ -63,7 +63,7 @@ def _dead_bounces(spec: WorldSpec) -> Iterator[Problem]:
             others = [n for n, e in spec.entities.items() if n != bouncer and shape_of(e) == "solid"]
             best = max((_restitution(spec, bouncer, other) for other in others), default=1.0)
             if best < LIVELY:
-                own = max(spec.materials[m].restitution for m in materials_of(spec, bouncer))
+                own = max((spec.materials[m].restitution for m in materials_of(spec, bouncer)), default=0.0)
                 yield Problem(
                     f"/story/beats/{name}",
                     f"{bouncer!r} is to bounce, and with nothing that is there it has a restitution of {LIVELY:g} or more (the largest is "

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Sequence
 from ..worlds.documents import document_of
 from ..worlds.groups import group_of
 from ..worlds.patch import differences
+from ..worlds.references import references
 from ..worlds.requirements import Row
 from ..worlds.spec import HeightField, WorldSpec
 
@@ -64,9 +65,14 @@ def cut_grounds(*specs: WorldSpec) -> set[str]:
 
 
 def same_causes(one: WorldSpec, other: WorldSpec) -> bool:
-    """True if two specifications are equal in everything causal: scene and solver."""
-    places = differences(document_of(one), document_of(other))
+    """True if two specifications are equal in everything causal: scene and solver. Materials of which nothing is made count for nothing."""
+    places = differences(document_of(_of_used_materials(one)), document_of(_of_used_materials(other)))
     return not any(group_of(p).edit_class in CAUSAL_CLASSES for p in places)
+
+
+def _of_used_materials(spec: WorldSpec) -> WorldSpec:
+    used = {value for _, target, value in references(spec, "") if target == "material"}
+    return spec.model_copy(update={"materials": {k: m for k, m in spec.materials.items() if k in used}})
 
 
 def judged_on(rows: Iterable[Row]) -> set[str]:

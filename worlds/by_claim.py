@@ -12,6 +12,7 @@ from typing import Any
 from .aligned import HELD, matched_claims, named_alike, renamed
 from .bound_fields import natures
 from .claims import named_in
+from .holding import holding_weakenings
 from .patch import differences, entity_weakenings, story_weakenings
 from .predicates import entities_of
 from .predicates.registry import interval_tightens
@@ -86,6 +87,7 @@ def _bound(before: WorldSpec, after: WorldSpec) -> Iterator[str]:
     nature = natures(before)
     own = tuple(place for n in bodies for place in (f"/entities/{n}", *nature[n]))
     yield from _of_physics(before, after, old, new, own)
+    yield from holding_weakenings(before, after, bodies)
 
 
 def _everywhere(before: WorldSpec, after: WorldSpec) -> Iterator[str]:

@@ -14,6 +14,7 @@ from .categories.registry import CATEGORIES
 from .documents import bare_document, document_of
 from .errors import SpecError
 from .hints import patch_problem, spec_problem
+from .holding import holding_weakenings
 from .limits import CAPS, check_cap
 from .named_materials import declared_by_name, filled_materials
 from .predicates.registry import PREDICATES, interval_tightens
@@ -366,6 +367,7 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     places = list(differences(document_of(before), document_of(after)))
     found += directed_weakenings(old, new, places)
     found += physical_weakenings(before, after, old, new, places)
+    found += holding_weakenings(before, after)
     found += _shot_weakenings(old["shots"], new["shots"])
     found += claim_weakenings(old.get("claims", {}), new.get("claims", {}), after.prompt)
     return found

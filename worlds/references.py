@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any, get_args
 
@@ -41,14 +41,21 @@ def _fields(model: type[SpecModel]) -> tuple[tuple[str, str | None], ...]:
     """Fields of a model that hold references or other models, with the references' target."""
     found = []
     for name, info in model.model_fields.items():
-        target: str | None = next((m.target for m in info.metadata if isinstance(m, Ref)), None)
-        for part in (info.annotation, *getattr(info.annotation, "__args__", ())):
-            for mark in getattr(part, "__metadata__", ()):
-                if target is None and isinstance(mark, Ref):
-                    target = mark.target
+        target = _target((*info.metadata, *_marks(info.annotation)))
         if target is not None or _holds_models(info.annotation):
             found.append((name, target))
     return tuple(found)
+
+
+def _target(marks: Iterable[Any]) -> str | None:
+    return next((m.target for m in marks if isinstance(m, Ref)), None)
+
+
+def _marks(annotation: Any) -> Iterator[Any]:
+    """Annotations at any depth of a type that holds no models."""
+    yield from getattr(annotation, "__metadata__", ())
+    for inner in get_args(annotation):
+        yield from _marks(inner)
 
 
 def _holds_models(annotation: Any) -> bool:

@@ -34,6 +34,7 @@ MOST_NAMED = 4
 _GRAVITY = "/simulation/gravity"
 """A law of the world: any value but its default has left it."""
 _PAIR = "/simulation/contacts/*"
+_JOINTS = "/simulation/joints/"
 _SIDES = ("harder_up", "harder_down")
 _RANGE = "/simulation/limits/scale_ratio"
 _REQUIRED = object()
@@ -82,7 +83,7 @@ def _quantities(before: WorldSpec, after: WorldSpec, places: Iterable[str]) -> I
         field = field_of(place)
         if field is not None and field.pointer == _PAIR:
             yield from _pair(place, before, after, bound)
-        elif field is not None and field.physical and not _other_matter(before, after, place):
+        elif field is not None and field.physical and not _other_kind(before, after, place):
             yield from _changed(place, _held(before, place), _held(after, place), binders_of(bound, place))
 
 
@@ -132,8 +133,11 @@ def _said(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(list(value) if isinstance(value, tuple) else value)
 
 
-def _other_matter(before: WorldSpec, after: WorldSpec, place: str) -> bool:
-    """True if a pointer leads into an entity whose category changed, of which another line tells."""
+def _other_kind(before: WorldSpec, after: WorldSpec, place: str) -> bool:
+    """True if a pointer leads into an entity of another category or a joint of another kind, of which other lines tell."""
+    if place.startswith(_JOINTS):
+        was, now = (spec.simulation.joints[place.split("/")[3]] for spec in (before, after))
+        return was.kind != now.kind
     name = place.split("/")[2]
     return place.startswith("/entities/") and before.entities[name].physics.category != after.entities[name].physics.category
 

@@ -105,6 +105,13 @@ def test_the_audit_tells_fields_that_do_nothing(driver: dict[str, Any], said: st
     assert any(said in c.action for c in row.corrections)
 
 
+def test_a_field_on_a_body_that_is_not_there_is_told():
+    field = {"kind": "field", "field": {"kind": "drag"}, "entities": ["b", "nobody"]}
+    spec = world({"ground": floor(), "b": ball(0.1, at=(0, 0, 1))}, drivers={"w": field})
+    told = [c.action for r in audit(spec).rows if r.status == "fail" for c in r.corrections]
+    assert any("unknown entity 'nobody'" in text for text in told), told
+
+
 def test_a_field_on_a_body_passes_the_audit_and_a_wrong_one_is_no_field():
     field = {"kind": "field", "field": {"kind": "drag"}, "entities": ["b"]}
     spec = world({"ground": floor(), "b": ball(0.1, at=(0, 0, 1))}, drivers={"w": field})

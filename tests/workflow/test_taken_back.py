@@ -1,0 +1,22 @@
+"""What counts as taking a change back: everything causal as it was, whatever lies unused beside it."""
+
+from __future__ import annotations
+
+from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.workflow.repair_rules import same_causes
+from worldagent.worlds.named_materials import declared_by_name
+from worldagent.worlds.patch import apply_patch
+from worldagent.worlds.spec import WorldSpec
+
+
+def test_a_material_that_an_edit_took_from_the_table_and_nothing_uses_any_more_is_no_change() -> None:
+    before = WorldSpec.model_validate({**small_spec(), "prompt": PROMPT})
+    path, stone = "/entities/floor/material", before.entities["floor"].material
+    edited = declared_by_name(apply_patch(before, [{"op": "replace", "path": path, "value": "lead"}]))
+    assert "lead" in edited.materials
+    assert not same_causes(before, edited)
+    back = apply_patch(edited, [{"op": "replace", "path": path, "value": stone}])
+    assert "lead" in back.materials
+    assert same_causes(before, back)
+    heavier = apply_patch(back, [{"op": "replace", "path": f"/materials/{stone}/density", "value": 2000}])
+    assert not same_causes(before, heavier), "a material that something is made of counts"

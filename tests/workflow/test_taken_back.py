@@ -1,4 +1,4 @@
-"""What counts as taking a change back: everything causal as it was, whatever lies unused beside it."""
+"""A change is taken back where everything causal is as it was, whatever lies unused beside it."""
 
 from __future__ import annotations
 

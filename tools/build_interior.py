@@ -31,7 +31,9 @@ def build_interior(
         ),
     ] = None,
     hypothesis: Hypothesis = "",
-    wait_s: Annotated[float, Field(ge=0, le=240, description="Seconds to wait before a job id is returned")] = 30.0,
+    wait_s: Annotated[
+        float, Field(ge=0, le=240, description="Seconds to wait (50 at most, unless the server allows more), then a job id")
+    ] = 30.0,
 ) -> ToolReply:
     """Make a building of rooms with floors, walls, doors, windows, furniture by function and what lies on it, as one revision, and check it.
 

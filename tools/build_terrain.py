@@ -64,7 +64,12 @@ def build_terrain(
         bool, Field(description="With terrain: bodies bounce off the trunks and boulders that stand on the ground, at most 2,000")
     ] = False,
     hypothesis: Hypothesis = "",
-    wait_s: Annotated[float, Field(ge=0, le=240, description="With terrain: seconds to wait before a job id is returned")] = 30.0,
+    wait_s: Annotated[
+        float,
+        Field(
+            ge=0, le=240, description="With terrain: seconds to wait (50 at most, unless the server allows more), then a job id"
+        ),
+    ] = 30.0,
 ) -> ToolReply:
     """Make the ground of an outdoor world: a static height field, as a new revision, and check it.
 

@@ -205,6 +205,9 @@ def _next(session: Any, passed: bool, groups: set[str]) -> str:
     world, land = session.folder.id, to_build(session)
     if not passed:
         mend = "edit_spec: mend the audit's open rows"
+        if not session.spec.entities and not session.spec.terrains:
+            guide = call("inspect_world", part="guide", prompt="...")
+            mend = f"edit_spec: add entities, beats or requirements, and claims; {guide} with the prompt returns what fits it"
         return mend if land is None else f"{land} (it needs no passing audit), or {mend}"
     if land is not None:
         return land

@@ -66,7 +66,10 @@ def render_shot(
     ] = None,
     height: Annotated[int | None, Field(ge=64, le=1080, description="Pixels; default 360, for final the specification's")] = None,
     samples: Annotated[int | None, Field(ge=1, le=1024, description="Paths per pixel for still and final")] = None,
-    wait_s: Annotated[float, Field(ge=0, le=240, description="For final: seconds to wait before a job id is returned")] = 30.0,
+    wait_s: Annotated[
+        float,
+        Field(ge=0, le=240, description="For final: seconds to wait (50 at most, unless the server allows more), then a job id"),
+    ] = 30.0,
 ) -> ToolReply:
     """Look at the world: a picture comes back inline, beside a line of JSON; or make the final film.
 

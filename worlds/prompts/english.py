@@ -149,7 +149,7 @@ REVIEWED: dict[str, str] = {
     "aP=nL": "left right",
     "aP=rA": "fast still",
     "nT=vS": "can",
-    "nLvS": "desert",
+    "nLvS": "desert study",
     "nTnL": "ground",
     "nTaP": "orange",
     "nTnN": "weight",

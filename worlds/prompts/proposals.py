@@ -29,6 +29,11 @@ LONGEST_UNIT = 5
 STANCES = frozenset({"stand", "lie", "sit", "hang", "lean", "rest", "stay", "remain"})
 """Verbs that say how something is, not what happens: the stance verbs of Quirk et al. (1985), A Comprehensive Grammar of the English Language, 4.32, and
 their like. With a particle (`sits down`) they tell of an event."""
+_PLACE = re.compile(
+    r"\b(under|beneath|underneath|above|beside|next to|between|inside)(?= (?:the|an?|its|his|her|their|two|both)\b)",
+    re.IGNORECASE,
+)
+"""Words of place that rows judge between two bodies at rest, where a thing follows; `on` and `in` stand by more verbs of motion than of place."""
 _DEFINITE = re.compile(r"\bthe\s+$", re.IGNORECASE)
 
 
@@ -70,9 +75,14 @@ def proposal_text(prompt: str) -> str:
 
 
 def _english(text: str) -> Iterator[Proposal]:
+    behind = 0
     for label in labelled(text):
         lasts = label.type == "event" and not STANCES.isdisjoint(lemmas(text[label.start : label.end], "v"))
         yield Proposal(label.start, label.end, "property" if lasts else label.type)
+        word = _PLACE.search(text, behind, label.start)
+        if word is not None and label.type == "thing":
+            yield Proposal(*word.span(1), "place")
+        behind = behind if label.type in ("property", "count", "quantity") else label.end
 
 
 def _short(text: str, span: Proposal) -> Proposal:

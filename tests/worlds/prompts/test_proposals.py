@@ -44,6 +44,14 @@ def test_in_other_languages_numbers_negations_and_order_are_typed(text: str, quo
     assert (quote, kind) in quoted(text)
 
 
+def test_a_word_of_place_before_a_thing_is_proposed_as_its_place_and_a_study_is_a_room() -> None:
+    marked = proposal_text("In a small study a ball comes to rest under the old desk, beside a lamp.")
+    assert "[study](place)" in marked
+    assert "[under](place) the [old](property) [desk](thing), [beside](place) a [lamp](thing)." in marked
+    assert "(place)" not in proposal_text("A ball rolls on a floor, and a man studies it.")
+    assert "[under](place)" not in proposal_text("The ship goes under and a boy looks on.")
+
+
 def test_a_noun_behind_the_is_proposed_as_the_thing_that_was_named_before() -> None:
     marked = proposal_text("A vase stands on a table. The vase falls, and a cup falls on the table.")
     assert "The [vase](thing same_as=vase) [falls](event)" in marked

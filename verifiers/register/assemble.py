@@ -19,6 +19,7 @@ from ..things.sizes import variant_lines
 from .apart import apart_lines
 from .fields import field_lines
 from .scene import scene_lines
+from .surfaces import surface_lines
 
 __all__ = ["approximations"]
 
@@ -78,17 +79,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
             found.append(
                 {"what": f"{name!r} follows an authored path", "effect": "omitted reaction: nothing it touches moves it"}
             )
-        for part_name, part in entity.parts.items():
-            if not part.collides:
-                found.append({"what": f"part {name}/{part_name} is drawn only", "effect": "other bodies pass through it"})
-        for made in candidate.built[name].parts if name in candidate.built else ():
-            if max(made.deviation) > 0:
-                found.append(
-                    {
-                        "what": f"proxy collider of {name}/{made.part}",
-                        "effect": f"collision surface up to {made.deviation[0]:.2g} m outside and {made.deviation[1]:.2g} m inside the visible one",
-                    }
-                )
+    found += surface_lines(candidate)
     owners = {beat.owner for beat in spec.story.beats.values()}
     for name, driver in spec.simulation.drivers.items():
         silent = "" if name in owners else "; no beat is owned by it: rows `causal:untold` tell which come without it"

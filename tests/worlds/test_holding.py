@@ -9,10 +9,10 @@ from worldagent.tests.worlds.test_bound_fields import base, edited
 from worldagent.worlds.patch import apply_patch, weakenings
 from worldagent.worlds.spec import WorldSpec
 
-STAYS = {"text": "it stays", "predicate": {"kind": "displacement", "entity": "lamp", "max": 0.1, "when": "always"}}
+STAYS: dict[str, Any] = {"text": "it stays", "predicate": {"kind": "displacement", "entity": "lamp", "max": 0.1, "when": "always"}}
 FALLS = {"text": "it falls", "predicate": {"kind": "falls", "entity": "lamp"}}
 NEVER = {"text": "it never falls", "predicate": {"kind": "not", "predicate": {"kind": "falls", "entity": "lamp"}}}
-WELD = {"kind": "weld", "parent": "crate", "child": "lamp", "anchor": [1, 1, 0]}
+WELD: dict[str, Any] = {"kind": "weld", "parent": "crate", "child": "lamp", "anchor": [1, 1, 0]}
 WIND = {"kind": "field", "end": 1.0, "field": {"kind": "wind", "velocity": [8.0, 0.0, 0.0]}}
 PUSH = {"kind": "force", "entity": "lamp", "force": [3.0, 0.0, 0.0], "end": 1.0}
 

@@ -60,3 +60,8 @@ BROAD = 0.02
 """[1] Own choice: a level base has at least this share of the footprint; round things have none and are not asked to lie flat."""
 OVER_EDGE = 0.002
 """[m] Own choice, that of OUTSIDE: how far the centre may seem to lie outside the places that it stands on."""
+
+SIDE_LEVEL = 1e-4
+"""[1] Own choice: share of a body's size within which a drawn face lies on the side of its box; bonds to the world are as strict."""
+SIDE_SAMPLES = 8
+"""Own choice: pieces into which each edge of a bonded side's triangles is cut, to look for what never moves at it."""

@@ -19,6 +19,7 @@ from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
 from .anchored import anchored_rows
 from .balanced import balanced_rows
+from .bonded import bonded_rows
 from .carried import carried
 from .fallen_off import kept_rows
 from .free_bodies import derived
@@ -58,6 +59,7 @@ def check(candidate: Candidate) -> list[Row]:
         *joined_rows(surfaces),
         *anchored_rows(surfaces),
         *pinned_rows(surfaces),
+        *bonded_rows(surfaces),
         *one_piece_rows(surfaces, frozenset(n for n in surfaces.entities if is_still(surfaces.candidate.spec, n))),
         *landed_rows(surfaces, ground),
         *stays_rows(surfaces),

@@ -8,6 +8,7 @@ from .bounds import HANGING
 __all__ = [
     "ANCHOR",
     "BALANCE",
+    "BONDED",
     "CARRIED",
     "DERIVED",
     "FASTENED",
@@ -110,12 +111,21 @@ FASTENED = Question(
 )
 PIN = Question(
     "support:pin",
-    "what pin {1} of {0} holds is at its carrier",
-    "distance of the held vertices from the carrier",
+    "what pin {1} of {0} holds is at its carrier; without one at something that never moves, or the entity says why not: `afloat`",
+    "distance of the held vertices from the carrier, or from the nearest thing that never moves",
     "m",
     "<=",
     "limits.contact_gap, two skins, or an edge of the sheet's triangles",
     ("entity", "pin"),
+)
+BONDED = Question(
+    "support:bonded",
+    "side {1} of {0}, which is bonded to the world, lies at something drawn that never moves, or the entity says why not: `afloat`",
+    "distance of that side from the nearest thing that never moves",
+    "m",
+    "<=",
+    "limits.contact_gap and two skins",
+    ("entity", "side"),
 )
 PIECE = Question(
     "support:piece",
@@ -165,6 +175,7 @@ QUESTIONS = (
     ANCHOR,
     FASTENED,
     PIN,
+    BONDED,
     PIECE,
     GROUND,
     STAYS,

@@ -85,7 +85,9 @@ def _said_to_hang(folder: Path, m: float, rng: RNG) -> World:
 
 BONDED_MECHANISMS = (
     Mechanism("pinned-to-the-air", "cloth pinned where nothing is", True, _flag_in_the_air, OVER * EDGE, 1.0, "m", EDGE),
-    Mechanism("bonded-to-the-air", "a side or pin of a board held by nothing", True, _board_in_the_air, OVER * REACH, 1.0, "m", REACH),
+    Mechanism(
+        "bonded-to-the-air", "a side or pin of a board held by nothing", True, _board_in_the_air, OVER * REACH, 1.0, "m", REACH
+    ),
     Mechanism("pinned-at-its-pole", "cloth pinned in space where its pole is", False, _flag_at_its_pole, 1e-4, UNDER * EDGE, "m"),
     Mechanism("bonded-at-its-post", "a side or pin of a board at its post", False, _board_at_its_post, 1e-6, UNDER * REACH, "m"),
     Mechanism("said-to-hang", "held by nothing, and says so", False, _said_to_hang, 0.2, 1.0, "m"),

@@ -18,6 +18,7 @@ from ..support.held import afloat_lines
 from ..things.sizes import variant_lines
 from .apart import apart_lines
 from .fields import field_lines
+from .initial import initial_lines
 from .scene import scene_lines
 from .surfaces import surface_lines
 
@@ -56,6 +57,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
         scene_lines(candidate)
         + _declared(spec)
         + branch_lines(candidate)
+        + initial_lines(candidate)
         + hidden_lines(candidate)
         + variant_lines(candidate)
         + start_lines(candidate)

@@ -19,7 +19,7 @@ from ..land.grounds import lands
 from ..rows.answers import row_of
 from ..rows.corrections import correction, move_by, pointer, say_afloat
 from ..rows.findings import Finding
-from .bounds import SIDE_LEVEL, SIDE_SAMPLES
+from .bounds import RIM, SIDE_LEVEL, SIDE_SAMPLES
 from .joined import reach_of, way_to
 from .pinned import pin_bound, pinned_points
 from .questions import BONDED, PIN
@@ -107,11 +107,13 @@ def _side(surfaces: Surfaces, name: str, side: str) -> Finding:
     flat = corners[(np.abs(corners[:, :, axis] - level) <= slack).all(axis=1)]
     if not len(flat):
         raise EvidenceError(f"no drawn face of {name!r} lies on its side {side}")
-    low, high = low.copy(), high.copy()
+    # What only meets the rim of a side, as the ground does that a wall stands on, is not what the side is bonded to.
+    rim = np.minimum(RIM * _reach(surfaces, name, name), 0.5 * (high - low))
+    low, high = low + rim, high - rim
     low[axis], high[axis] = level, level
     place = ("entities", name, "breakable", "fixed")
     one = Fixture(name, side, f"side {side} of {name!r}", place, low, high)
-    return _judged(surfaces, one, pose_of(candidate.spec.entities[name].pose).apply(_sampled(flat)))
+    return _judged(surfaces, one, pose_of(candidate.spec.entities[name].pose).apply(np.clip(_sampled(flat), low, high)))
 
 
 def _sampled(triangles: F64) -> F64:
@@ -149,7 +151,12 @@ def _footing(surfaces: Surfaces, one: Fixture, points: F64) -> Footing | None:
 def _bound(surfaces: Surfaces, one: Fixture, name: str) -> float:
     if surfaces.candidate.spec.entities[one.entity].breakable is None:
         return pin_bound(surfaces, one.entity, name)
-    return 2.0 * reach_of(surfaces, one.entity, name) - surfaces.contact_gap(one.entity, name)
+    return _reach(surfaces, one.entity, name)
+
+
+def _reach(surfaces: Surfaces, a: str, b: str) -> float:
+    """Largest distance of a bonded side from what holds it [m]: the contact tolerance (S3) and two collision skins."""
+    return 2.0 * reach_of(surfaces, a, b) - surfaces.contact_gap(a, b)
 
 
 def _met(surfaces: Surfaces, one: Fixture, name: str, bound: float) -> float:
@@ -158,7 +165,8 @@ def _met(surfaces: Surfaces, one: Fixture, name: str, bound: float) -> float:
         return float(np.inf)
     gap = surfaces.gap(one.entity, name, 0)
     own = pose_of(surfaces.candidate.spec.entities[one.entity].pose).inverse().apply(np.asarray(gap.point_a)[None])[0]
-    inside = bool(((own >= one.low - bound) & (own <= one.high + bound)).all())
+    slack = np.where(one.high > one.low, 0.0, bound)
+    inside = bool(((own >= one.low - slack) & (own <= one.high + slack)).all())
     return max(0.0, float(gap.distance)) if inside else float(np.inf)
 
 

@@ -65,3 +65,5 @@ SIDE_LEVEL = 1e-4
 """[1] Own choice: share of a body's size within which a drawn face lies on the side of its box; bonds to the world are as strict."""
 SIDE_SAMPLES = 8
 """Own choice: pieces into which each edge of a bonded side's triangles is cut, to look for what never moves at it."""
+RIM = 1.5
+"""[1] Own choice: in reaches, how far from the rim of a bonded side it has to meet what holds it; what only its rim touches does not."""

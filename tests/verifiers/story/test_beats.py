@@ -206,7 +206,7 @@ def test_an_outcome_moved_by_a_solver_is_not_staged(tmp_path: Path) -> None:
 
 def test_requirements_default_to_the_whole_sequence(tmp_path: Path) -> None:
     requirements = {
-        "stays": Requirement(text="", predicate=StaysIn(entity="rest", region="here"), mandatory=False),
+        "stays": Requirement(text="", predicate=StaysIn(entity="rest", region="goal"), mandatory=False),
         "slow": Requirement(text="", predicate=Speed(entity="cube", max=2, when="always")),
     }
     rows = rows_of(sliding(tmp_path, {}, requirements=requirements))

@@ -30,6 +30,7 @@ from ...worlds.spec import (
 from ._bonded_worlds import BONDED_MECHANISMS
 from ._held_worlds import HELD_MECHANISMS
 from ._land_support import LAND_MECHANISMS
+from ._lump_worlds import LUMP_MECHANISMS
 from ._support_scenes import DRIFT, GAP, cart, draw_size, edge, ladder, seesaw, slide, slope, stair, wedged
 from ._support_worlds import FRAMES, RNG, Scene, block, turn
 from .cases import Mechanism, Suite, World
@@ -491,5 +492,6 @@ SUITE = Suite(
         *LAND_MECHANISMS,
         *HELD_MECHANISMS,
         *BONDED_MECHANISMS,
+        *LUMP_MECHANISMS,
     ),
 )

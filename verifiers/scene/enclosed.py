@@ -16,7 +16,7 @@ from .bounds import ESCAPES, SIGHT_LINES, SIGHT_PLACES
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["lumps", "nested", "shut_in"]
+__all__ = ["lumps", "nested", "shut_in", "within_one"]
 
 BLOCK = 2_000_000
 """Pairs of sight lines and triangles that are looked at at once, for memory."""
@@ -40,16 +40,19 @@ def nested(solid: Solid) -> list[Solid]:
     sign = np.sign(solid.volume)
     filled = [s for s in own if s.volume * sign > 0.0]
     voids = [s for s in own if s.volume * sign < 0.0]
-    return [s for k, s in enumerate(filled) if _inside(s, filled[:k]) and not _inside(s, voids)]
+    return [
+        s
+        for k, s in enumerate(filled)
+        if any(within_one(s, larger) for larger in filled[:k]) and not any(within_one(s, void) for void in voids)
+    ]
 
 
-def _inside(inner: Solid, around: Sequence[Solid]) -> bool:
-    points = inner.centroids - 1e-6 * inner.size * inner.face_normals
-    return any(_encloses(solid, inner) and bool(_within(solid, points).all()) for solid in around)
-
-
-def _encloses(solid: Solid, inner: Solid) -> bool:
-    return bool((solid.lower <= inner.lower).all() and (solid.upper >= inner.upper).all())
+def within_one(inner: Solid, around: Solid) -> bool:
+    """True if a closed surface lies within another one, whichever way their faces look."""
+    if (around.lower > inner.lower).any() or (around.upper < inner.upper).any():
+        return False
+    points = inner.centroids - 1e-6 * inner.size * np.sign(inner.volume) * inner.face_normals
+    return bool(_within(around, points).all())
 
 
 def _within(solid: Solid, points: F64) -> NDArray[np.bool_]:

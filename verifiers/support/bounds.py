@@ -67,3 +67,6 @@ SIDE_SAMPLES = 8
 """Own choice: pieces into which each edge of a bonded side's triangles is cut, to look for what never moves at it."""
 RIM = 1.5
 """[1] Own choice: in reaches, how far from the rim of a bonded side it has to meet what holds it; what only its rim touches does not."""
+
+LUMPS_MOST = 200
+"""Own choice: meshes of more lumps are foliage, gravel or cloth in one surface, and are not asked to hang together."""

@@ -17,6 +17,7 @@ __all__ = [
     "HELD",
     "JOINT",
     "KEPT",
+    "LUMPS",
     "PIECE",
     "PIN",
     "QUESTIONS",
@@ -136,6 +137,15 @@ PIECE = Question(
     "1",
     ("entity",),
 )
+LUMPS = Question(
+    "support:lumps",
+    "every lump of its meshes touches another one, another part, or, of what never moves, something else that does not",
+    "lumps that touch nothing",
+    "lumps",
+    "<=",
+    "0",
+    ("entity",),
+)
 GROUND = Question(
     "support:ground",
     f"static things stand on the ground: within {HANGING:g} m under their base, at most as deep in it as declared",
@@ -177,6 +187,7 @@ QUESTIONS = (
     PIN,
     BONDED,
     PIECE,
+    LUMPS,
     GROUND,
     STAYS,
     KEPT,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from worldagent.testing.worlds.small_worlds import entity, make_candidate, mesh_of, world
@@ -132,7 +133,8 @@ def test_what_a_box_shuts_in_is_never_seen(tmp_path: Path, gap: float, content: 
 def meshed(folder: Path, *, void: bool, copies: int = 1, mass: float | None = None) -> Candidate:
     """A block of one mesh of 0.1 m with lumps, or a void, of 0.08 m and less inside."""
     shells = [mesh_of(Box(size=(SIDE,) * 3)), *(mesh_of(Box(size=(0.08 - 0.01 * k,) * 3)) for k in range(copies))]
-    points, faces = [], []
+    points: list[Any] = []
+    faces: list[Any] = []
     for k, shell in enumerate(shells):
         faces += ((shell.faces[:, ::-1] if void and k else shell.faces) + len(points)).tolist()
         points += shell.vertices.tolist()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...worlds.spec import Box, Limits, Mesh, Part, Pose
 from ..worlds.small_worlds import mesh_of
 from ._support_worlds import RNG, Scene
@@ -26,7 +28,7 @@ def _lumps(folder: Path, m: float, rng: RNG, *culprits: str, between: bool = Fal
     for height in rng.permutation([z / 2, 1.5 * z + m]):
         made = mesh_of(Box(size=(x, y, z)))
         faces += (made.faces + len(points)).tolist()
-        points += (made.vertices + [0, 0, height]).tolist()
+        points += (made.vertices + np.array([0, 0, height])).tolist()
     shape = Mesh(vertices=[tuple(v) for v in points], faces=[tuple(f) for f in faces])
     parts: list[Any] = [Part(shape=shape)]
     if between:

@@ -24,10 +24,12 @@ HIDDEN_TRIANGLES = 500
 DENSER = 2.0
 """[1] Own choice: what lies in a closed cavity is told of where it is so many times as dense as what can be seen: a shelf in a cupboard
 makes nothing heavier than solid wood, a lump of iron does."""
+SHEET = 0.01
+"""[m] Own choice: what is no thicker on the mean, twice its volume by its surface, is sheet or bars and no lump: an oven in a stove."""
 ESCAPES = 0.02
 """[1] Own choice: share of the sight lines from a part that may lead out of a cavity that counts as closed: joints between boards."""
-SIGHT_PLACES = 24
-"""Own choice: largest triangles of a part from which sight lines go out."""
+SIGHT_PLACES = 64
+"""Own choice: triangles of a part from which sight lines go out, even over its area."""
 SIGHT_LINES = 96
 """Own choice: directions over the sphere, of which half leave a face."""
 

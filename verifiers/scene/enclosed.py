@@ -83,7 +83,9 @@ def _sight_lines(solid: Solid) -> tuple[F64, F64]:
     """Starts and directions of lines that leave a surface, shapes (n, 3)."""
     corners = solid.triangles
     areas = np.linalg.norm(cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    chosen = np.argsort(-areas, kind="stable")[:SIGHT_PLACES]
+    # Even over the area: the largest triangles may all look one way.
+    along = np.cumsum(areas)
+    chosen = np.searchsorted(along, (np.arange(SIGHT_PLACES) + 0.5) / SIGHT_PLACES * along[-1])
     # Fibonacci's spiral: even directions over the sphere.
     k = np.arange(SIGHT_LINES) + 0.5
     height, turn = 1.0 - 2.0 * k / SIGHT_LINES, k * np.pi * (1.0 + 5.0**0.5)

@@ -17,7 +17,7 @@ from ...worlds.arrays import F64, cross
 from ...worlds.spec import Mesh, RigidPhysics
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
-from .bounds import DENSER, HIDDEN_DEPTH, HIDDEN_MASS, HIDDEN_SURFACE, HIDDEN_TRIANGLES
+from .bounds import DENSER, HIDDEN_DEPTH, HIDDEN_MASS, HIDDEN_SURFACE, HIDDEN_TRIANGLES, SHEET
 from .enclosed import nested, shut_in
 from .surfaces import surfaces_of
 
@@ -123,14 +123,29 @@ def _hidden(weighed: list[_Weighed]) -> list[_Weighed]:
 
 
 def _in_cavities(weighed: list[_Weighed]) -> list[_Weighed]:
-    """Parts that the others shut in, and that are much denser than what can be seen."""
+    """Parts that the others shut in, and that are much denser than what can be seen.
+
+    Linings, racks and works of sheet and bars are told of only where the body weighs more than it would as a block of the densest that can be
+    seen; a lump always.
+    """
     found = []
     for inner in weighed:
         around = [w for w in weighed if w is not inner and w.opaque and w.part.body == inner.part.body]
         lighter = [w for w in around if DENSER * w.density < inner.density]
         if lighter and shut_in(inner.solid, [w.solid for w in lighter]):
             found.append(inner)
-    return found
+    seen = [w for w in weighed if w not in found]
+    bodies = {w.part.body for w in found}
+    heavy = {b for b in bodies if _beyond_solid([w for w in weighed if w.part.body == b], [w for w in seen if w.part.body == b])}
+    return [w for w in found if w.part.body in heavy or 2.0 * abs(w.solid.volume) > SHEET * w.solid.area]
+
+
+def _beyond_solid(own: list[_Weighed], seen: list[_Weighed]) -> bool:
+    """True if a body weighs more than the hull of its parts, filled with the densest of what can be seen."""
+    from scipy.spatial import ConvexHull
+
+    hull = float(ConvexHull(np.concatenate([w.solid.vertices for w in own])).volume)
+    return bool(sum(w.mass for w in own) > hull * max(w.density for w in seen))
 
 
 def _share_inside(inner: Solid, around: list[Solid]) -> float:

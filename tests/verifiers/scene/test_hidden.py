@@ -117,7 +117,7 @@ def boxed(folder: Path, *, gap: float, content: str, edge: float = 0.1) -> Candi
     [
         (0.0, "lead", 0.1, "fail"),
         (0.002, "lead", 0.1, "fail"),  # a joint between boards
-        (0.0, "lead", 0.02, "pass"),  # a hinge
+        (0.0, "lead", 0.032, "pass"),  # a hinge
         (0.15, "lead", 0.1, None),  # it can be seen
         (0.0, "wood", 0.1, None),  # no heavier than a block of wood
     ],

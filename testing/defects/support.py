@@ -29,6 +29,7 @@ from ...worlds.spec import (
 )
 from ._bonded_worlds import BONDED_MECHANISMS
 from ._held_worlds import HELD_MECHANISMS
+from ._hung_worlds import HUNG_MECHANISMS
 from ._land_support import LAND_MECHANISMS
 from ._lump_worlds import LUMP_MECHANISMS
 from ._support_scenes import DRIFT, GAP, cart, draw_size, edge, ladder, seesaw, slide, slope, stair, wedged
@@ -525,6 +526,7 @@ SUITE = Suite(
         Mechanism("far-away", "beside a wall, far from the origin", False, _dim, 1.0, 1e5, "m"),
         *LAND_MECHANISMS,
         *HELD_MECHANISMS,
+        *HUNG_MECHANISMS,
         *BONDED_MECHANISMS,
         *LUMP_MECHANISMS,
     ),

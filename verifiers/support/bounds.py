@@ -70,3 +70,10 @@ RIM = 1.5
 
 LUMPS_MOST = 200
 """Own choice: meshes of more lumps are foliage, gravel or cloth in one surface, and are not asked to hang together."""
+
+BOND = 1e6
+"""[Pa] Own choice: what glue, plaster, nails or screws bear on the mean over the places at which static things touch from the side, plastic,
+each place and direction by itself. Construction glues bear 3 to 10 MPa over their own area, which is a part of that; what is bolted or
+welded bears more, and says `fastened`."""
+BOND_MOST = 1e3
+"""[1] Own choice: weights beyond which it is not told how many a joint bears."""

@@ -15,6 +15,7 @@ __all__ = [
     "GRIP",
     "GROUND",
     "HELD",
+    "HUNG",
     "JOINT",
     "KEPT",
     "LUMPS",
@@ -73,6 +74,15 @@ DERIVED = Question(
 HELD = Question(
     "support:held",
     "a chain of contacts leads from every piece of it over things that never move to the ground",
+)
+HUNG = Question(
+    "support:hung",
+    "what never moves and stands on nothing is borne where it touches what stands: a relation says so, it reaches into it, or enough of it meets",
+    "share of its weight that joints of BOND bear where it touches",
+    "1",
+    ">=",
+    "1",
+    ("entity",),
 )
 JOINT = Question(
     "support:joint",
@@ -180,6 +190,7 @@ QUESTIONS = (
     GRIP,
     DERIVED,
     HELD,
+    HUNG,
     JOINT,
     ROPE,
     ANCHOR,

@@ -9,7 +9,10 @@ from worldagent.tests.worlds.test_bound_fields import base, edited
 from worldagent.worlds.patch import apply_patch, weakenings
 from worldagent.worlds.spec import WorldSpec
 
-STAYS: dict[str, Any] = {"text": "it stays", "predicate": {"kind": "displacement", "entity": "lamp", "max": 0.1, "when": "always"}}
+STAYS: dict[str, Any] = {
+    "text": "it stays",
+    "predicate": {"kind": "displacement", "entity": "lamp", "max": 0.1, "when": "always"},
+}
 FALLS = {"text": "it falls", "predicate": {"kind": "falls", "entity": "lamp"}}
 NEVER = {"text": "it never falls", "predicate": {"kind": "not", "predicate": {"kind": "falls", "entity": "lamp"}}}
 WELD: dict[str, Any] = {"kind": "weld", "parent": "crate", "child": "lamp", "anchor": [1, 1, 0]}

@@ -120,14 +120,25 @@ class _Mesh:
 
 
 class Care(NamedTuple):
-    """How exactly the depth at one pose is wanted [m]."""
+    """Exactness that is wanted of depths [m]; one value for all poses, or one for each, shape (f,)."""
 
     tolerance: float = 0.0
-    """It may be too small by this besides `depth.PRECISION`."""
+    """They may be too small by this besides `depth.PRECISION`: a search that needs no more is much faster."""
+    enough: float | F64 = np.inf
+    """From here on it is no matter how deep: the answer may be any depth from there on."""
+    idle: float | F64 = 0.0
+    """Up to here it is no matter how deep: minus this may be the answer for surfaces that touch."""
+
+
+EXACT = Care()
+
+
+class _Care(NamedTuple):
+    """The same at one pose."""
+
+    tolerance: float = 0.0
     enough: float = np.inf
-    """From here on it may be any depth from there on."""
     idle: float = 0.0
-    """Up to here it is of no interest: the answer may be this depth."""
 
 
 @dataclass
@@ -143,13 +154,13 @@ class _Found:
         self.value[index], self.point_a[index], self.point_b[index], self.method[index] = value, point_a, point_b, method
 
 
-def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, cares: Sequence[Care] | None = None) -> _Found:
+def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, cares: Sequence[_Care] | None = None) -> _Found:
     count = len(poses.translation)
     found = _Found(np.empty(count), np.empty((count, 3)), np.empty((count, 3)), np.full(count, "", dtype="<U10"))
     mesh = _Mesh(a, b, witness=witness)
     if not (a.convex and b.convex):
         for k in range(count):
-            _general(mesh, poses, k, found, Care() if cares is None else cares[k])
+            _general(mesh, poses, k, found, _Care() if cares is None else cares[k])
         return found
     work = len(a.facets.normals) * len(b.vertices) + len(b.facets.normals) * len(a.vertices)
     everything = np.arange(count)
@@ -245,7 +256,7 @@ def _is_copy(a: Solid, b: Solid, one: Relative, noise: float) -> bool:
     return np.array_equal(a.faces, b.faces) and bool(np.abs(one.forward(a.vertices)[0] - b.vertices).max() <= noise)
 
 
-def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, care: Care) -> None:
+def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, care: _Care) -> None:
     a, b = mesh.a, mesh.b
     noise = NOISE * (a.size + b.size)
     here = np.array([k])
@@ -278,7 +289,7 @@ def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, care: Care) ->
             found.put(here, np.array(-reach), *mesh.nearest(one, i, j), "crossing")
 
 
-def _both_ways(a: Solid, b: Solid, one: Relative, pairs: I32, noise: float, care: Care) -> tuple[Deep, Deep]:
+def _both_ways(a: Solid, b: Solid, one: Relative, pairs: I32, noise: float, care: _Care) -> tuple[Deep, Deep]:
     """Depth of a inside b and of b inside a, the lesser one 0 where the search had no need of it.
 
     The thicker body is asked first: a sheet through it is nowhere as deep in itself, which a search of its own, for a plateau of
@@ -353,26 +364,13 @@ def clearance_series(a: Solid, poses_a: tuple[F64, F64], b: Solid, poses_b: tupl
     return result
 
 
-def measure(
-    a: Solid,
-    b: Solid,
-    poses: Relative,
-    *,
-    skip_above: float | F64 = np.inf,
-    tolerance: float = 0.0,
-    enough: float | F64 = np.inf,
-    idle: float | F64 = 0.0,
-) -> F64:
-    """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`.
-
-    Depths may be too small by `tolerance` [m] besides `depth.PRECISION`; where one reaches `enough` [m], it may be any from there on;
-    where none exceeds `idle` [m], minus that may be the answer for surfaces that touch.
-    """
+def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float | F64 = np.inf, care: Care = EXACT) -> F64:
+    """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`."""
     result = _box_gap(a, b, poses)
     near = np.flatnonzero(result <= skip_above)
     if len(near):
-        deep, shallow = (np.broadcast_to(np.asarray(v, dtype=np.float64), result.shape)[near] for v in (enough, idle))
-        cares = [Care(tolerance, *map(float, pair)) for pair in zip(deep, shallow, strict=True)]
+        deep, shallow = (np.broadcast_to(v, result.shape)[near] for v in (care.enough, care.idle))
+        cares = [_Care(care.tolerance, *map(float, pair)) for pair in zip(deep, shallow, strict=True)]
         result[near] = _measure(a, b, poses.take(near), witness=False, cares=cares).value
     return result
 

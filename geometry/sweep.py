@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .batch import clearance_batch
-from .clearance import clearance_series
+from .clearance import Care, clearance_series
 from .forest import Forest
 from .motions import Motion, relative_travel
 
@@ -178,7 +178,7 @@ def _together(
     poses = [(np.concatenate([p for p, _ in side]), np.concatenate([q for _, q in side])) for side in (one, two)]
     enough, idle = (np.concatenate([getattr(ask, name) for _, _, ask in searches.values()]) for name in ("enough", "idle"))
     pairs = np.repeat(named, counts, axis=0)
-    values = clearance_batch(forest, pairs, *poses, skip_above=enough, tolerance=tolerance, idle=idle).distance
+    values = clearance_batch(forest, pairs, *poses, skip_above=enough, care=Care(tolerance, idle=idle)).distance
     return dict(zip(searches, np.split(values, np.cumsum(counts)[:-1]), strict=True))
 
 

@@ -17,7 +17,7 @@ from worldagent.geometry import (
     lowest_clearances,
     wall_thickness,
 )
-from worldagent.geometry.clearance import measure, relative_poses
+from worldagent.geometry.clearance import Care, measure, relative_poses
 from worldagent.geometry.motions import relative_travel
 from worldagent.geometry.sweep import Sweep
 from worldagent.worlds.arrays import rotation_matrix
@@ -244,7 +244,7 @@ def test_what_is_shallower_than_of_interest_is_no_deeper_than_said_and_bodies_in
     poses = (np.array(places), np.tile(UPRIGHT, (len(places), 1)))
     exact = measure(one, one, relative_poses(poses, still(len(places)).at(np.zeros(len(places)))))
     idle = 0.5 * float(-exact[1:].min())
-    told = measure(one, one, relative_poses(poses, still(len(places)).at(np.zeros(len(places)))), idle=idle)
+    told = measure(one, one, relative_poses(poses, still(len(places)).at(np.zeros(len(places)))), care=Care(idle=idle))
     deep, apart = exact < -idle * (1.0 + 0.01), exact > 0.0
     assert min(np.count_nonzero(rows) for rows in (deep, apart, ~deep & ~apart)) > 0
     assert told[deep] == pytest.approx(exact[deep], rel=0.01)

@@ -1,7 +1,7 @@
 """Judges whether joints, springs and rope ends at a fixed point of space end at something (R92, R154).
 
 A joint without a `parent` bears any load. In a drawn world something bears that load: a thing that never moves, on or in whose
-surface the point lies, or a landscape. A hinge needs it anywhere on its axis; a weld or a slide holds what it touches as well. A
+surface the point lies, or a landscape. A hinge needs it anywhere on its axis where the body is too; a weld or a slide holds what it touches as well. A
 body that nothing drawn is to hold says so itself: `afloat`, with a reason that is printed.
 """
 
@@ -134,10 +134,9 @@ def _footing(surfaces: Surfaces, anchor: Anchor) -> Footing | None:
         bound = reach_of(surfaces, anchor.entity, name) + _radius(surfaces, anchor)
         found = missed(surfaces, End(name, anchor.point, anchor.where))
         distance = found.distance
-        if anchor.axis is not None and distance > bound:
+        if anchor.axis is not None:
             place = on_axis(surfaces, (anchor.entity, name), anchor.point, anchor.axis, bound)
-            ends = [missed(surfaces, End(n, place, anchor.where)) for n in (name, anchor.entity)]
-            distance = min(distance, max(end.distance for end in ends))
+            distance = max(missed(surfaces, End(n, place, anchor.where)).distance for n in (name, anchor.entity))
         if anchor.kind in ("weld", "slide") and touch(surfaces, anchor.entity, name):
             distance = 0.0
         if best is None or distance - bound < best.distance - best.bound:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from .categories.gas.noise import least_of_gas
 from .extents import initial_volume
 from .predicates import atoms_of
 from .predicates.registry import PREDICATES
@@ -80,8 +79,9 @@ def _of_atom(spec: WorldSpec, atom: SpecModel, subject: str) -> Floor | None:
         return None
     if kind == "contact":
         return least_impulse(spec, atom.a, atom.b)  # type: ignore[attr-defined]
-    if (least := least_of_gas(spec, kind, str(getattr(atom, "entity", subject)))) is not None:
-        return Floor(*least)
+    if info.noise is not None:
+        least = info.noise.least(spec, kind, str(getattr(atom, "entity", subject)))
+        return None if least is None else Floor(*least)
     if info.unit == "m" and info.bodily:
         return least_travel(spec, str(getattr(atom, "entity", subject)))
     if info.unit in ("rad", "m/s"):

@@ -29,9 +29,9 @@ SHEET = 0.01
 ESCAPES = 0.02
 """[1] Own choice: share of the sight lines from a part that may lead out of a cavity that counts as closed: joints between boards."""
 SIGHT_PLACES = 64
-"""Own choice: triangles of a part from which sight lines go out, even over its area."""
+"""[1] Own choice: triangles of a part from which sight lines go out, even over its area."""
 SIGHT_LINES = 96
-"""Own choice: directions over the sphere, of which half leave a face."""
+"""[1] Own choice: directions over the sphere, of which half leave a face."""
 
 CROSSING_NOISE = 1e-6
 """[1] Of the size: files in single precision round vertices by 6e-8 of their coordinates, so that surfaces that touch may cross by a

@@ -64,12 +64,12 @@ OVER_EDGE = 0.002
 SIDE_LEVEL = 1e-4
 """[1] Own choice: share of a body's size within which a drawn face lies on the side of its box; bonds to the world are as strict."""
 SIDE_SAMPLES = 8
-"""Own choice: pieces into which each edge of a bonded side's triangles is cut, to look for what never moves at it."""
+"""[1] Own choice: pieces into which each edge of a bonded side's triangles is cut, to look for what never moves at it."""
 RIM = 1.5
 """[1] Own choice: in reaches, how far from the rim of a bonded side it has to meet what holds it; what only its rim touches does not."""
 
 LUMPS_MOST = 200
-"""Own choice: meshes of more lumps are foliage, gravel or cloth in one surface, and are not asked to hang together."""
+"""[1] Own choice: meshes of more lumps are foliage, gravel or cloth in one surface, and are not asked to hang together."""
 
 BOND = 1e6
 """[Pa] Own choice: what glue, plaster, nails or screws bear on the mean over the places at which static things touch from the side, plastic,

@@ -9,7 +9,6 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..categories.gas.noise import gas_bounds
 from ..noise import least_impulse, least_margin, least_travel
 from ..predicates.registry import PREDICATES, is_invariant
 from ..problems import Problem, replaced
@@ -89,7 +88,8 @@ def _within_noise(spec: WorldSpec, predicate: Mapping[str, Any], place: str, sub
         if floor is not None and 0.0 < value < floor.value:
             text = f"a contact of {value:g} N s is within noise; ask for at least {floor.value:g} N s ({floor.how}), or for the touch alone"
             yield Problem(f"{place}/min_impulse", text, replaced(f"{place}/min_impulse", floor.value))
-    for field, value, text in gas_bounds(spec, predicate, subject):
+    noise = PREDICATES[kind].noise
+    for field, value, text in noise.bounds(spec, predicate, subject) if noise is not None else ():
         yield Problem(f"{place}/{field}", text, replaced(f"{place}/{field}", round(value, 9)))
     for field, least in PREDICATES[kind].least.items():
         value = predicate.get(field)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ...predicate_base import Noise
 from .models import GasPhysics
 
 if TYPE_CHECKING:
     from ...spec import WorldSpec
 
-__all__ = ["GAS_KINDS", "Least", "gas_bounds", "least_of_gas"]
+__all__ = ["GAS_NOISE", "Least", "gas_bounds", "least_of_gas"]
 
 SOOT_SHARE = 1e-3
 """[1] Own choice: of the soot of its source, a tenth of what counts as arrived; cells of single precision spread 1e-7 of it."""
@@ -20,7 +21,6 @@ WATTS = 10.0
 """[W] Own choice, that of `burns`: a tenth of what a candle gives."""
 DIMMED = 0.02
 """[1] Koschmieder's least contrast: of light, what an eye does not miss."""
-GAS_KINDS = ("gas_density_in", "gas_arrives", "gas_temperature_in", "heat_release", "light_through", "plume_height")
 
 
 class Least(NamedTuple):
@@ -34,7 +34,7 @@ class Least(NamedTuple):
 def least_of_gas(spec: WorldSpec, kind: str, entity: str) -> Least | None:
     """Least difference that a predicate about a gas may ask for; None where the specification has no such gas."""
     known = spec.entities.get(entity)
-    if kind not in GAS_KINDS or known is None or not isinstance(known.physics, GasPhysics):
+    if known is None or not isinstance(known.physics, GasPhysics):
         return None
     if kind in ("gas_density_in", "gas_arrives"):
         value = float(f"{SOOT_SHARE * known.physics.soot_density:.3g}")
@@ -72,3 +72,7 @@ def _still_air(spec: WorldSpec, entity: str) -> float:
     """Temperature of the air around a gas [K]."""
     found = (s.settings.ambient_temperature for s in spec.simulation.gas.values() if entity in s.members)
     return next(found, 293.15)
+
+
+GAS_NOISE = Noise(gas_bounds, least_of_gas)
+"""Noise of predicates about gases."""

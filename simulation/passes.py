@@ -170,20 +170,27 @@ class Passes:
         ]
 
     def greatest(self, name: str, counts: Any, total: int, partial: Any, result: Any) -> int:
-        """The greatest of the first `total` counts.
+        """The greatest of the first `total` counts; see `seek_greatest`."""
+        for one in self.seek_greatest(name, counts, total, partial, result):
+            one()
+        return int(result.numpy()[0])
+
+    def seek_greatest(self, name: str, counts: Any, total: int, partial: Any, result: Any) -> list[Pass]:
+        """Passes that find the greatest of the first `total` counts.
 
         Args:
             name: of the passes.
             counts: int32 (n,).
             total: counts to look at.
             partial: int32 (>= parts(total),): room.
-            result: int32 (1,): room.
+            result: int32 (>= 1,): its first place takes it.
         """
         from . import sum_kernels as kernels
 
-        self.fold(name, kernels.greatest, total, [counts, partial])()
-        self.close(name + "_close", kernels.close_greatest, total, [partial, result])()
-        return int(result.numpy()[0])
+        return [
+            self.fold(name, kernels.greatest, total, [counts, partial]),
+            self.close(name + "_close", kernels.close_greatest, total, [partial, result]),
+        ]
 
     def chain(self, name: str, passes: Sequence[Callable[[], None]], *, going: Any = None) -> Chain:
         """Passes to run after each other; the graph of the same ones is used again.

@@ -11,7 +11,7 @@ from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.errors import InputError
 from ...boundaries import BodyState
-from ...passes import ALONE
+from ...passes import ALONE, FEW
 from ..boundary import Sampled
 from ..engine import LiquidSetup
 from .samples import Samples, stays
@@ -175,9 +175,9 @@ class Coupling:
         self._work, self._x, self._volume, self._n = work, x, volume, n
         self.pairs.start, self.pairs.touched = w.start, w.touched
         if self.count:
-            run("count_pairs", kernels.count_pairs, n, [x, self.fixed.arranged, self.moving.arranged, h, w.touched])()
+            run("count_pairs", kernels.count_pairs, n, [x, self.fixed.arranged, self.moving.arranged, h, w.touched], block=FEW)()
             warp().utils.array_scan(w.touched[:n], w.start[:n], inclusive=False)
-            run("sum_pairs", kernels.sum_pairs, 1, [n, w.start, w.touched, w.most])()
+            run("sum_pairs", kernels.sum_pairs, 1, [n, w.start, w.touched, w.most], block=FEW)()
 
     def meet(self, work: Work, lift: Any, surfaces: Any, h: float) -> None:
         """Find the pairs, add the bodies to fill and gradients, and finish the diagonal of the solves."""
@@ -192,8 +192,8 @@ class Coupling:
             self.pairs.start, self.pairs.touched = w.start, w.touched
         if self.total:
             inputs = [x, fixed, moving, self.bodies, surfaces, self.setup.spacing, h, lift, self.pairs, w.fill, w.lean]
-            run("fill_pairs", kernels.fill_pairs, n, inputs)()
-            run("list_pairs", kernels.list_pairs, self.total, [self.pairs, self.key, self.order])()
+            run("fill_pairs", kernels.fill_pairs, n, inputs, block=FEW)()
+            run("list_pairs", kernels.list_pairs, self.total, [self.pairs, self.key, self.order], block=FEW)()
             wp.utils.radix_sort_pairs(self.key, self.order, self.total)
             self.spans.zero_()
             run("pair_spans", grid_kernels.spans, self.total, [self.total, self.key, self.spans])()

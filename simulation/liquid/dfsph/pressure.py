@@ -108,9 +108,9 @@ class PressureSolves:
             from . import solve_gpu_kernels as swift
 
             sums = -(-count // swift.WARP)
-            threads, a = swift.WARP * sums, w.swift
-            accelerate = passes("accelerate", swift.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, a])
-            relax = passes(name + "relax", swift.relax, threads, [count, threads, a, w.lean, *w.lists, *bounds, *ends])
+            accelerate = passes("accelerate", swift.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, w.swift])
+            inputs = [count, w.swift, w.lean, *w.lists, *bounds, *ends]
+            relax = passes(name + "relax", swift.relax, swift.WARP * sums, inputs)
         return [
             accelerate,
             *reaction,

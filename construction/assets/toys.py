@@ -19,6 +19,8 @@ __all__ = ["GENERATORS"]
 
 GAP = 1.01e-3
 """[m] Between bodies."""
+CLEAR = 1e-6
+"""[m] Between a surface and what is drawn onto it, beyond rounding to single precision."""
 WOODS = ("maple", "cherry_wood", "walnut", "beech", "mahogany", "oak", "white_pine", "teak")
 
 
@@ -48,7 +50,7 @@ def _dominoes(p: DominoesParameters, rng: np.random.Generator) -> Made:
         x, y = q - middle
         body.add("stone", _box(thick, wide, high), (x, y, high / 2), euler=(0, 0, turn))
         c, s = math.cos(turn), math.sin(turn)
-        front = -thick / 2 - 0.0001
+        front = -thick / 2 - 0.0001 - CLEAR
         body.add(
             "line",
             _box(0.0002, 0.9 * wide, 0.02 * high),
@@ -220,7 +222,7 @@ def _dice(p: DiceParameters, rng: np.random.Generator) -> Made:
             u = np.array([0.0, 0, 1]) if z == 0 else np.array([1.0, 0, 0])
             v = np.cross(normal, u)
             for k, (a, b) in enumerate(PIPS[value], start=1):
-                middle = 0.24 * side * (a * u + b * v) + 0.5 * side * normal
+                middle = 0.24 * side * (a * u + b * v) + (0.5 * side + CLEAR) * normal
                 foot, head = moved([middle, middle + 0.0002 * normal], place, turn)
                 body.cylinder(f"pip_{value}_{k}", foot, head, 0.09 * side, material=p.pips)
                 drawn(body, f"pip_{value}_{k}")

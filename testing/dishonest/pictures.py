@@ -102,7 +102,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("under water", PUSH, "claim:place:*|audit:claims", "water", marked="[Under water](place floor) a" + PUSH.marked[1:]),
         Case("in a forest", BOUNCE, "claim:place:*|audit:claims", "forest", marked="[In a forest](place floor) a" + BOUNCE.marked[1:]),
         Case("on the shelf, beside it", SHELF, "claim:place:*|audit:claims|relations:*", "shelf", marked=SHELF.marked.replace(" on a [shelf](thing shelf)", " [under a shelf](place shelf)"),),
-        Case("behind the cube", PASSING, says="reading: behind the cube", marked=PASSING.marked[:-1] + " [behind the cube](place cube)."),
+        Case("behind the cube", PASSING, "claim:place:*", "behind", marked=PASSING.marked[:-1] + " [behind the cube](place cube)."),
     ),
 }  # fmt: skip
 """By name."""

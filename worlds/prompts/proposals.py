@@ -30,7 +30,7 @@ STANCES = frozenset({"stand", "lie", "sit", "hang", "lean", "rest", "stay", "rem
 """Verbs that say how something is, not what happens: the stance verbs of Quirk et al. (1985), A Comprehensive Grammar of the English Language, 4.32, and
 their like. With a particle (`sits down`) they tell of an event."""
 _PLACE = re.compile(
-    r"\b(under|beneath|underneath|above|beside|next to|between|inside)(?= (?:the|an?|its|his|her|their|two|both)\b)",
+    r"\b(under|beneath|underneath|above|beside|next to|between|behind|in front of|inside)(?= (?:the|an?|its|his|her|their|two|both)\b)",
     re.IGNORECASE,
 )
 """Words of place that rows judge between two bodies at rest, where a thing follows; `on` and `in` stand by more verbs of motion than of place."""

@@ -4,7 +4,7 @@ What it is that stands there is found by the sentence: any thing claimed in it t
 the graph, each word must be one that their kinds entail, and their own bodies are measured; a region must hold the thing; a requirement must be
 of a predicate that entails the word, and hold. Of what *lies* somewhere only frames at which it is still count, of what *comes to rest* the last.
 
-*on*, *in*, *under*, *above*, *beside*, *between*, *edge*: see `standing.py`. *indoors*: what is still closes a ray upward, or three of four
+*on*, *in*, *under*, *above*, *beside*, *between*, *edge*: see `standing.py`; *against*, *behind*, *in front of*: `facing.py`. *indoors*: what is still closes a ray upward, or three of four
 level ones; *outdoors*: none closes the one upward.
 """
 
@@ -26,9 +26,10 @@ from ...rows.findings import Finding
 from ...shots.views import samples
 from .answers import Answer, finding_of
 from .bounds import WALLS
+from .placed import Place
 from .required import required
 from .rests import SENTENCE, rest_said, still_at
-from .standing import TESTS, Place
+from .standing import TESTS
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64
@@ -48,6 +49,9 @@ ENTAILED: dict[str, tuple[type, ...]] = {
     "above": (Supports, Contains, Adjacent, Interacts, Fastened),
     "edge": (Supports, Contains, Adjacent),
     "between": (Adjacent, Contains),
+    "against": (Adjacent, Interacts, Fastened, Supports),
+    "behind": (Adjacent,),
+    "front": (Adjacent,),
     "indoors": (Contains,),
     "outdoors": (Contains,),
 }
@@ -55,6 +59,8 @@ ENTAILED: dict[str, tuple[type, ...]] = {
 MUTUAL = (Adjacent, Interacts, Fastened)
 """Kinds of relation whose ends say nothing of who is where: the sentence does."""
 DOWNWARD = frozenset(("under",))
+MEASURED = frozenset(("under", "above", "edge", "against", "behind", "front"))
+"""Words that no kind of relation entails by itself: its bodies are measured."""
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
@@ -94,7 +100,7 @@ def _answer(candidate: Candidate, name: str, word: Word, relations: list[str], r
             kinds = " or ".join(k.__name__.lower() for k in ENTAILED[word.term])
             return Answer(word.text, False, f"{key!r} is {relation.kind}, {word.text!r} asks for {kinds}", 0.0, 1.0)
         ends = relation.a, relation.b
-        if word.term in ("under", "above", "edge") and all(e in spec.entities for e in ends):
+        if word.term in MEASURED and all(e in spec.entities for e in ends):
             if (word.term in DOWNWARD and isinstance(relation, Supports)) or (
                 isinstance(relation, MUTUAL) and relation.b in _behind(spec, name)
             ):

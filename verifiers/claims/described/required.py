@@ -1,6 +1,6 @@
 """Words of place that a requirement stands for: its predicate must entail the word, and hold of something of the sentence.
 
-*on*: `rests_on`. Any word: `reaches` and `stays_in`, whose region is the agent's reading of the word, as
+*on*: `rests_on`; *against*: `contact`. Any word: `reaches` and `stays_in`, whose region is the agent's reading of the word, as
 a region that a claim names itself. What only compares heights, or bounds a
 distance, says of no place where it is: what stands on a thing is as near to it as what stands beside.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ....worlds.predicates import Count, Not, Or, Reaches, RestsOn, StaysIn, describe_predicate, entities_of
+from ....worlds.predicates import Contact, Count, Not, Or, Reaches, RestsOn, StaysIn, describe_predicate, entities_of
 from ....worlds.spec import SpecModel
 from ...predicates.evaluators import evaluate
 from ...rows.findings import Finding
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["required"]
 
 ANY: tuple[type, ...] = (Reaches, StaysIn)
-ENTAILING: Mapping[str, tuple[type, ...]] = {"on": (RestsOn, *ANY)}
+ENTAILING: Mapping[str, tuple[type, ...]] = {"on": (RestsOn, *ANY), "against": (Contact, *ANY)}
 """Predicates that entail a word, where not regions alone."""
 
 

@@ -3,78 +3,28 @@
 - *on*: it touches the place, its centre is above the lowest point of that, and the place bears it from below, or nothing else does.
 - *in*: its centre lies in the convex hull of the place.
 - *under*, *above*: one of them is under the other as seen along gravity (`outlines.py`).
-- *beside*: they overlap in height, stand no farther apart than the larger is long, and neither is in, or under the other.
+- *beside*: they overlap in height, stand no farther apart than the geometric mean of their lengths, and neither is in, or under the other.
 - *between*: its centre projects between those of two places, nearer to their line than half their distance.
 - *edge*: it is within its own size of a side of the place's box, as seen from above.
+- *against*, *behind*, *in front of*: see `facing.py`.
 """
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...scene.bounds import SUPPORT_SLOPE
 from ...scene.surfaces import surfaces_of
-from .bounds import NEAR, TOUCHING
-from .outlines import Seen, frame_along, in_hull, is_under
+from .bounds import NEAR
+from .facing import against, behind, in_front
+from .outlines import in_hull
+from .placed import Place, apart
 
-if TYPE_CHECKING:
-    from ....worlds.arrays import F64
-    from ....worlds.candidate import Candidate
-
-__all__ = ["TESTS", "Place"]
-
-
-class Place:
-    """Bodies at a frame, turned so that the third axis points against gravity."""
-
-    def __init__(self, candidate: Candidate, grounds: list[str], frame: int) -> None:
-        self.candidate, self.frame = candidate, frame
-        self.grounds = [g for g in grounds if g in candidate.solids]
-        self.turn = frame_along(np.array(candidate.spec.simulation.gravity, dtype=np.float64))
-        self.slack = TOUCHING * candidate.spec.simulation.limits.contact_gap
-        self._seen: dict[str, Seen] = {}
-
-    def seen(self, body: str) -> Seen:
-        """Its triangles and centre."""
-        if body not in self._seen:
-            parts = self.candidate.entity(body).parts
-            corners = [self.candidate.surface(body, p.part, self.frame)[p.render.faces] for p in parts]
-            self._seen[body] = Seen(np.concatenate(corners) @ self.turn.T, self.turn @ self.candidate.center(body, self.frame))
-        return self._seen[body]
-
-    def box(self, body: str) -> F64:
-        """Least and greatest corner [m], shape (2, 3)."""
-        points = self.seen(body).triangles.reshape(-1, 3)
-        return np.stack([points.min(axis=0), points.max(axis=0)])
-
-    def center(self, body: str) -> F64:
-        """Centre of mass [m]."""
-        return self.seen(body).center
-
-    def touches(self, a: str, b: str) -> bool:
-        """True where their surfaces are as near as those that touch."""
-        return _apart(self.box(a), self.box(b)) <= self.slack and self.gap(a, b) <= self.slack
-
-    def gap(self, a: str, b: str, lifted: float = 0.0) -> float:
-        """Distance of their surfaces [m], with the first lifted against gravity."""
-        offset = self.turn[2] * lifted if lifted else None
-        return surfaces_of(self.candidate).gap(a, b, self.frame, offset=offset).distance
-
-    def bears(self, below: str, above: str) -> bool:
-        """True where a body that touches another stands in the way of its falling: lifted, that parts from it.
-
-        The least rise of their distance per lift is that of checks of support (`SUPPORT_SLOPE`).
-        """
-        return self.gap(above, below, self.slack) - self.gap(above, below) >= SUPPORT_SLOPE * self.slack
-
-    def under(self, lower: str, upper: str) -> bool:
-        """True where one body lies under another as seen along gravity."""
-        return is_under(self.seen(lower), self.seen(upper), self.slack)
+__all__ = ["TESTS"]
 
 
 def _on(place: Place, thing: str) -> bool:
@@ -99,10 +49,10 @@ def _beside(place: Place, thing: str) -> bool:
     for ground in place.grounds:
         box = place.box(ground)
         level = own[0, 2] <= box[1, 2] and box[0, 2] <= own[1, 2]
-        reach = NEAR * max(float(np.ptp(own, axis=0).max()), float(np.ptp(box, axis=0).max()))
+        reach = NEAR * math.sqrt(float(np.ptp(own, axis=0).max()) * float(np.ptp(box, axis=0).max()))
         if (
             level
-            and _apart(own, box) <= reach
+            and apart(own, box) <= reach
             and not (_in(place, thing) or place.under(thing, ground) or place.under(ground, thing))
         ):
             return True
@@ -125,14 +75,9 @@ def _edge(place: Place, thing: str) -> bool:
     reach = float(np.ptp(own, axis=0)[:2].max())
     for box in map(place.box, place.grounds):
         near = np.minimum(np.abs(center[:2] - box[0, :2]), np.abs(box[1, :2] - center[:2])).min() <= reach
-        if near and _apart(own, box) <= reach:
+        if near and apart(own, box) <= reach:
             return True
     return False
-
-
-def _apart(a: F64, b: F64) -> float:
-    """Distance of two boxes [m]; 0 where they meet."""
-    return float(np.linalg.norm(np.maximum(np.maximum(a[0] - b[1], b[0] - a[1]), 0.0)))
 
 
 TESTS: dict[str, Callable[[Place, str], bool]] = {
@@ -143,5 +88,8 @@ TESTS: dict[str, Callable[[Place, str], bool]] = {
     "beside": _beside,
     "between": _between,
     "edge": _edge,
+    "against": against,
+    "behind": behind,
+    "front": in_front,
 }
 """Rules of words about a thing at a frame."""

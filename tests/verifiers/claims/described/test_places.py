@@ -250,3 +250,73 @@ def test_a_tall_post_is_no_plate(tmp_path: Path) -> None:
     post = entity(Cylinder(radius=0.05, height=1.0), at=(0, 0, 1.5))
     for at, status in (((0, 0, 0.01), "pass"), ((0, -0.15, 0.01), "fail")):
         assert standing(tmp_path / status, "under", small(*at), post).status == status
+
+
+# ---------------------------------------------------------------- against, behind, in front of
+
+WALL = box(3.0, 0.1, 2.0, at=(0, 0, 1.0))
+CRATE = (0.2, 0.2, 0.2)
+
+
+@pytest.mark.parametrize(
+    ("thing", "ok"),
+    [
+        (box(*CRATE, at=(0, -0.151, 0.1)), True),
+        (box(*CRATE, at=(1.2, 0.152, 0.1)), True),
+        (box(*CRATE, at=(0, -0.2, 0.1)), False),
+        (box(*CRATE, at=(0, 0, 2.101)), False),
+    ],
+    ids=["before it", "at its other side", "5 cm away", "on top"],
+)
+def test_against_a_wall_is_what_touches_its_side(tmp_path: Path, thing: Entity, ok: bool) -> None:
+    assert (standing(tmp_path, "against", thing, WALL).status == "pass") is ok
+
+
+@pytest.mark.parametrize(
+    ("at", "behind", "front"),
+    [
+        ((0.0, 1.0, 0.1), True, False),
+        ((0.6, 8.0, 0.1), True, False),
+        ((0.0, -1.0, 0.1), False, True),
+        ((3.0, 1.0, 0.1), False, False),
+        ((0.0, 0.0, 2.5), False, False),
+        ((0.0, -5.0, 0.1), False, False),
+    ],
+    ids=["behind", "far behind", "before", "aside", "over it", "behind the camera"],
+)
+def test_behind_and_in_front_are_as_the_camera_sees_it(
+    tmp_path: Path, at: tuple[float, float, float], behind: bool, front: bool
+) -> None:
+    """The camera stands 4 m south of the place."""
+    place = box(0.8, 0.1, 2.0, at=(0, 0, 1.0))
+    for word, ok in (("behind", behind), ("in front of", front)):
+        row = standing(tmp_path / word, word, box(*CRATE, at=at), place)
+        assert (row.status == "pass") is ok, (word, row.evidence)
+
+
+def test_an_asset_has_a_front_of_its_own(tmp_path: Path) -> None:
+    """A bookcase that is turned away from the camera: what stands at its boards is in front of it, and behind it for the camera."""
+    document = BOOKCASE.model_dump(exclude_none=True)
+    document["pose"]["quaternion"] = (0.0, 0.0, 0.0, 1.0)
+    place = Entity.model_validate({**document, "asset": {"generator": "bookcase"}})
+    for y, words in ((1.0, ("in front of", "behind")), (-1.0, ("behind", "in front of"))):
+        for word in words:
+            assert standing(tmp_path / f"{word}{y}", word, box(*CRATE, at=(0, y, 0.1)), place).status == "pass"
+    aside = box(*CRATE, at=(1.5, 0, 0.1))
+    assert standing(tmp_path / "aside", "behind", aside, place).status == "fail"
+    assert standing(tmp_path / "without", "in front of", box(*CRATE, at=(0, 1.0, 0.1)), BOOKCASE).status == "fail"
+
+
+@pytest.mark.parametrize(
+    ("thing", "ok"),
+    [
+        (small(0, -0.3, 0.01), True),
+        (small(0, -1.0, 0.01), False),
+        (box(0.5, 0.5, 0.9, at=(0, -1.2, 0.45)), True),
+        (box(0.5, 0.5, 0.9, at=(0, -1.9, 0.45)), False),
+    ],
+    ids=["marble near", "marble a metre away", "chair near", "chair far"],
+)
+def test_beside_reaches_as_far_as_both_are_long_together(tmp_path: Path, thing: Entity, ok: bool) -> None:
+    """A bookcase 1.8 m high and 0.3 m deep: 0.19 m for a marble, 1.3 m for a chair."""
+    assert (standing(tmp_path, "beside", thing, BOOKCASE).status == "pass") is ok

@@ -65,7 +65,7 @@ class Pass:
         slices: int = SLICES,
         block: int = BLOCK,
     ) -> None:
-        self._block = {} if device == "cpu" else {"block_dim": block}
+        self._block: dict[str, Any] = {} if device == "cpu" else {"block_dim": block}
         load(kernel, device, **self._block)
         self.kernel, self.device, self.smallest, self.slices = kernel, device, smallest, slices
         self.name = str(kernel.key)

@@ -75,7 +75,7 @@ class PressureSolves:
         warp().copy(w.ended[int(density)], w.settings)
 
     def ended(self, w: Work) -> list[Solved]:
-        """How the velocity and the density solve of this step ended; the next ones begin with what they found."""
+        """The ends of the velocity and the density solve of this step; the next ones begin with what they found."""
         rows = w.ended.numpy()
         self.relaxation = [min(RELAXATION, RECOVERY * float(found[Slot.OMEGA])) for found in rows]
         return [Solved(int(found[Slot.DONE]), float(found[Slot.ERROR]), found[Slot.MET] == 0.0) for found in rows]

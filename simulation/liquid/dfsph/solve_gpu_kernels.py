@@ -27,8 +27,7 @@ LIST = """
     #define Y(b) (float)((w[b].y << 14) >> 18)
     #define Z(b) (float)(w[b].y >> 18)
 """
-"""How a loop reads four neighbours of a packed list (`list_kernels.py`) while it works on the last four; what is beyond its end weighs
-nothing."""
+"""Four neighbours of a packed list (`list_kernels.py`), read while a loop works on the last four; what is beyond its end weighs nothing."""
 END = """
     #undef LOAD
     #undef INDEX

@@ -68,9 +68,9 @@ class Noise(NamedTuple):
     """Noise of a kind of predicate that depends on the specification."""
 
     bounds: Callable[[Any, Mapping[str, Any], str], Iterator[tuple[str, float, str]]]
-    """Of a specification, a predicate as JSON and a subject: bounds that noise alone would meet, as field, the least that is taken, and why."""
+    """Bounds that noise alone would meet, as field, the least that is taken, and why; of a specification, a predicate as JSON and a subject."""
     least: Callable[[Any, str, str], tuple[float, str, str] | None]
-    """Of a specification, a kind and an entity: the least difference that may be asked for, its unit, and the rule in words."""
+    """Least difference that may be asked for, its unit, and the rule in words; of a specification, a kind and an entity."""
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ...predicate_base import Noise
 from .models import GasPhysics
-
-if TYPE_CHECKING:
-    from ...spec import WorldSpec
 
 __all__ = ["GAS_NOISE", "Least", "gas_bounds", "least_of_gas"]
 
@@ -31,7 +28,7 @@ class Least(NamedTuple):
     how: str
 
 
-def least_of_gas(spec: WorldSpec, kind: str, entity: str) -> Least | None:
+def least_of_gas(spec: Any, kind: str, entity: str) -> Least | None:
     """Least difference that a predicate about a gas may ask for; None where the specification has no such gas."""
     known = spec.entities.get(entity)
     if known is None or not isinstance(known.physics, GasPhysics):
@@ -48,7 +45,7 @@ def least_of_gas(spec: WorldSpec, kind: str, entity: str) -> Least | None:
     }[kind]
 
 
-def gas_bounds(spec: WorldSpec, predicate: Mapping[str, Any], subject: str) -> Iterator[tuple[str, float, str]]:
+def gas_bounds(spec: Any, predicate: Mapping[str, Any], subject: str) -> Iterator[tuple[str, float, str]]:
     """Bounds of a predicate that noise alone would meet: field, the least that is taken, and the sentence why."""
     kind, entity = predicate["kind"], predicate.get("entity", subject)
     least = least_of_gas(spec, kind, entity)
@@ -68,7 +65,7 @@ def gas_bounds(spec: WorldSpec, predicate: Mapping[str, Any], subject: str) -> I
         yield "max", full - least.value, f"{kind} with max {value:g}{unit} is within noise; ask for {asked}"
 
 
-def _still_air(spec: WorldSpec, entity: str) -> float:
+def _still_air(spec: Any, entity: str) -> float:
     """Temperature of the air around a gas [K]."""
     found = (s.settings.ambient_temperature for s in spec.simulation.gas.values() if entity in s.members)
     return next(found, 293.15)

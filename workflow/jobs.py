@@ -153,7 +153,7 @@ def review(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Have the bake read by the model that the server's owner named; without one, write what a reader needs."""
     from .review.conduct import read_world
 
-    work = open_work(payload)
+    work = open_work(payload, present="the review")
     if payload.get("ask", True):
         plates_of(work, context)
     context.progress(LOOKING, 1, "account, pictures, and the reader's answers")
@@ -179,7 +179,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .review.verdict import reviewed
     from .siblings import easier_beside
 
-    work = open_work(payload)
+    work = open_work(payload, present="the acceptance")
     session, freeze, built = work
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
@@ -190,7 +190,9 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         progress = Part(context.progress, LOOKING, JUDGED)
         record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=progress, waiting=waiting)
     if record["spec_digest"] != spec_digest(session.spec):
-        raise RefusedError("the world was edited before it was judged; call run_checks(scope='acceptance') again")
+        raise RefusedError(
+            f"the world was edited while revision {session.revision} was to be judged; call run_checks(scope='acceptance') again"
+        )
     rows = reviewed(session, built, freeze, record)
     weakenings = [w for w in session.ledger.weakenings() if w["revision"] <= session.revision]
     beside = easier_beside(session.folder.root.parent, session.folder.id, session.spec)
@@ -244,7 +246,7 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..rendering import render_sequence, write_video
     from .plates import require_seen
 
-    work = open_work(payload)
+    work = open_work(payload, present="the film")
     session, freeze = work.session, work.freeze
     accepted = require_acceptance(session, freeze)
     candidate = work.candidate("full")

@@ -19,6 +19,7 @@ from .joint_repairs import said_of
 from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, line, ranked
 from .session import Session
+from .standing import is_about_present
 from .table_entries import entry_of
 
 __all__ = [
@@ -151,7 +152,8 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
         "last_verdict": None if latest is None else {k: latest[k] for k in ("verdict", "revision")} | {"says": says},
         "jobs_running": jobs,
     }
-    accepted = latest is not None and latest["verdict"] in ("accepted", ABLATED) and latest["revision"] == session.revision
+    about = latest is not None and is_about_present(session.ledger, latest["revision"])
+    accepted = about and latest is not None and latest["verdict"] in ("accepted", ABLATED)
     if jobs:
         then = call("job", action="wait", job_id=jobs[0])
     elif accepted and not left:
@@ -372,12 +374,17 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     kinds = {"report": "html", **({"bundle": "zip"} if latest["verdict"] == "accepted" else {})}
     files = {name: session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for name, kind in kinds.items()}
     data |= {name: session.folder.relative(path) for name, path in files.items() if path.is_file()}
-    current = latest["revision"] == session.revision
+    current = is_about_present(session.ledger, latest["revision"])
     then = (
         call("render_shot", world=world, kind="final")
         if latest["verdict"] == "accepted" and current
         else call("inspect_world", world=world)
     )
     warnings = [] if current else [f"the world is at revision {session.revision} now: this verdict is not about it"]
+    if current and latest["revision"] != session.revision:
+        warnings = [
+            f"the world is at revision {session.revision} now, which differs from revision {latest['revision']} in its light or the format of its "
+            "pictures at most: the verdict stands, and the film asks the rows about light anew before its first frame"
+        ]
     text = f"{says}: revision {latest['revision']}, {len(record.get('approximations') or [])} approximations"
     return answer(data, text, _on(world, "acceptance", place, then), warnings)

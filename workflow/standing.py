@@ -15,7 +15,7 @@ from ..worlds.provenance import recipes
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 
-__all__ = ["STAGES", "Standing", "Step", "film_of", "standing"]
+__all__ = ["STAGES", "Standing", "Step", "film_of", "is_about_present", "standing"]
 
 StageName = Literal["specified", "audited", "probed", "frozen", "baked", "accepted", "rendered"]
 State = Literal["done", "failed", "stale", "missing"]
@@ -85,6 +85,15 @@ def standing(folder: WorldFolder, ledger: Ledger, rows: Sequence[Row] | None = N
     baked = _baked(folder, ledger, freeze, frozen.note)
     accepted, judged = _accepted(ledger, same, baked)
     return Standing((specified, audited, probed, frozen, baked, accepted, _rendered(folder, ledger, same, accepted, judged)))
+
+
+def is_about_present(ledger: Ledger, judged: int, revision: int | None = None) -> bool:
+    """True if an acceptance at one revision is about another too, by default the present one.
+
+    This is the one question that the film's gate, the standing of a world and `inspect_world` ask of its last acceptance.
+    """
+    now = ledger.revision_spec(ledger.revision() if revision is None else revision)
+    return now is not None and _Sameness(ledger, now[0])("acceptance", judged)
 
 
 def film_of(folder: WorldFolder) -> Path | None:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from ..worlds.documents import document_of
 from ..worlds.groups import GROUPS, group_of
+from ..worlds.kinds_said import role_weakenings, said_of
 from ..worlds.ledger import Ledger
 from ..worlds.patch import differences, weakenings
 from ..worlds.provenance import stale_artifacts
@@ -86,6 +87,7 @@ class Change:
         self.undone = self._undone() if self.causal else []
         self.failing = [r for r in ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
         self.weaker = weakenings(self.world.spec, self.after, judged_on(self.failing))
+        self.weaker += role_weakenings(self.world.spec, self.after, said_of(self.failing))
         told = self._version_objections()
         unseen = unjudged(ledger)
         if self.weaker and (unseen or ledger.ever_failed()) and len(self.reason.strip()) < 15:

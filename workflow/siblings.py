@@ -10,10 +10,12 @@ from typing import NamedTuple
 from ..worlds.by_claim import easier_by_claim
 from ..worlds.errors import EvidenceError, WorldAgentError
 from ..worlds.folder import WorldFolder, world_ids
+from ..worlds.kinds_said import said_of
 from ..worlds.ledger import Ledger
 from ..worlds.likeness import likeness
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec
+from .repair_rules import failed
 
 __all__ = ["easier_beside", "started_anew"]
 
@@ -75,8 +77,8 @@ def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
     found = []
     for sibling in siblings[:MOST_COMPARED]:
         try:
-            revision, failed = _as_it_failed(sibling.ledger)
-            lines = easier_by_claim(failed, spec)
+            revision, before = _as_it_failed(sibling.ledger)
+            lines = easier_by_claim(before, spec, _said_of(sibling.ledger))
         except (WorldAgentError, ValueError):  # what cannot be read as a world either
             found.append(f"not compared with world {sibling.world}: its ledger is damaged")
             continue
@@ -87,6 +89,11 @@ def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
     if len(siblings) > MOST_COMPARED:
         found.append(f"not compared with {len(siblings) - MOST_COMPARED} further worlds whose rows failed")
     return found
+
+
+def _said_of(ledger: Ledger | None) -> set[str]:
+    """Entities of a world on which a row failed, as it was judged last, that their roles ask."""
+    return set() if ledger is None else said_of(r for r in ledger.rows() if r.mandatory and failed(r))
 
 
 def _as_it_failed(ledger: Ledger | None) -> tuple[int, WorldSpec]:

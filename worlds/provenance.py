@@ -15,6 +15,7 @@ from typing import Any
 from .canonical import Encoded, digest_of
 from .categories.registry import CATEGORIES
 from .documents import document_of, kept_of_latest
+from .kinds_said import ASKED_BY_ROLE
 from .requirements import Row
 from .slices import geometry_slice, motion_slice
 from .spec import Fastened, WorldSpec
@@ -150,8 +151,6 @@ SEEN = "shots:seen"
 """Question of the rows about what beats are about, in the light of the film."""
 LIT = frozenset((SEEN, "claim:property:colour", "claim:time", "claim:weather"))
 """Questions that the look of a world decides: the only ones of a verdict."""
-_BY_ROLE = frozenset(("navigability:joint",))
-"""Questions beyond those at frame 0 that are asked by what the role of an entity says it is."""
 _SCENE_CHECKS = ("navigability", "shots")
 """Checks that look at the whole scene even at frame 0: anything may stand in the way."""
 _BY_ARTIFACT = {
@@ -181,7 +180,7 @@ def stale_rows(rows: list[Row], stages: Mapping[str, str], stale: list[str]) -> 
         wanted = {f"static:{e}" for e in row.entities} if row.check in _STATIC_CHECKS or stages.get(row.id) == "static" else set()
         if stages.get(row.id) != "static" or row.check in _SCENE_CHECKS:
             wanted |= set(_BY_ARTIFACT.get(row.check, ()))
-        if row.question in _BY_ROLE:
+        if row.question in ASKED_BY_ROLE:
             wanted |= {f"static:{e}" for e in row.entities}
         if row.question in LIT:
             wanted.add("seen")

@@ -194,7 +194,7 @@ def test_two_clients_that_build_at_once_do_not_disturb_each_other(accepted: Any,
 
 @pytest.mark.parametrize(
     ("pointer", "value", "rows"),
-    [("/entities/b1/role", "dining table", {"scale:size:b1"}), ("/title", "Another title", set())],
+    [("/entities/b1/role", "dining table", {"scale:b1"}), ("/title", "Another title", set())],
     ids=["a role", "a title"],
 )
 def test_words_that_change_after_acceptance_close_the_film_as_inspect_says(

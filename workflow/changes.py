@@ -10,6 +10,7 @@ from ..worlds.documents import document_of
 from ..worlds.groups import GROUPS, group_of
 from ..worlds.kinds_said import role_weakenings, said_of
 from ..worlds.ledger import Ledger
+from ..worlds.looks import RAN
 from ..worlds.patch import differences, weakenings
 from ..worlds.provenance import stale_artifacts
 from ..worlds.requirements import Row
@@ -219,6 +220,12 @@ def unjudged(ledger: Ledger, *, untested: bool = False) -> str:
     if not looks:
         return ""
     latest = looks[-1]
+    if latest["stage"].endswith(RAN):
+        run = {"full": "bake"}.get(stage := latest["stage"].removesuffix(RAN), stage)
+        return (
+            f"the {run} {latest['freeze'][:16]} (revision {latest['revision']}) ran to frame {latest['last']} and was not judged: it was ended "
+            "before, or goes on; what its frames show counts as evidence"
+        )
     if latest["stage"] == "sketch":
         seen = "rows failed in, or frames were looked at without a verdict of,"
         return f"{seen} a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"

@@ -106,19 +106,21 @@ def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
     if found is None or found["verdict"] != (ABLATED if ablation() else "accepted"):
         raise RefusedError(f"{_NOT_ACCEPTED}; {_ACCEPT} and mend what it returns")
     if not is_about_present(session.ledger, found["revision"], session.revision):
-        raise RefusedError(f"{_NOT_ACCEPTED}: the last acceptance is about revision {found['revision']}{_edited_since(session, found)}; {_ACCEPT}")
+        raise RefusedError(
+            f"{_NOT_ACCEPTED}: the last acceptance is about revision {found['revision']}{_edited_since(session, found)}; {_ACCEPT}"
+        )
     candidate = open_candidate(session.folder, freeze, "full") if session.ledger.bake(freeze) is not None else None
     if candidate is None or (found["freeze"], found["record"].get("cache_digest")) != (freeze, candidate.digest):
-        raise RefusedError(f"{_NOT_ACCEPTED}: the last acceptance is about other frames than those of the present bake; {_ACCEPT}")
+        raise RefusedError(
+            f"{_NOT_ACCEPTED}: the last acceptance is about other frames than those of the present bake; {_ACCEPT}"
+        )
     rows = [Row.model_validate(r) for r in found["record"]["rows"]]
     left = list(dict.fromkeys([*unmet(session.spec, rows), *open_in_matrix(session.ledger.rows(), session.ledger.stages())]))
     if left:
         more = f"\n  and {len(left) - _NAMED} more" if len(left) > _NAMED else ""
         raise RefusedError(
             f"{_NOT_ACCEPTED}: the ledger says so, but {len(left)} of the rows that it rests on are open or missing, "
-            f"and none may be; {_ACCEPT} and mend what it returns:\n"
-            + "\n".join(f"  {text}" for text in left[:_NAMED])
-            + more
+            f"and none may be; {_ACCEPT} and mend what it returns:\n" + "\n".join(f"  {text}" for text in left[:_NAMED]) + more
         )
     return found
 

@@ -17,6 +17,7 @@ from .landscapes import terrain
 from .pictures import film_sheet, motion_sheet
 from .probes import judge_probe, probe, probe_candidate
 from .rows import summary
+from .running import Running
 from .session import Session
 from .sketches import sketch
 from .work import Work, first_true_frames, open_work, with_variants
@@ -92,8 +93,12 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
     split = 1.0 - judging_share(session.spec, "full")
     part = Part(context.progress, 0.0, split, alike=stretch_count(session.spec))
+    running = Running(work, "full", judged=int(record["detail"]["rows"]["last"]))
     probe, began = None if forged else _same_probe(work, record["detail"]), time.monotonic()
-    candidate = run_bake(session.folder, freeze, built=built, progress=part, check=context.check, reuse=not forged, probe=probe)
+    with running.until_cancelled():
+        candidate = run_bake(
+            session.folder, freeze, built=built, progress=part, check=running.noting(context.check), reuse=not forged, probe=probe
+        )
     seconds = round(time.monotonic() - began, 2)
     rows = run_checks(candidate, plates=False, progress=Part(context.progress, split, 1.0))
     promised, found = record["detail"]["events"], first_true_frames(candidate)

@@ -15,6 +15,7 @@ from .joint_repairs import said_by
 from .live_judge import DECISIVE, LiveJudge
 from .pictures import motion_sheet
 from .rows import summary
+from .running import Running
 from .work import Work, first_true_frames, open_work, with_variants
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class _Attended:
 
     def __init__(self, context: JobContext, work: Work, judge: LiveJudge, *, stop: bool) -> None:
         self._context, self._work, self._judge, self._stop = context, work, judge, stop
+        self._running = Running(work, "probe")
         self.failing: dict[str, Row] = {}
         self._began: tuple[float, float] | None = None
         self._left = 0.0
@@ -56,6 +58,7 @@ class _Attended:
         now = time.monotonic()
         if self._began is None:  # not before: frames of a probe with other settings may have stood there
             self._judge.watch(self._work.freeze)
+        self._running.note()
         first, since = self._began = self._began or (done, now)
         pace = (now - since) / (done - first) if done > first else 0.0
         self._left = (total - done) * pace
@@ -71,15 +74,25 @@ class _Attended:
             _StoppedError: a row fails, and the run would take long yet.
         """
         self._context.check()
+        self._take()
+        if self._stop and self.failing and self._left > WORTH_STOPPING_S:
+            raise _StoppedError
+
+    def _take(self) -> None:
+        """Record the rows that the judge has found to fail."""
         fresh = [row for row in self._judge.news() if row.id not in self.failing]
         if fresh:
             self.failing |= {row.id: row for row in fresh}
             self._work.session.record(fresh, stage="probe")  # so that a kill leaves it on record
-        if self._stop and self.failing and self._left > WORTH_STOPPING_S:
-            raise _StoppedError
 
     def settle(self) -> None:
-        """Close the test of the changes that this run was for with what is known, where it is ended from outside."""
+        """Close the test of the changes that this run was for with what is known, where it is ended from outside.
+
+        Its frames stay on record as a motion that ran unjudged: what more checks would say of them is evidence too.
+        """
+        if self._began is not None:
+            self._running.note(now=True)
+        self._take()
         if self.failing:
             rows = list(self.failing.values())
             session = self._work.session

@@ -25,7 +25,18 @@ def test_moving_one_block_leaves_what_does_not_depend_on_it(accepted: Any) -> No
     folder = accepted.workspace / "w"
     built, caches = _files(folder / "built"), _files(folder / "candidates")
     data = accepted.edit(("/entities/b3/pose/position/0", 0.2047))
-    assert set(data["stale"]) == {"acceptance", "category", "claims", "contact", "final", "motion", "seen", "shots", "static:b3", "story"}
+    assert set(data["stale"]) == {
+        "acceptance",
+        "category",
+        "claims",
+        "contact",
+        "final",
+        "motion",
+        "seen",
+        "shots",
+        "static:b3",
+        "story",
+    }
     stale = _stale(accepted)
     kept = {r.id for r in Ledger(folder / "ledger.sqlite").rows()} - stale
     assert {"scale:ball", "scale:b1", "interpenetration:b1:b2"} <= kept

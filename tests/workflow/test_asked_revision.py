@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from worldagent.construction import build_world, built_paths
+from worldagent.construction import build_world
 from worldagent.execution import Job, run_inline
-from worldagent.simulation.freeze import freeze_hash, open_freeze
+from worldagent.simulation.freeze import freeze_hash
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.workflow.session import Session
 from worldagent.workflow.standing import standing

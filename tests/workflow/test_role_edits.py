@@ -34,7 +34,9 @@ def test_renaming_a_thing_of_a_failed_kind_needs_a_reason_that_is_kept(tmp_path:
     session = _made(tmp_path, "dining table")
     rows = {r.id: r.status for r in session.ledger.rows()}
     assert rows["scale:kind:b1"] == "fail"
-    with pytest.raises(RefusedError, match=r"/entities/b1/role 'dining table' -> 'block', by which a failing row was asked.*weakening_reason"):
+    with pytest.raises(
+        RefusedError, match=r"/entities/b1/role 'dining table' -> 'block', by which a failing row was asked.*weakening_reason"
+    ):
         _role(session, "block")
     assert _role(session, "block", weakening_reason=REASON)["weakenings_recorded"]
     (told,) = session.ledger.weakenings()

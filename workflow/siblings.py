@@ -12,7 +12,7 @@ from ..worlds.errors import EvidenceError, WorldAgentError
 from ..worlds.folder import WorldFolder, world_ids
 from ..worlds.kinds_said import said_of
 from ..worlds.ledger import Ledger
-from ..worlds.likeness import likeness
+from ..worlds.likeness import ALIKE, likeness
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec
 from .repair_rules import failed
@@ -64,7 +64,9 @@ def started_anew(workspace: Path, world: str, prompt: str) -> list[str]:
         for s in _failed(workspace, world, prompt)
     }
     exact = all(alike == 1.0 for alike in failed.values())
-    prompt_text = "this prompt" if exact else f"a prompt that is at least {100 * min(failed.values()):.0f} % the same"
+    least = min(failed.values(), default=0.0)
+    near = f"a prompt that is at least {100 * least:.0f} % the same" if least >= ALIKE else "a prompt that stands in this one, or holds it"
+    prompt_text = "this prompt" if exact else near
     if len(failed) <= 1:
         return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]
     names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext, Part
@@ -24,6 +24,7 @@ from .work import Work, first_true_frames, open_work, with_variants
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Row
 
 __all__ = ["accept", "bake", "check", "final", "interior", "probe", "review", "sketch", "terrain"]
 
@@ -205,6 +206,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     with session.ledger.together():
         remember_refuted(session.ledger, record)
         session.record(rows, stage="full")
+        record |= {"not_counted": _beside(session, rows)}
     # The ledger keeps verdicts; contact events are in the caches.
     kept = {k: v for k, v in record.items() if k != "events"}
     session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], kept)
@@ -217,6 +219,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         **unusual_told(record),
         "freeze": freeze[:16],
         **summary(rows),
+        "not_counted": record["not_counted"],
         "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),
         **prompt_told(record),
         "read_by": record["read_by"],
@@ -226,6 +229,15 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "approximations": record["approximations"][:20],
         **proof,
     }
+
+
+def _beside(session: Session, rows: Sequence[Row]) -> list[str]:
+    """Rows of the matrix that an acceptance does not judge, as ids.
+
+    What compares the bake with its probe (`promises.py`) is one: a fresh process reads no probe. It opens or closes gates all the same.
+    """
+    judged = {r.id for r in rows}
+    return [r.id for r in session.ledger.rows() if r.id not in judged]
 
 
 def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:

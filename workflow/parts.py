@@ -359,7 +359,7 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     if latest is None:
         return answer({"acceptance": None}, "never judged", call("run_checks", world=world, scope="acceptance"))
     record = latest["record"]
-    keys = ("verdict", "clauses", "weakenings", "easier_beside", "versions", "spec_digest", "cache_digest", "seed")
+    keys = ("verdict", "clauses", "weakenings", "easier_beside", "not_counted", "versions", "spec_digest", "cache_digest", "seed")
     listed, place = paged(record.get("approximations") or [], offset, limit, room=3000)
     says, judged = verdict_words(record), prompt_told(record) if "prompt" in record else {}
     told = {

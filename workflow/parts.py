@@ -17,7 +17,7 @@ from ..worlds.verdicts import asked_words, prompt_told, unusual_told, verdict_wo
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
 from .joint_repairs import said_of
 from .outdoor import to_build
-from .rows import Detail, brief, concise, counts, line, ranked
+from .rows import Detail, brief, concise, counts, ranked, why_line
 from .session import Session
 from .standing import is_about_present
 from .table_entries import entry_of
@@ -242,7 +242,7 @@ def matrix(session: Session, status: str | None, detail: Detail, *, offset: int,
     if detail != "full":
         items = []
         for row in full:
-            items.append(concise(row, world) if row["status"] in OPEN and room > 0 else line(row))
+            items.append(concise(row, world) if row["status"] in OPEN and room > 0 else why_line(row))
             room -= size_of(items[-1])
     page, place = paged(items, offset, limit, room=PAGE_CHARACTERS if detail == "concise" else 2 * PAGE_CHARACTERS)
     first = next((r["id"] for r in page if r["status"] in OPEN), None)

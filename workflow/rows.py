@@ -8,7 +8,20 @@ from typing import Any, Literal, get_args
 
 from ..worlds.requirements import Check, Row
 
-__all__ = ["Detail", "Listed", "brief", "concise", "counts", "line", "news", "open_rows", "ranked", "shaped", "summary", "why_line"]
+__all__ = [
+    "Detail",
+    "Listed",
+    "brief",
+    "concise",
+    "counts",
+    "line",
+    "news",
+    "open_rows",
+    "ranked",
+    "shaped",
+    "summary",
+    "why_line",
+]
 
 Detail = Literal["concise", "full"]
 Listed = dict[str, Any]

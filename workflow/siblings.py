@@ -65,7 +65,11 @@ def started_anew(workspace: Path, world: str, prompt: str) -> list[str]:
     }
     exact = all(alike == 1.0 for alike in failed.values())
     least = min(failed.values(), default=0.0)
-    near = f"a prompt that is at least {100 * least:.0f} % the same" if least >= ALIKE else "a prompt that stands in this one, or holds it"
+    near = (
+        f"a prompt that is at least {100 * least:.0f} % the same"
+        if least >= ALIKE
+        else "a prompt that stands in this one, or holds it"
+    )
     prompt_text = "this prompt" if exact else near
     if len(failed) <= 1:
         return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]

@@ -35,7 +35,13 @@ def _lift(crate_at: list[float], on: str) -> dict[str, Any]:
     keys = {k: {"time": t, "pose": {"position": [0, 0, z]}} for k, (t, z) in path.items()}
     up: dict[str, Any] = {"text": "it lifts the crate", "owner": "rigid", "subject": "crate", "frames": [3, 27], "causes": ["go"],
                           "predicate": {"kind": "lifts", "entity": "lift", "other": "crate"}}  # fmt: skip
-    go = {"text": "the platform rises", "owner": "pp", "subject": "lift", "frames": [2, 20], "predicate": {"kind": "rises", "entity": "lift"}}
+    go = {
+        "text": "the platform rises",
+        "owner": "pp",
+        "subject": "lift",
+        "frames": [2, 20],
+        "predicate": {"kind": "rises", "entity": "lift"},
+    }
     return {
         "spec_version": "2",
         "prompt": "A platform rises from the floor, and it lifts a wooden crate.",
@@ -51,7 +57,9 @@ def _lift(crate_at: list[float], on: str) -> dict[str, Any]:
         "simulation": {
             "fps": 24,
             "frames": FRAMES,
-            "solvers": {"rigid": {"engine": "mujoco", "members": ["floor", "lift", "crate"], "settings": {"step": 0.0005, "skin": 0.0005}}},
+            "solvers": {
+                "rigid": {"engine": "mujoco", "members": ["floor", "lift", "crate"], "settings": {"step": 0.0005, "skin": 0.0005}}
+            },
             "drivers": {"pp": {"kind": "path", "entity": "lift", "keys": keys}},
         },
     }

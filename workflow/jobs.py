@@ -197,7 +197,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=progress, waiting=waiting)
     if record["spec_digest"] != spec_digest(session.spec):
         raise RefusedError(
-            f"the world was edited while revision {session.revision} was to be judged; call run_checks(scope='acceptance') again"
+            f"revision {session.revision} of the world was edited before it was judged; call run_checks(scope='acceptance') again"
         )
     rows = reviewed(session, built, freeze, record)
     weakenings = [w for w in session.ledger.weakenings() if w["revision"] <= session.revision]

@@ -231,7 +231,8 @@ def read_world(session: Session, candidate: Candidate, check: Callable[[], None]
     session.record(rows, stage="full", checks=("review",))
     reviews, reader = readers_of(session, found)
     known = session.ledger.acceptance()
-    about = known is not None and is_about_present(session.ledger, known["revision"], session.revision)
+    about = known is not None and known["record"].get("cache_digest") == candidate.digest
+    about = about and known is not None and is_about_present(session.ledger, known["revision"], session.revision)
     return {
         "scope": "review",
         "read_by": reader,

@@ -212,6 +212,24 @@ def _point_that_is_told(folder: Path, m: float, rng: RNG) -> World:
     return _at_a_point(folder, m, rng, afloat="a lamp that a spell keeps where it is")
 
 
+def _on_an_axis(folder: Path, m: float, rng: RNG, *culprits: str) -> World:
+    """A lump m above a post, on an upright hinge to the world whose anchor lies in the post."""
+    scene, high = Scene(rng), float(rng.uniform(0.2, 0.6))
+    scene.add("post", Box(size=(0.06, 0.06, high)), at=(0, 0, high / 2))
+    scene.add("thing", Box(size=(0.1, 0.1, 0.1)), at=(0, 0, high + 0.05 + m), motion="dynamic")
+    anchor = scene.point((0, 0, float(rng.uniform(0.2, 0.8)) * high))
+    scene.more["joints"] = {"link": HingeJoint(child="thing", anchor=anchor, axis=scene.way((0, 0, 1)))}
+    return scene.world(folder, *culprits, still=True)
+
+
+def _over_its_axis(folder: Path, m: float, rng: RNG) -> World:
+    return _on_an_axis(folder, m, rng, "thing")
+
+
+def _turns_on_its_post(folder: Path, m: float, rng: RNG) -> World:
+    return _on_an_axis(folder, m, rng)
+
+
 def _roped(folder: Path, m: float, rng: RNG, *culprits: str) -> World:
     """A lamp on a rope whose upper end stops m (and its radius) short of the beam."""
     scene, way = Scene(rng), float(rng.uniform(0.3, 1.0))
@@ -391,6 +409,16 @@ HELD_MECHANISMS = (
     Mechanism("beads", "a row of static things with a little air at each", True, _beads, 0.5 * NARROW, UNDER * NARROW, "m"),
     Mechanism("joint-over-a-gap", "no surface at its joint", True, _joint_over_a_gap, OVER * REACH, 0.5, "m", REACH),
     Mechanism("held-by-a-point", "joined to the air", True, _held_by_a_point, OVER * REACH, 1.0, "m", REACH),
+    Mechanism(
+        "over-its-axis",
+        "its hinge to the world is anchored in a post that it does not reach",
+        True,
+        _over_its_axis,
+        2 * OVER * REACH,
+        1.0,
+        "m",
+        2 * REACH,
+    ),
     Mechanism("short-rope", "it ends before its hook", True, _short_rope, OVER * REACH, 0.5, "m", REACH),
     Mechanism("fastened-apart", "glued over a gap", True, _fastened_apart, OVER * GAP, 0.5, "m", GAP),
     Mechanism("leaves-untold", "slides off, and nothing says so", True, _leaves_untold, OVER * DRIFT, 0.09, "m", DRIFT),
@@ -404,6 +432,15 @@ HELD_MECHANISMS = (
     Mechanism("said-to-float", "it says why it hovers", False, _said_to_float, 0.01, 5.0, "m"),
     Mechanism("point-on-a-beam", "joined to the world where a beam is", False, _point_on_a_beam, 1e-6, UNDER * GAP, "m"),
     Mechanism("point-that-is-told", "joined to the air, and says so", False, _point_that_is_told, 0.01, 1.0, "m"),
+    Mechanism(
+        "turns-on-its-post",
+        "its hinge to the world is anchored in the post it stands on",
+        False,
+        _turns_on_its_post,
+        1e-6,
+        UNDER * GAP,
+        "m",
+    ),
     Mechanism("joint-that-reaches", "at its joint within the skins", False, _joint_that_reaches, 1e-6, UNDER * GAP, "m"),
     Mechanism("rope-that-reaches", "ends at its hook", False, _rope_that_reaches, 1e-6, UNDER * GAP, "m"),
     Mechanism("fastened-close", "glued within the tolerance", False, _fastened_close, 1e-6, UNDER * GAP, "m"),

@@ -15,9 +15,11 @@ from ..shots.plan import unseen_text
 from ..story.branches import branch_lines
 from ..support.anchored import anchor_lines
 from ..support.held import afloat_lines
+from ..support.lowest import ground_lines
 from ..things.sizes import variant_lines
 from .apart import apart_lines
 from .fields import field_lines
+from .joints import joint_lines
 from .scene import scene_lines
 from .surfaces import surface_lines
 
@@ -25,12 +27,8 @@ __all__ = ["approximations"]
 
 
 def _declared(spec: WorldSpec) -> list[dict[str, str]]:
-    """Lines of what the specification declares: welds, beats that no camera shows, intended overlaps; bounds: `register/scene.py`."""
+    """Lines of what the specification declares: beats that no camera shows, intended overlaps; bounds: `register/scene.py`."""
     found = []
-    for name, joint in spec.simulation.joints.items():
-        if joint.kind == "weld":
-            held = f"{joint.child!r} and {joint.parent!r}" if joint.parent else f"{joint.child!r} and the world"
-            found.append({"what": f"weld {name!r}", "effect": f"{held} move as one body, however hard they are hit"})
     for name, beat in spec.story.beats.items():
         if beat.mandatory and not beat.observe:
             found.append(
@@ -55,6 +53,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
     found = (
         scene_lines(candidate)
         + _declared(spec)
+        + joint_lines(spec)
         + branch_lines(candidate)
         + hidden_lines(candidate)
         + variant_lines(candidate)
@@ -73,11 +72,14 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
         )
         if terrain.vegetation is not None:
             found += plant_lines(spec, name)
-    found += afloat_lines(spec) + anchor_lines(candidate)
+    found += afloat_lines(spec) + ground_lines(candidate) + anchor_lines(candidate)
     for name, entity in spec.entities.items():
         if entity.motion == "kinematic":
             found.append(
-                {"what": f"{name!r} follows an authored path", "effect": "omitted reaction: nothing it touches moves it"}
+                {
+                    "what": f"{name!r} follows an authored path",
+                    "effect": "omitted reaction: nothing it touches moves it, and nothing has to hold it",
+                }
             )
     found += surface_lines(candidate)
     owners = {beat.owner for beat in spec.story.beats.values()}

@@ -1,7 +1,7 @@
 """Judges whether joints, springs and rope ends at a fixed point of space end at something (R92, R154).
 
 A joint without a `parent` bears any load. In a drawn world something bears that load: a thing that never moves, on or in whose
-surface the point lies, or a landscape. A hinge needs it anywhere on its axis; a weld or a slide holds what it touches as well. A
+surface the point lies, or a landscape. A hinge needs it anywhere on its axis where the body is too; a weld or a slide holds what it touches as well. A
 body that nothing drawn is to hold says so itself: `afloat`, with a reason that is printed.
 """
 
@@ -134,10 +134,9 @@ def _footing(surfaces: Surfaces, anchor: Anchor) -> Footing | None:
         bound = reach_of(surfaces, anchor.entity, name) + _radius(surfaces, anchor)
         found = missed(surfaces, End(name, anchor.point, anchor.where))
         distance = found.distance
-        if anchor.axis is not None and distance > bound:
+        if anchor.axis is not None:
             place = on_axis(surfaces, (anchor.entity, name), anchor.point, anchor.axis, bound)
-            ends = [missed(surfaces, End(n, place, anchor.where)) for n in (name, anchor.entity)]
-            distance = min(distance, max(end.distance for end in ends))
+            distance = max(missed(surfaces, End(n, place, anchor.where)).distance for n in (name, anchor.entity))
         if anchor.kind in ("weld", "slide") and touch(surfaces, anchor.entity, name):
             distance = 0.0
         if best is None or distance - bound < best.distance - best.bound:
@@ -170,6 +169,8 @@ def _anchor(surfaces: Surfaces, anchor: Anchor) -> Finding:
     if reason is not None:
         return Finding("pass", f"{anchor.words} holds {anchor.entity!r} at a point of space: {reason}", **common)
     text = f"{anchor.words} holds {anchor.entity!r} at ({place}), where nothing is drawn that never moves"
+    if anchor.axis is not None:
+        text = f"no place on the axis of {anchor.words} is at {anchor.entity!r} and at something drawn that never moves"
     if found is not None:
         text += f": {found.entity!r} is the nearest, {found.distance * 1e3:.4g} mm away, at most {found.bound * 1e3:.4g} mm are allowed"
     return Finding(
@@ -186,10 +187,11 @@ def _anchor(surfaces: Surfaces, anchor: Anchor) -> Finding:
 
 def _corrections(anchor: Anchor, found: Footing | None) -> Iterator[Correction]:
     place, path = [round(float(c), 5) for c in anchor.point], pointer(*anchor.where)
+    where = f"{place}" if anchor.axis is None else f"{anchor.entity!r} on the axis"
     yield correction(
         "what holds it is not drawn",
         "shape",
-        f"Add a static hook, post, bracket or beam that is held and reaches {place}; then name it as what {anchor.words} joins it to.",
+        f"Add a static hook, post, bracket or beam that is held and reaches {where}; then name it as what {anchor.words} joins it to.",
         pointers=("/entities", path),
     )
     if found is not None:

@@ -12,6 +12,7 @@ from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, build_al
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.verifiers.support import check as support
 from worldagent.verifiers.support.anchored import anchor_lines
+from worldagent.verifiers.support.lowest import ground_lines
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.predicates import Displacement, StaysIn
 from worldagent.worlds.requirements import Row
@@ -356,6 +357,26 @@ def test_a_point_of_space_holds_nothing_but_what_says_that_it_floats(tmp_path: P
     row = {r.id: r for r in support.check(make_candidate(tmp_path / "said", spec))}[row_id]
     assert (row.status, _told(spec)) == ("pass", [])
     assert REASON in row.evidence["explanation"]
+
+
+def test_a_hinge_to_the_world_holds_nothing_that_its_post_does_not_reach(tmp_path: Path) -> None:
+    """An anchor in the post and a body farther along the axis, with nothing between, are two places: one of them has to have both."""
+    for gap, status in ((0.0005, "pass"), (0.25, "fail")):
+        things = {
+            "floor": ground(),
+            "post": box(0.06, 0.06, 0.3, at=(0, 0, 0.15)),
+            "lump": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.35 + gap)),
+        }
+        joints = {"h": HingeJoint(child="lump", anchor=(0, 0, 0.1), axis=(0, 0, 1))}
+        row = rows_of(tmp_path / status, things, joints=joints)["support:anchor:h:anchor"]
+        assert row.status == status
+        assert set(row.entities) == {"lump", "post"}
+
+
+def test_what_reaches_lowest_counts_as_the_ground_and_says_so(tmp_path: Path) -> None:
+    things = {"shelf": box(1.2, 0.3, 0.02, at=(0, 0, 1)), "vase": box(0.1, 0.1, 0.2, motion="dynamic", at=(0, 0, 1.111))}
+    (line,) = ground_lines(make_candidate(tmp_path, world(things)))
+    assert line["what"] == "'shelf' reaches lowest and counts as the ground"
 
 
 def test_a_hinge_to_the_world_is_held_anywhere_on_its_axis(tmp_path: Path) -> None:

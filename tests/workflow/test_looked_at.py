@@ -136,16 +136,31 @@ def fresh(cancelled_folder: Path, tmp_path: Path) -> Session:
     return Session.at(WorldFolder.at(folder))
 
 
-def test_a_probe_that_is_cancelled_leaves_how_far_it_ran_and_a_reason_is_asked(fresh: Session) -> None:
+def test_a_probe_that_is_cancelled_leaves_how_far_it_ran_and_a_reason_is_asked(
+    fresh: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("worldagent.workflow.probes.judge_begun", lambda *_: None)  # a world that no check looks over in time
     _ended_at(fresh, 4)
     (ran,) = fresh.ledger.looks()
     assert ran["stage"] == "probe:ran"
     assert ran["last"] >= 4
     with pytest.raises(RefusedError, match=r"probe .* \(revision 1\) ran to frame \d+ and was not judged.*weakening_reason"):
         _lower(fresh)
-    _set(fresh, "/entities/ball/physics/linear_velocity", [0.5, 0, 0])  # a repair of what nobody saw fail needs no hypothesis
+    _faster(fresh)  # a repair of what nobody saw fail needs no hypothesis
     assert _lower(fresh, weakening_reason=REASON)["weakenings_recorded"]
     assert [w["reason"] for w in fresh.ledger.weakenings()] == [REASON]
+
+
+def test_what_the_frames_of_a_cancelled_probe_decide_is_judged_yet(fresh: Session) -> None:
+    """The window of the beat is over when the run is cancelled: its row fails, as it would have if the run had gone on."""
+    _set(fresh, "/story/beats/strike/frames", [1, 3])
+    _ended_at(fresh, 6)
+    rows = {r.id: r.status for r in fresh.ledger.rows()}
+    assert rows["beat:strike"] == "fail"
+    with pytest.raises(RefusedError, match="name its hypothesis"):
+        _faster(fresh)
+    with pytest.raises(RefusedError, match="weakening_reason"):
+        _set(fresh, "/story/beats/strike/frames", [1, 30])
 
 
 def test_a_probe_that_is_judged_leaves_rows_in_the_place_of_its_run(fresh: Session) -> None:
@@ -167,4 +182,11 @@ def test_the_next_probe_does_not_settle_what_a_cancelled_bake_showed(fresh: Sess
     assert [r["stage"] for r in fresh.ledger.looks()] == ["full:ran"]
     assert fresh.ledger.looks(untested=True) == []
     fresh.ledger.put_bake("f" * 64, 1, "digest", {})
+    assert fresh.ledger.looks() == []
+
+
+def test_a_run_whose_frames_were_judged_before_leaves_nothing_new(fresh: Session) -> None:
+    run_inline("worldagent.workflow.jobs:probe", _payload(fresh))
+    shutil.rmtree(fresh.folder.candidate(fresh.freeze()) / "probe")
+    _ended_at(fresh, 4)
     assert fresh.ledger.looks() == []

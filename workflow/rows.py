@@ -35,7 +35,7 @@ ROWS_CHARACTERS = {"concise": 5500, "full": 15000}
 """Characters that the rows of one reply may take; further rows come as single lines."""
 LINES_CHARACTERS = 2600
 WHY_CHARACTERS = 120
-"""Of the reason that a row in a line gives."""
+"""Length to which the reason of a row in a line is cut."""
 _LATE: dict[str, int] = {"causal": 1, "robustness": 2, "shots": 3, "delivery": 4}
 _UPSTREAM: dict[str, tuple[int, int]] = {name: (_LATE.get(name, 0), k) for k, name in enumerate(get_args(Check))}
 """Checks in causal order: a beat that never came explains a broken cause."""

@@ -17,7 +17,7 @@ _TESTED, _JUDGED = 1, 2
 
 
 class LookLedger(LedgerFile):
-    """What is known of motions without a verdict."""
+    """Motions without a verdict, as a ledger keeps them."""
 
     def add_look(self, freeze: str, stage: str, revision: int, last: int) -> None:
         """Record that frames 0 to `last` of a motion without a verdict were shown.

@@ -62,7 +62,7 @@ _HELD = frozenset(("parts", "pose", "physics", "generator"))
 
 
 def _all_else(document: Mapping[str, Any]) -> dict[str, Any]:
-    """What a specification, as JSON, says beside the slices: an acceptance is about all of it, whoever may read it."""
+    """Rest of a specification, as JSON, beside the slices: an acceptance is about all of it, whoever may read it."""
     materials = document["materials"]
     return {
         **{k: v for k, v in document.items() if k not in _LIGHT},

@@ -62,7 +62,7 @@ def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
             f"Latest verdict: {markdown_inline(verdict_words(accepted['record']))}; revision {accepted['revision']}, candidate {markdown_inline(accepted['freeze'][:16])}."
         )
         lines += [f"- unusual: {markdown_inline(line)}" for line in unusual_told(accepted["record"]).get("unusual", [])]
-        if not is_about_present(ledger, accepted["revision"]):
+        if not is_about_present(ledger, accepted):
             lines.append("It is about an older revision and says nothing about the current one.")
     return "\n".join(lines)
 

@@ -105,7 +105,7 @@ def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
     # A film of an evaluation: what it shows is for those who compare, and no acceptance.
     if found is None or found["verdict"] != (ABLATED if ablation() else "accepted"):
         raise RefusedError(f"{_NOT_ACCEPTED}; {_ACCEPT} and mend what it returns")
-    if not is_about_present(session.ledger, found["revision"], session.revision):
+    if not is_about_present(session.ledger, found, session.revision):
         raise RefusedError(
             f"{_NOT_ACCEPTED}: the last acceptance is about revision {found['revision']}{_edited_since(session, found)}; {_ACCEPT}"
         )

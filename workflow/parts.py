@@ -152,7 +152,7 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
         "last_verdict": None if latest is None else {k: latest[k] for k in ("verdict", "revision")} | {"says": says},
         "jobs_running": jobs,
     }
-    about = latest is not None and is_about_present(session.ledger, latest["revision"])
+    about = latest is not None and is_about_present(session.ledger, latest)
     accepted = about and latest is not None and latest["verdict"] in ("accepted", ABLATED)
     if jobs:
         then = call("job", action="wait", job_id=jobs[0])
@@ -374,7 +374,7 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     kinds = {"report": "html", **({"bundle": "zip"} if latest["verdict"] == "accepted" else {})}
     files = {name: session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for name, kind in kinds.items()}
     data |= {name: session.folder.relative(path) for name, path in files.items() if path.is_file()}
-    current = is_about_present(session.ledger, latest["revision"])
+    current = is_about_present(session.ledger, latest)
     then = (
         call("render_shot", world=world, kind="final")
         if latest["verdict"] == "accepted" and current

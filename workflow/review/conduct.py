@@ -232,7 +232,7 @@ def read_world(session: Session, candidate: Candidate, check: Callable[[], None]
     reviews, reader = readers_of(session, found)
     known = session.ledger.acceptance()
     about = known is not None and known["record"].get("cache_digest") == candidate.digest
-    about = about and known is not None and is_about_present(session.ledger, known["revision"], session.revision)
+    about = about and known is not None and is_about_present(session.ledger, known, session.revision)
     return {
         "scope": "review",
         "read_by": reader,

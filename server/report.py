@@ -6,6 +6,7 @@ import json
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from ..workflow.standing import is_about_present
 from ..worlds.folder import WorldFolder
 from ..worlds.quoting import markdown_inline
 from ..worlds.verdicts import asked_words, unusual_told, verdict_words
@@ -61,7 +62,7 @@ def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
             f"Latest verdict: {markdown_inline(verdict_words(accepted['record']))}; revision {accepted['revision']}, candidate {markdown_inline(accepted['freeze'][:16])}."
         )
         lines += [f"- unusual: {markdown_inline(line)}" for line in unusual_told(accepted["record"]).get("unusual", [])]
-        if accepted["revision"] != ledger.revision():
+        if not is_about_present(ledger, accepted):
             lines.append("It is about an older revision and says nothing about the current one.")
     return "\n".join(lines)
 

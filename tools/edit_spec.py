@@ -211,11 +211,24 @@ def _next(session: Any, passed: bool, groups: set[str]) -> str:
         return mend if land is None else f"{land} (it needs no passing audit), or {mend}"
     if land is not None:
         return land
+    if groups == {"text"}:
+        return _made_already(session) or call("place_object", world=world)
     if groups <= {"story", "limits", "shots", "look", "text"}:
         return f"{call('run_checks', world=world, scope='probe')} judges this again on the motion there is"
-    if not groups & SCENE_GROUPS:
-        return call("probe_sim", world=world)
-    return call("place_object", world=world)
+    return _made_already(session) or call("place_object" if groups & SCENE_GROUPS else "probe_sim", world=world)
+
+
+def _made_already(session: Any) -> str:
+    """The next step where a probe or a bake of the present settings is there, as after an edit that takes another back; else empty."""
+    from ..workflow.answers import call
+    from ..workflow.standing import standing
+
+    world, there = session.folder.id, standing(session.folder, session.ledger)
+    if there.step("accepted").state == "done":
+        return call("render_shot", world=world, kind="final")
+    if there.step("baked").state == "done":
+        return call("run_checks", world=world, scope="acceptance")
+    return call("bake_sim", world=world) if there.step("frozen").state == "done" else ""
 
 
 def _relit(session: Any) -> str:

@@ -137,6 +137,9 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
     text = f"{found['pass']} rows pass, {found['fail']} fail, {found['unverified']} unverified"
     if "verdict" in data:
         text = f"{data.get('says', data['verdict'])}: {text}"
+        if data.get("not_counted"):
+            names = ", ".join(data["not_counted"][:3])
+            text = f"{text}; the matrix has {len(data['not_counted'])} more, which only a bake judges against its probe: {names}"
         then = call("render_shot", world=world, kind="final")
         good = data["verdict"] in ("accepted", ABLATED)
     else:

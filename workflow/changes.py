@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 
 from ..worlds.documents import document_of
 from ..worlds.groups import GROUPS, group_of
+from ..worlds.kinds_said import role_weakenings, said_of
 from ..worlds.ledger import Ledger
+from ..worlds.looks import RAN
 from ..worlds.patch import differences, weakenings
 from ..worlds.provenance import stale_artifacts
 from ..worlds.requirements import Row
@@ -86,6 +88,7 @@ class Change:
         self.undone = self._undone() if self.causal else []
         self.failing = [r for r in ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
         self.weaker = weakenings(self.world.spec, self.after, judged_on(self.failing))
+        self.weaker += role_weakenings(self.world.spec, self.after, said_of(self.failing))
         told = self._version_objections()
         unseen = unjudged(ledger)
         if self.weaker and (unseen or ledger.ever_failed()) and len(self.reason.strip()) < 15:
@@ -217,6 +220,12 @@ def unjudged(ledger: Ledger, *, untested: bool = False) -> str:
     if not looks:
         return ""
     latest = looks[-1]
+    if latest["stage"].endswith(RAN):
+        run = {"full": "bake"}.get(stage := latest["stage"].removesuffix(RAN), stage)
+        return (
+            f"the {run} {latest['freeze'][:16]} (revision {latest['revision']}) ran to frame {latest['last']} and was not judged: it was ended "
+            "before, or goes on; what its frames show counts as evidence"
+        )
     if latest["stage"] == "sketch":
         seen = "rows failed in, or frames were looked at without a verdict of,"
         return f"{seen} a sketch of frames 0..{latest['last']} of revision {latest['revision']}, which counts as evidence"

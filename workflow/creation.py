@@ -24,6 +24,9 @@ NO_CLAUSES = (
     "edit_spec(world, prompt, spec, claims='A [ball](thing ball) [rolls off](event roll) the [table](thing table).'); without claims the reply proposes spans"
 )
 
+ANEW = "a new world for a prompt whose earlier world has failed rows"
+"""Reason of a first revision beside failed worlds of its prompt; without them it needs none."""
+
 
 def create(
     workspace: Path, world: str, prompt: str, spec: dict[str, Any], claims: str | None = None
@@ -59,7 +62,7 @@ def create(
             expected=0,
             hypothesis="created",
             weakenings=siblings,
-            reason="a new world for a prompt whose earlier world has failed rows",
+            reason=ANEW if siblings else "",
         )
         if number is None:
             if not folder.spec_path.exists():

@@ -15,6 +15,8 @@ __all__ = ["require_acceptance", "require_probe", "require_true_geometry", "stor
 
 _NAMED = 8
 """Open rows that a refusal names."""
+_NOT_ACCEPTED = "this very candidate is not accepted"
+_ACCEPT = "call run_checks(world, scope='acceptance')"
 
 
 def stored_rows(rows: Sequence[Row], last: int) -> dict[str, Any]:
@@ -95,30 +97,46 @@ def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
     Raises:
         RefusedError: there is none; or rows of it or of the matrix are open or missing.
     """
-    from ..verifiers.acceptance import acceptance_subject
     from ..verifiers.stored import open_in_matrix, unmet
     from ..worlds.candidate import open_candidate
+    from .standing import is_about_present
 
-    found = None
-    if session.ledger.bake(freeze) is not None:
-        candidate = open_candidate(session.folder, freeze, "full")
-        found = session.ledger.acceptance(acceptance_subject(session.spec, freeze, candidate.digest))
+    found = session.ledger.acceptance()
     # A film of an evaluation: what it shows is for those who compare, and no acceptance.
     if found is None or found["verdict"] != (ABLATED if ablation() else "accepted"):
+        raise RefusedError(f"{_NOT_ACCEPTED}; {_ACCEPT} and mend what it returns")
+    if not is_about_present(session.ledger, found, session.revision):
         raise RefusedError(
-            "this very candidate is not accepted; call run_checks(world, scope='acceptance') and mend what it returns"
+            f"{_NOT_ACCEPTED}: the last acceptance is about revision {found['revision']}{_edited_since(session, found)}; {_ACCEPT}"
+        )
+    candidate = open_candidate(session.folder, freeze, "full") if session.ledger.bake(freeze) is not None else None
+    if candidate is None or (found["freeze"], found["record"].get("cache_digest")) != (freeze, candidate.digest):
+        raise RefusedError(
+            f"{_NOT_ACCEPTED}: the last acceptance is about other frames than those of the present bake; {_ACCEPT}"
         )
     rows = [Row.model_validate(r) for r in found["record"]["rows"]]
     left = list(dict.fromkeys([*unmet(session.spec, rows), *open_in_matrix(session.ledger.rows(), session.ledger.stages())]))
     if left:
         more = f"\n  and {len(left) - _NAMED} more" if len(left) > _NAMED else ""
         raise RefusedError(
-            f"this very candidate is not accepted: the ledger says so, but {len(left)} of the rows that it rests on are open or missing, "
-            "and none may be. Call run_checks(world, scope='acceptance') and mend what it returns:\n"
-            + "\n".join(f"  {text}" for text in left[:_NAMED])
-            + more
+            f"{_NOT_ACCEPTED}: the ledger says so, but {len(left)} of the rows that it rests on are open or missing, "
+            f"and none may be; {_ACCEPT} and mend what it returns:\n" + "\n".join(f"  {text}" for text in left[:_NAMED]) + more
         )
     return found
+
+
+def _edited_since(session: Session, accepted: Mapping[str, Any]) -> str:
+    """Places that an acceptance was about and that changed since, after a comma."""
+    from ..worlds.patch import differences
+    from ..worlds.spec import WorldSpec
+
+    judged = session.ledger.revision_spec(accepted["revision"])
+    if judged is None:
+        return ""
+    before = WorldSpec.model_validate_json(judged[0])
+    places = list(differences(before.model_dump(mode="json"), session.spec.model_dump(mode="json")))
+    more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
+    return f", and there changed since {', '.join(places[:_NAMED])}{more}"
 
 
 def require_true_geometry(session: Session, built: Mapping[str, BuiltEntity]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext, Part
@@ -17,12 +17,14 @@ from .landscapes import terrain
 from .pictures import film_sheet, motion_sheet
 from .probes import judge_probe, probe, probe_candidate
 from .rows import summary
+from .running import Running
 from .session import Session
 from .sketches import sketch
 from .work import Work, first_true_frames, open_work, with_variants
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
+    from ..worlds.requirements import Row
 
 __all__ = ["accept", "bake", "check", "final", "interior", "probe", "review", "sketch", "terrain"]
 
@@ -92,8 +94,12 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         shutil.rmtree(session.folder.candidate(freeze) / "bake", ignore_errors=True)
     split = 1.0 - judging_share(session.spec, "full")
     part = Part(context.progress, 0.0, split, alike=stretch_count(session.spec))
+    running = Running(work, "full", judged=int(record["detail"]["rows"]["last"]))
     probe, began = None if forged else _same_probe(work, record["detail"]), time.monotonic()
-    candidate = run_bake(session.folder, freeze, built=built, progress=part, check=context.check, reuse=not forged, probe=probe)
+    with running.until_cancelled():
+        candidate = run_bake(
+            session.folder, freeze, built=built, progress=part, check=running.noting(context.check), reuse=not forged, probe=probe
+        )
     seconds = round(time.monotonic() - began, 2)
     rows = run_checks(candidate, plates=False, progress=Part(context.progress, split, 1.0))
     promised, found = record["detail"]["events"], first_true_frames(candidate)
@@ -153,7 +159,7 @@ def review(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Have the bake read by the model that the server's owner named; without one, write what a reader needs."""
     from .review.conduct import read_world
 
-    work = open_work(payload)
+    work = open_work(payload, present="the review")
     if payload.get("ask", True):
         plates_of(work, context)
     context.progress(LOOKING, 1, "account, pictures, and the reader's answers")
@@ -179,7 +185,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .review.verdict import reviewed
     from .siblings import easier_beside
 
-    work = open_work(payload)
+    work = open_work(payload, present="the acceptance")
     session, freeze, built = work
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
@@ -190,7 +196,9 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         progress = Part(context.progress, LOOKING, JUDGED)
         record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=progress, waiting=waiting)
     if record["spec_digest"] != spec_digest(session.spec):
-        raise RefusedError("the world was edited before it was judged; call run_checks(scope='acceptance') again")
+        raise RefusedError(
+            f"revision {session.revision} of the world was edited before it was judged; call run_checks(scope='acceptance') again"
+        )
     rows = reviewed(session, built, freeze, record)
     weakenings = [w for w in session.ledger.weakenings() if w["revision"] <= session.revision]
     beside = easier_beside(session.folder.root.parent, session.folder.id, session.spec)
@@ -198,6 +206,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     with session.ledger.together():
         remember_refuted(session.ledger, record)
         session.record(rows, stage="full")
+        record |= {"not_counted": _beside(session, rows)}
     # The ledger keeps verdicts; contact events are in the caches.
     kept = {k: v for k, v in record.items() if k != "events"}
     session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], kept)
@@ -210,6 +219,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         **unusual_told(record),
         "freeze": freeze[:16],
         **summary(rows),
+        "not_counted": record["not_counted"],
         "replayed": next((r.evidence["intervals"] for r in rows if r.id == "delivery:replay"), []),
         **prompt_told(record),
         "read_by": record["read_by"],
@@ -219,6 +229,15 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "approximations": record["approximations"][:20],
         **proof,
     }
+
+
+def _beside(session: Session, rows: Sequence[Row]) -> list[str]:
+    """Rows of the matrix that an acceptance does not judge, as ids.
+
+    What compares the bake with its probe (`promises.py`) is one: a fresh process reads no probe. It opens or closes gates all the same.
+    """
+    judged = {r.id for r in rows}
+    return [r.id for r in session.ledger.rows() if r.id not in judged]
 
 
 def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:
@@ -244,7 +263,7 @@ def final(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..rendering import render_sequence, write_video
     from .plates import require_seen
 
-    work = open_work(payload)
+    work = open_work(payload, present="the film")
     session, freeze = work.session, work.freeze
     accepted = require_acceptance(session, freeze)
     candidate = work.candidate("full")

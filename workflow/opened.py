@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
@@ -97,7 +98,31 @@ class OpenedWorld:
 
     def stamp(self) -> str:
         """Identifies this revision of this very world: when it was made."""
-        return repr(self.ledger.revisions(1)[0]["created"])
+        later = max(0, self.ledger.revision() - self.revision)
+        return repr(next((r["created"] for r in self.ledger.revisions(1, later)), None))
+
+    def as_asked(self, revision: int | None, stamp: str | None) -> Self:
+        """This world at the revision for which a job was asked, from its ledger; without one, as it is.
+
+        Args:
+            revision: its number.
+            stamp: tells it from the same number of a world that was made anew under this name; none is not compared.
+
+        Raises:
+            RefusedError: it is not there any more.
+        """
+        if revision is None:
+            return self
+        recorded = None if revision > self.revision else self.ledger.revision_spec(revision)
+        found = None if recorded is None else self
+        if recorded is not None and revision != self.revision:
+            found = replace(self, spec=parse_spec(json.loads(recorded[0])), revision=revision)
+        if found is None or stamp not in (None, found.stamp()):
+            raise RefusedError(
+                f"revision {revision} of world {self.folder.id!r}, for which this was asked, is not there any more: the world was made anew, "
+                f"or its ledger was put back, and is at revision {self.revision}. Repeat the call"
+            )
+        return found
 
 
 def no_revision(folder: WorldFolder) -> str:

@@ -17,8 +17,9 @@ from ..worlds.verdicts import asked_words, prompt_told, unusual_told, verdict_wo
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
 from .joint_repairs import said_of
 from .outdoor import to_build
-from .rows import Detail, brief, concise, counts, line, ranked
+from .rows import Detail, brief, concise, counts, ranked, why_line
 from .session import Session
+from .standing import is_about_present
 from .table_entries import entry_of
 
 __all__ = [
@@ -151,7 +152,8 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
         "last_verdict": None if latest is None else {k: latest[k] for k in ("verdict", "revision")} | {"says": says},
         "jobs_running": jobs,
     }
-    accepted = latest is not None and latest["verdict"] in ("accepted", ABLATED) and latest["revision"] == session.revision
+    about = latest is not None and is_about_present(session.ledger, latest)
+    accepted = about and latest is not None and latest["verdict"] in ("accepted", ABLATED)
     if jobs:
         then = call("job", action="wait", job_id=jobs[0])
     elif accepted and not left:
@@ -240,7 +242,7 @@ def matrix(session: Session, status: str | None, detail: Detail, *, offset: int,
     if detail != "full":
         items = []
         for row in full:
-            items.append(concise(row, world) if row["status"] in OPEN and room > 0 else line(row))
+            items.append(concise(row, world) if row["status"] in OPEN and room > 0 else why_line(row))
             room -= size_of(items[-1])
     page, place = paged(items, offset, limit, room=PAGE_CHARACTERS if detail == "concise" else 2 * PAGE_CHARACTERS)
     first = next((r["id"] for r in page if r["status"] in OPEN), None)
@@ -357,7 +359,7 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     if latest is None:
         return answer({"acceptance": None}, "never judged", call("run_checks", world=world, scope="acceptance"))
     record = latest["record"]
-    keys = ("verdict", "clauses", "weakenings", "easier_beside", "versions", "spec_digest", "cache_digest", "seed")
+    keys = ("verdict", "clauses", "weakenings", "easier_beside", "not_counted", "versions", "spec_digest", "cache_digest", "seed")
     listed, place = paged(record.get("approximations") or [], offset, limit, room=3000)
     says, judged = verdict_words(record), prompt_told(record) if "prompt" in record else {}
     told = {
@@ -372,12 +374,17 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
     kinds = {"report": "html", **({"bundle": "zip"} if latest["verdict"] == "accepted" else {})}
     files = {name: session.folder.acceptance / f"{latest['freeze'][:16]}.{kind}" for name, kind in kinds.items()}
     data |= {name: session.folder.relative(path) for name, path in files.items() if path.is_file()}
-    current = latest["revision"] == session.revision
+    current = is_about_present(session.ledger, latest)
     then = (
         call("render_shot", world=world, kind="final")
         if latest["verdict"] == "accepted" and current
         else call("inspect_world", world=world)
     )
     warnings = [] if current else [f"the world is at revision {session.revision} now: this verdict is not about it"]
+    if current and latest["revision"] != session.revision:
+        warnings = [
+            f"the world is at revision {session.revision} now, which differs from revision {latest['revision']} in its light or the format of its "
+            "pictures at most: the verdict stands, and the film asks the rows about light anew before its first frame"
+        ]
     text = f"{says}: revision {latest['revision']}, {len(record.get('approximations') or [])} approximations"
     return answer(data, text, _on(world, "acceptance", place, then), warnings)

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..execution import Cancelled, JobContext, Part
+from ..worlds.begun import open_begun
 from ..worlds.errors import EngineError, EvidenceError
 from .estimates import Pace
 from .gates import stored_rows
 from .joint_repairs import said_by
-from .live_judge import DECISIVE, LiveJudge
+from .live_judge import DECISIVE, LiveJudge, judge_begun
 from .pictures import motion_sheet
 from .rows import summary
+from .running import Running
 from .work import Work, first_true_frames, open_work, with_variants
 
 if TYPE_CHECKING:
@@ -25,6 +28,8 @@ __all__ = ["judge_probe", "probe", "probe_candidate", "taken_frames"]
 
 WORTH_STOPPING_S = 10.0
 """A run that will end sooner goes on, so that all its rows are known at once [s]. Own choice."""
+LAST_LOOK_S = 0.6
+"""Own choice: time in which a cancelled run judges its frames yet [s]; a cancel is obeyed within 2 s whatever happens."""
 NAMED = 3
 """Failing rows that progress names."""
 _KEPT = ("simulated_s", "judged_s")
@@ -35,6 +40,10 @@ class _StoppedError(Exception):
     """The run was ended since a row fails that more frames cannot mend."""
 
 
+class _EnoughError(Exception):
+    """The time for a last look at the frames of a cancelled run is over."""
+
+
 class _Attended:
     """A run that is judged while it goes on: passes its progress on, records what fails, and stops it.
 
@@ -43,10 +52,12 @@ class _Attended:
         work: its world.
         judge: looks at the frames.
         stop: whether the first failure ends the run.
+        judged: last frame of this motion of which an earlier run has its verdict; 0 where none has.
     """
 
-    def __init__(self, context: JobContext, work: Work, judge: LiveJudge, *, stop: bool) -> None:
+    def __init__(self, context: JobContext, work: Work, judge: LiveJudge, *, stop: bool, judged: int) -> None:
         self._context, self._work, self._judge, self._stop = context, work, judge, stop
+        self._running = Running(work, "probe", judged)
         self.failing: dict[str, Row] = {}
         self._began: tuple[float, float] | None = None
         self._left = 0.0
@@ -56,6 +67,7 @@ class _Attended:
         now = time.monotonic()
         if self._began is None:  # not before: frames of a probe with other settings may have stood there
             self._judge.watch(self._work.freeze)
+        self._running.note()
         first, since = self._began = self._began or (done, now)
         pace = (now - since) / (done - first) if done > first else 0.0
         self._left = (total - done) * pace
@@ -71,19 +83,49 @@ class _Attended:
             _StoppedError: a row fails, and the run would take long yet.
         """
         self._context.check()
-        fresh = [row for row in self._judge.news() if row.id not in self.failing]
-        if fresh:
-            self.failing |= {row.id: row for row in fresh}
-            self._work.session.record(fresh, stage="probe")  # so that a kill leaves it on record
+        self._take()
         if self._stop and self.failing and self._left > WORTH_STOPPING_S:
             raise _StoppedError
 
+    def _take(self) -> None:
+        """Record the rows that the judge has found to fail."""
+        self._record(self._judge.news())
+
+    def _record(self, rows: Sequence[Row]) -> None:
+        fresh = [row for row in rows if row.id not in self.failing]
+        if fresh:
+            self.failing |= {row.id: row for row in fresh}
+            self._work.session.record(fresh, stage="probe")  # so that a kill leaves it on record
+
     def settle(self) -> None:
-        """Close the test of the changes that this run was for with what is known, where it is ended from outside."""
+        """Close the test of the changes that this run was for with what its frames say, where it is ended from outside.
+
+        What the checks that decide find within `LAST_LOOK_S` counts as rows do; beyond that the frames stay on record as a motion that
+        ran unjudged.
+        """
+        if self._began is None:
+            return
+        self._running.note(now=True)
+        self._take()
+        if not self.failing:
+            with suppress(EvidenceError, _EnoughError):  # no frame yet; no time left
+                spec, built = self._work.session.spec, self._work.built
+                begun = open_begun(self._work.session.folder, self._work.freeze, "probe", (spec, built))
+                judge_begun(begun.candidate, begun.unmoved, self._heard(time.monotonic() + LAST_LOOK_S))
         if self.failing:
             rows = list(self.failing.values())
             session = self._work.session
             session.ledger.close_iterations(self._work.freeze[:16], list(self.failing), rows, revision=session.revision)
+
+    def _heard(self, until: float) -> Callable[[Sequence[Row]], None]:
+        """Takes the rows of one check after the other, up to a moment."""
+
+        def say(rows: Sequence[Row]) -> None:
+            self._record(rows)
+            if time.monotonic() > until:
+                raise _EnoughError
+
+        return say
 
 
 def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
@@ -101,7 +143,10 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     split, stretches = 1.0 - judging_share(session.spec, "probe"), stretch_count(session.spec)
     coarser = float(payload.get("coarser") or 1.0)
     overrides = overrides_for(session.spec, coarser)
-    attended = _Attended(context, work, judge, stop=payload.get("stop_at") != "never")
+    known = session.ledger.freeze(freeze)
+    same = known is not None and known["detail"].get("overrides", {}) == overrides
+    judged = int(known["detail"].get("rows", {}).get("last", 0)) if known is not None and same else 0
+    attended = _Attended(context, work, judge, stop=payload.get("stop_at") != "never", judged=judged)
     pace = Pace(Part(context.progress, 0.0, split, alike=stretches))
     started, stopped = time.monotonic(), False
     seconds: dict[str, float] = {}
@@ -134,8 +179,6 @@ def probe_candidate(work: Work) -> Candidate:
     Raises:
         EvidenceError: it has no frame yet.
     """
-    from ..worlds.begun import open_begun
-
     try:
         return work.candidate("probe")
     except EvidenceError:

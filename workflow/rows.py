@@ -8,7 +8,20 @@ from typing import Any, Literal, get_args
 
 from ..worlds.requirements import Check, Row
 
-__all__ = ["Detail", "Listed", "brief", "concise", "counts", "line", "news", "open_rows", "ranked", "shaped", "summary"]
+__all__ = [
+    "Detail",
+    "Listed",
+    "brief",
+    "concise",
+    "counts",
+    "line",
+    "news",
+    "open_rows",
+    "ranked",
+    "shaped",
+    "summary",
+    "why_line",
+]
 
 Detail = Literal["concise", "full"]
 Listed = dict[str, Any]
@@ -20,7 +33,9 @@ TEXT_CHARACTERS = 400
 MAX_TRIED = 3
 ROWS_CHARACTERS = {"concise": 5500, "full": 15000}
 """Characters that the rows of one reply may take; further rows come as single lines."""
-LINES_CHARACTERS = 1500
+LINES_CHARACTERS = 2600
+WHY_CHARACTERS = 120
+"""Length to which the reason of a row in a line is cut."""
 _LATE: dict[str, int] = {"causal": 1, "robustness": 2, "shots": 3, "delivery": 4}
 _UPSTREAM: dict[str, tuple[int, int]] = {name: (_LATE.get(name, 0), k) for k, name in enumerate(get_args(Check))}
 """Checks in causal order: a beat that never came explains a broken cause."""
@@ -79,6 +94,14 @@ def line(row: Mapping[str, Any]) -> Listed:
     for key, name in (("first_failing_entity", "entity"), ("first_failing_frame", "frame")):
         if row.get(key) is not None:
             told[name] = row[key]
+    return told
+
+
+def why_line(row: Mapping[str, Any]) -> Listed:
+    """A row in a line, with the beginning of its reason where it does not pass: whoever mends it need not ask for each."""
+    told, why = line(row), _why(row) if row["status"] in ("fail", "unverified") else ""
+    if why:
+        told["why"] = why if len(why) <= WHY_CHARACTERS else f"{why[:WHY_CHARACTERS]}..."
     return told
 
 
@@ -186,7 +209,7 @@ def shaped(
             left -= size
             continue
         left = 0
-        item = line(row)
+        item = why_line(row)
         lines -= len(json.dumps(item))
         if lines < 0:
             break

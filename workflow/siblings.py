@@ -10,10 +10,12 @@ from typing import NamedTuple
 from ..worlds.by_claim import easier_by_claim
 from ..worlds.errors import EvidenceError, WorldAgentError
 from ..worlds.folder import WorldFolder, world_ids
+from ..worlds.kinds_said import said_of
 from ..worlds.ledger import Ledger
-from ..worlds.likeness import likeness
+from ..worlds.likeness import ALIKE, likeness
 from ..worlds.patch import parse_spec
 from ..worlds.spec import WorldSpec
+from .repair_rules import failed
 
 __all__ = ["easier_beside", "started_anew"]
 
@@ -62,7 +64,13 @@ def started_anew(workspace: Path, world: str, prompt: str) -> list[str]:
         for s in _failed(workspace, world, prompt)
     }
     exact = all(alike == 1.0 for alike in failed.values())
-    prompt_text = "this prompt" if exact else f"a prompt that is at least {100 * min(failed.values()):.0f} % the same"
+    least = min(failed.values(), default=0.0)
+    near = (
+        f"a prompt that is at least {100 * least:.0f} % the same"
+        if least >= ALIKE
+        else "a prompt that stands in this one, or holds it"
+    )
+    prompt_text = "this prompt" if exact else near
     if len(failed) <= 1:
         return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]
     names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
@@ -75,8 +83,8 @@ def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
     found = []
     for sibling in siblings[:MOST_COMPARED]:
         try:
-            revision, failed = _as_it_failed(sibling.ledger)
-            lines = easier_by_claim(failed, spec)
+            revision, before = _as_it_failed(sibling.ledger)
+            lines = easier_by_claim(before, spec, _said_of(sibling.ledger))
         except (WorldAgentError, ValueError):  # what cannot be read as a world either
             found.append(f"not compared with world {sibling.world}: its ledger is damaged")
             continue
@@ -87,6 +95,11 @@ def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
     if len(siblings) > MOST_COMPARED:
         found.append(f"not compared with {len(siblings) - MOST_COMPARED} further worlds whose rows failed")
     return found
+
+
+def _said_of(ledger: Ledger | None) -> set[str]:
+    """Entities of a world on which a row failed, as it was judged last, that their roles ask."""
+    return set() if ledger is None else said_of(r for r in ledger.rows() if r.mandatory and failed(r))
 
 
 def _as_it_failed(ledger: Ledger | None) -> tuple[int, WorldSpec]:

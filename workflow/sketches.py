@@ -16,6 +16,7 @@ from .joint_repairs import said_by
 from .live_judge import DECISIVE
 from .pictures import motion_sheet
 from .rows import summary
+from .running import Running
 from .work import Work, first_true_frames, open_work
 
 if TYPE_CHECKING:
@@ -63,12 +64,15 @@ def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     factors = Factors(asked.coarser, asked.steps, judged=False)
     write_factors(root, factors)
     told, groups = Part(context.progress, 0.0, SIMULATING), len(groups_of(spec))
-    run_groups(
-        spec, work.built, root, frames=end + 1, check=context.check, reuse=False,
-        only=None if asked.only is None else frozenset(asked.only), tell=partial(_tell, told, groups),
-    )  # fmt: skip
+    running = Running(work, "sketch")
+    with running.until_cancelled():
+        run_groups(
+            spec, work.built, root, frames=end + 1, check=running.noting(context.check), reuse=False,
+            only=None if asked.only is None else frozenset(asked.only), tell=partial(_tell, told, groups),
+        )  # fmt: skip
     simulated = time.monotonic() - began
     told_of = _judged(work, spec, root, Part(context.progress, SIMULATING, 1.0))
+    running.judged()
     write_factors(root, factors._replace(judged=True))
     spent = {"simulated": round(simulated, 1), "judged": round(time.monotonic() - began - simulated, 1)}
     return {"frames_sketched": end + 1, "seconds": spent, "left_coarser": coarsened, **told_of}

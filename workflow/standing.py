@@ -9,13 +9,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
+from ..worlds.canonical import spec_digest
 from ..worlds.folder import WorldFolder
 from ..worlds.ledger import Ledger
 from ..worlds.provenance import recipes
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 
-__all__ = ["STAGES", "Standing", "Step", "film_of", "standing"]
+__all__ = ["STAGES", "Standing", "Step", "film_of", "is_about_present", "standing"]
 
 StageName = Literal["specified", "audited", "probed", "frozen", "baked", "accepted", "rendered"]
 State = Literal["done", "failed", "stale", "missing"]
@@ -85,6 +86,23 @@ def standing(folder: WorldFolder, ledger: Ledger, rows: Sequence[Row] | None = N
     baked = _baked(folder, ledger, freeze, frozen.note)
     accepted, judged = _accepted(ledger, same, baked)
     return Standing((specified, audited, probed, frozen, baked, accepted, _rendered(folder, ledger, same, accepted, judged)))
+
+
+def is_about_present(ledger: Ledger, accepted: Mapping[str, Any], revision: int | None = None) -> bool:
+    """True if an acceptance is about a revision, by default the present one.
+
+    This is the one question that the film's gate, the standing of a world and `inspect_world` ask of its last acceptance: it judged what
+    the revision that it names says, and that one says the same of all that an acceptance is about.
+    """
+    now = ledger.revision_spec(ledger.revision() if revision is None else revision)
+    return now is not None and _is_about(ledger, accepted, _Sameness(ledger, now[0]))
+
+
+def _is_about(ledger: Ledger, accepted: Mapping[str, Any], same: Callable[[str, int], bool]) -> bool:
+    judged, told = ledger.revision_spec(accepted["revision"]), accepted["record"].get("spec_digest")
+    if judged is None or (told != judged[1] and told != spec_digest(WorldSpec.model_validate_json(judged[0]))):
+        return False  # its record is about another specification than the revision it is filed under
+    return same("acceptance", accepted["revision"])
 
 
 def film_of(folder: WorldFolder) -> Path | None:
@@ -179,7 +197,7 @@ def _accepted(ledger: Ledger, same: Callable[[str, int], bool], baked: Step) -> 
     if latest is None:
         return Step("accepted", "missing"), None
     when = latest["revision"], latest["at"]
-    if not same("acceptance", latest["revision"]):
+    if not _is_about(ledger, latest, same):
         return Step("accepted", "stale", *when, "the specification was changed since"), latest
     if baked.state in ("stale", "missing"):
         return Step("accepted", "stale", *when, baked.note or "there is no bake of the present settings"), latest

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import time
+from pathlib import Path
 from typing import Any
 
 from ..execution import Job, JobStore, Terms, memory_cap, result_of, wall_cap
-from ..worlds.errors import EngineError
+from ..worlds.errors import EngineError, WorldAgentError
+from ..worlds.folder import WorldFolder
+from ..worlds.ledger import Ledger
 from ..worlds.limits import CAPS
 from .answers import call
 from .context import ToolContext
@@ -20,6 +23,8 @@ ENV_WAIT = "WORLDAGENT_WAIT_MAX_S"
 """Environment variable: the longest that a call waits for a job, whatever `wait_s` it was given [s]."""
 WAIT_MAX_S = 50.0
 """Default of it: Claude Desktop and clients of the SDK cut calls at 60 s, and a call that is cut tells its model nothing."""
+_EDITING = frozenset(("interior", "terrain"))
+"""Kinds of jobs that make a revision themselves, which their results name."""
 POLL_S = 0.5
 SIGN_S = 4.0
 """A waiting call tells its progress at least so often [s]."""
@@ -92,7 +97,7 @@ def _details(job: Job) -> dict[str, Any]:
     times = {"submitted": job.created, "started": job.started, "ended": job.finished, "last_sign_of_life": job.heartbeat}
     return {
         **{name: _clock(value) for name, value in times.items() if value is not None},
-        "asked": {k: v for k, v in job.payload.items() if k != "folder" and v is not None},
+        "asked": {k: v for k, v in job.payload.items() if k not in ("folder", "stamp") and v is not None},
         "priority": job.priority,
         "progress_done": job.progress_done,
         "progress_total": job.progress_total,
@@ -119,7 +124,23 @@ def ended_data(job: Job) -> dict[str, Any]:
         raise EngineError(
             f"{(job.error or {}).get('message', 'lost')}. Next: {what.call}{what.keeps and f', which {what.keeps}'}"
         )
-    return {"job_id": job.id, **result_of(job)}
+    return {"job_id": job.id, **_of_revision(job), **result_of(job)}
+
+
+def _of_revision(job: Job) -> dict[str, Any]:
+    """The revision for which a job was asked, and a warning where its world has moved on since."""
+    asked, folder = job.payload.get("revision"), job.payload.get("folder")
+    if asked is None or folder is None or job.kind in _EDITING:
+        return {}
+    path = WorldFolder(Path(folder)).ledger_path
+    try:
+        latest = Ledger(path).revision() if path.is_file() else asked
+    except WorldAgentError:  # its ledger is damaged: the result says what it was about
+        latest = asked
+    if latest == asked:
+        return {"revision": asked}
+    moved = f"this is about revision {asked}: the world has moved on to revision {latest} since"
+    return {"revision": asked, "warnings": [moved]}
 
 
 def _turn(context: ToolContext, session: Session, kind: str, key: str, *, reuse: bool) -> str:
@@ -170,7 +191,7 @@ def start_and_wait(
     job = context.jobs.submit(
         kind,
         session.folder.id,
-        {"folder": str(session.folder.root), **payload},
+        {"folder": str(session.folder.root), "revision": session.revision, "stamp": session.stamp(), **payload},
         entry=f"{ENTRIES}:{kind}",
         # The stamp tells a world from an earlier one of the same name whose jobs the workspace still remembers.
         terms=Terms(

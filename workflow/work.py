@@ -6,6 +6,7 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from ..worlds.errors import RefusedError
 from ..worlds.folder import WorldFolder
 from .session import Session
 
@@ -31,12 +32,26 @@ class Work(NamedTuple):
         return open_candidate(self.session.folder, self.freeze, stage, self.built)
 
 
-def open_work(payload: dict[str, Any]) -> Work:
-    """Open the world of a job."""
+def open_work(payload: dict[str, Any], *, present: str = "") -> Work:
+    """Open the world of a job at the revision for which it was asked, whatever was edited since.
+
+    Args:
+        payload: of the job.
+        present: work that is about `world.json` as it is, in words; it is not begun on an edited world.
+
+    Raises:
+        RefusedError: that revision is not there any more, or the world was edited and the work is about the present one.
+    """
     from ..construction import build_world, built_paths
     from ..simulation.freeze import open_freeze
 
-    session = Session.at(WorldFolder.at(Path(payload["folder"])))
+    latest = Session.at(WorldFolder.at(Path(payload["folder"])))
+    session = latest.as_asked(payload.get("revision"), payload.get("stamp"))
+    if present and session.revision != latest.revision:
+        raise RefusedError(
+            f"the world was edited before {present} of revision {session.revision} began: it is at revision {latest.revision} now. "
+            "Nothing was judged; repeat the call for the present revision"
+        )
     built, _ = build_world(session.folder, session.spec)
     files = built_paths(session.folder, session.spec)
     return Work(session, open_freeze(session.folder, session.spec, built, files, session.revision), built)

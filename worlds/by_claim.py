@@ -6,13 +6,14 @@ bodies, beats and requirements under one name. Where one of them has no claims, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from .aligned import HELD, matched_claims, named_alike, renamed
 from .bound_fields import natures
 from .claims import named_in
 from .holding import holding_weakenings
+from .kinds_said import kinds_said_otherwise
 from .patch import differences, entity_weakenings, story_weakenings
 from .predicates import entities_of
 from .predicates.registry import interval_tightens
@@ -26,19 +27,20 @@ _PAIRS = "/simulation/contacts"
 """A pair that comes or goes is judged as a whole."""
 
 
-def easier_by_claim(before: WorldSpec, after: WorldSpec) -> list[str]:
+def easier_by_claim(before: WorldSpec, after: WorldSpec, said: Collection[str] = ()) -> list[str]:
     """Where `after` is easier to satisfy than `before`, in words; ids are those of `before`.
 
     Args:
         before: specification of a world whose rows failed.
         after: that of another world of nearly the same prompt.
+        said: entities of `before` on which a row failed that their roles ask.
     """
     if not before.claims or not after.claims:
         return list(_everywhere(before, after))
     matches = matched_claims(before, after)
     names = named_alike(before, after, matches)
     aligned = WorldSpec.model_validate(renamed(after, names, before))
-    return [*_claims(before, after, matches), *_bound(before, aligned)]
+    return [*_claims(before, after, matches), *_bound(before, aligned), *kinds_said_otherwise(before, aligned, said)]
 
 
 # ---------------------------------------------------------------- the claims themselves

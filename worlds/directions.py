@@ -58,7 +58,8 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/graph/relations/*", "a b kind carrier frames ratio reason waypoints", "relations", "either", "another relation"),
     # entities
     *parameters("/entities", ". *", "shape", "either", "an entity that is gone is not judged"),
-    *parameters("/entities/*", "role inputs outputs", "text", "none", "words"),
+    *parameters("/entities/*", "role", "text", "either", "it says of what kind a thing is: another one asks for less where a row asked by it failed"),
+    *parameters("/entities/*", "inputs outputs", "text", "none", "words"),
     *parameters("/entities/*/exchanges", ". * */quantity */with_entity */direction", "shape", "none", "a note on what its solver exchanges; couplings decide"),
     *parameters("/entities/*/pose", POSE, "placement", "repair", "where it stands"),
     *parameters("/entities/*", "material parts/*/material", "material", "repair", "what it is made of", physical=True),

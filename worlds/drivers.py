@@ -7,7 +7,7 @@ from .fields import acting_on
 from .predicates.registry import is_invariant
 from .spec import DetachDriver, FieldDriver, MotorDriver, PathDriver, ReleaseDriver, WorldSpec
 
-__all__ = ["acts_from", "behind", "deed", "to_declare", "undeclared", "untold"]
+__all__ = ["acts_from", "behind", "deed", "since", "to_declare", "undeclared", "untold"]
 
 
 def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
@@ -27,12 +27,17 @@ def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
     return driver.begins, tuple(e for e in (joint.child, joint.parent) if e is not None)
 
 
+def since(spec: WorldSpec, driver_id: str) -> str:
+    """From when on a driver acts, in words: a field may blow in the preroll already, before frame 0."""
+    start = getattr(spec.simulation.drivers[driver_id], "start", 0.0)
+    return f"from {start:g} s on, before frame 0" if start < 0.0 else f"from {acts_from(spec, driver_id)[0]:g} s on"
+
+
 def deed(spec: WorldSpec, driver_id: str, entity: str) -> str:
     """Deed of a driver on an entity, in words."""
-    time = acts_from(spec, driver_id)[0]
     if isinstance(spec.simulation.drivers[driver_id], ReleaseDriver):
-        return f"release {driver_id} lets {entity} go at {time:g} s"
-    return f"driver {driver_id} acts on {entity} from {time:g} s on"
+        return f"release {driver_id} lets {entity} go at {acts_from(spec, driver_id)[0]:g} s"
+    return f"driver {driver_id} acts on {entity} {since(spec, driver_id)}"
 
 
 def to_declare(spec: WorldSpec, driver_id: str, beat_id: str, body: str | None = None) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 from .ablation import marked
 from .baked import refuted_texts
 from .ledger_file import check_seal, matrix_texts, put_seal
+from .looks import LookLedger, settle_looks
 from .requirements import Attempt, Outcome, Row, fail_closed, outcome_of
 from .reviews import ReviewLedger
 
@@ -19,11 +20,8 @@ __all__ = ["Ledger"]
 _LATER_COLUMNS = {"iterations": ("changes", "before", "after", "expect")}
 """Columns that ledgers of older worlds lack; they are added at the first write that needs them."""
 
-_TESTED, _JUDGED = 1, 2
-"""States of a motion that was looked at without a verdict: another was judged since; it was judged itself."""
 
-
-class Ledger(ReviewLedger):
+class Ledger(ReviewLedger, LookLedger):
     """Outcomes of one world. Append-only but for the matrix, whose changes are kept in `history`."""
 
     # ---------------------------------------------------------------- revisions
@@ -287,29 +285,7 @@ class Ledger(ReviewLedger):
         with self._write() as db:
             db.execute("INSERT OR REPLACE INTO freezes VALUES (?,?,?,?,?)", (freeze, revision, int(passed), text, time.time()))
             put_seal(db, f"freeze:{freeze}", str(int(passed)), text)
-            db.execute("UPDATE looks SET settled=? WHERE settled<?", (_TESTED, _TESTED))
-            db.execute("UPDATE looks SET settled=? WHERE freeze=?", (_JUDGED, freeze))
-
-    def add_look(self, freeze: str, stage: str, revision: int, last: int) -> None:
-        """Record that frames 0 to `last` of a motion without a verdict were shown.
-
-        Args:
-            freeze: of the motion.
-            stage: `probe` or `full`; `sketch`, where rows of one failed, or it was looked at before they were told.
-            revision: present one.
-            last: last frame that was shown.
-        """
-        with self._write() as db:
-            db.execute(
-                "INSERT INTO looks VALUES (?,?,?,?,?,0) ON CONFLICT (freeze, stage) DO UPDATE SET settled=0, last=MAX(last, excluded.last)",
-                (freeze, stage, revision, last, time.time()),
-            )
-
-    def looks(self, *, untested: bool = False) -> list[dict[str, Any]]:
-        """Motions that were looked at and never judged, oldest first; with `untested`, those since which no probe was judged."""
-        with self._open() as db:
-            below = _TESTED if untested else _JUDGED
-            return [dict(r) for r in db.execute("SELECT * FROM looks WHERE settled<? ORDER BY at", (below,)).fetchall()]
+            settle_looks(db, freeze, baked=False)
 
     def freeze(self, freeze: str) -> dict[str, Any] | None:
         """The probe's record for these settings."""
@@ -334,7 +310,7 @@ class Ledger(ReviewLedger):
             put_seal(db, f"bake:{freeze}", digest, text)
             db.execute("UPDATE refuted SET settled=1 WHERE freeze=?", (freeze,))
             put_seal(db, f"refuted:{freeze}", *refuted_texts(db, freeze))
-            db.execute("UPDATE looks SET settled=? WHERE freeze=? AND stage='full'", (_JUDGED, freeze))
+            settle_looks(db, freeze, baked=True)
 
     def add_refuted(self, freeze: str, digest: str, intervals: Iterable[Mapping[str, Any]]) -> None:
         """Record that intervals of a bake, simulated again, did not give its bytes; it stays so until the next bake.

@@ -3,7 +3,8 @@
 Artifacts: `terrain:<id>`, `built:<entity>`, `static:<entity>` (evidence at frame 0), `liquid:<instance>` (frames of a liquid, which
 are taken over from an earlier bake where nothing that reaches its domain changed), `motion` (probe, bake and every verdict over
 them), `contact` and `category` (verdicts over the motion against bounds), `story` and `shots` (verdicts that read
-the story and the shot plan over the same motion), `seen` (plates: pictures of the motion in its light), `acceptance`, `final`.
+the story and the shot plan over the same motion), `claims` (verdicts that read the prompt and its claims too), `seen` (plates: pictures
+of the motion in its light), `acceptance` (all of the specification but its light and the format of its pictures), `final`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import Any
 from .canonical import Encoded, digest_of
 from .categories.registry import CATEGORIES
 from .documents import document_of, kept_of_latest
+from .kinds_said import ASKED_BY_ROLE
 from .requirements import Row
 from .slices import geometry_slice, motion_slice
 from .spec import Fastened, WorldSpec
@@ -53,6 +55,20 @@ _PICTURE_FORMAT = frozenset(("width", "height", "samples"))
 """Fields of the look that plates have of their own."""
 _PLANNED = frozenset(("covers", "subjects", "intent"))
 """Fields of a shot that say what it is for, and not where its camera stands."""
+_LIGHT = frozenset(("look", "materials"))
+"""Members that an acceptance is not about, but for what materials are: the film judges its rows about light anew (`LIT`)."""
+_HELD = frozenset(("parts", "pose", "physics", "generator"))
+"""Fields of entities that the recipes of their geometry and motion hold already."""
+
+
+def _all_else(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Rest of a specification, as JSON, beside the slices: an acceptance is about all of it, whoever may read it."""
+    materials = document["materials"]
+    return {
+        **{k: v for k, v in document.items() if k not in _LIGHT},
+        "entities": {n: {k: v for k, v in e.items() if k not in _HELD} for n, e in document["entities"].items()},
+        "materials": {n: {k: v for k, v in m.items() if k != "appearance"} for n, m in materials.items()},
+    }
 
 
 @kept_of_latest
@@ -82,7 +98,7 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
     light = {k: v for k, v in look.items() if k not in _PICTURE_FORMAT}
     cameras = {k: {f: v for f, v in s.items() if f not in _PLANNED} for k, s in document["shots"].items()}
     found["seen"] = digest_of(motion, cameras, aspect, lands, light, appearance)
-    found["acceptance"] = digest_of(
+    found["claims"] = digest_of(
         found["story"],
         found["shots"],
         found["contact"],
@@ -91,6 +107,7 @@ def _recipes(spec: WorldSpec) -> dict[str, str]:
         document["clauses" if spec.spec_version == "1" else "claims"],
         spec.prompt,
     )
+    found["acceptance"] = digest_of(found["claims"], _all_else(document))
     found["final"] = digest_of(found["acceptance"], lands, look, appearance)
     return found
 
@@ -111,6 +128,7 @@ def _of_entities(document: Mapping[str, Any], geometries: Mapping[str, Any]) -> 
         found[f"built:{name}"] = digest_of(geometry)
         found[f"static:{name}"] = digest_of(
             geometry,
+            entity["role"],
             entity["pose"],
             entity["dimensions"],
             entity["nominal_diagonal"],
@@ -140,7 +158,7 @@ _BY_ARTIFACT = {
     "category": ("category",),
     "numerical": ("category",),
     "beat": ("story",),
-    "claim": ("acceptance",),
+    "claim": ("claims",),
     "causal": ("story",),
     "robustness": ("story",),
     "relations": ("story",),
@@ -162,6 +180,8 @@ def stale_rows(rows: list[Row], stages: Mapping[str, str], stale: list[str]) -> 
         wanted = {f"static:{e}" for e in row.entities} if row.check in _STATIC_CHECKS or stages.get(row.id) == "static" else set()
         if stages.get(row.id) != "static" or row.check in _SCENE_CHECKS:
             wanted |= set(_BY_ARTIFACT.get(row.check, ()))
+        if row.question in ASKED_BY_ROLE:
+            wanted |= {f"static:{e}" for e in row.entities}
         if row.question in LIT:
             wanted.add("seen")
         if row.check == "terrain":

@@ -29,6 +29,7 @@ def rich_world(made: Made, name: str = "w", **changes: Any) -> WorldFolder:
     record = {
         "verdict": "accepted",
         "cache_digest": "cache-1",
+        "spec_digest": (ledger.revision_spec(1) or ("", ""))[1],
         "replayed": True,
         "rows": [r.model_dump(mode="json") for r in (row("a"), row("b", "not_applicable"))],
         "clauses": {},

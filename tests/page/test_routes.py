@@ -265,6 +265,7 @@ def test_an_acceptance_tells_what_it_did_not_prove(made: Made, client: TestClien
     record = {
         "verdict": "refused",
         "cache_digest": "cache-1",
+        "spec_digest": (ledger.revision_spec(1) or ("", ""))[1],
         "rows": [r.model_dump(mode="json") for r in (row("a"), row("b", "unverified"), row("c", "not_applicable"))],
         "clauses": {"c1": {"text": "it falls", "unmet": "no beat maps it", "static_because": None}},
         "approximations": [{"what": "skin", "effect": "hovers"}],

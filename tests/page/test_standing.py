@@ -37,6 +37,7 @@ def accepted(folder: WorldFolder, verdict: str = "accepted") -> Ledger:
     ledger.put_bake(FREEZE, ledger.revision(), "cache-1", {"failing": []})
     record: dict[str, Any] = {"verdict": verdict, "cache_digest": "cache-1", "rows": [row("x").model_dump(mode="json")]}
     record["prompt"] = {"claimed": 0.7, "filler": 0.3, "waived": 0.0, "read_by": "nobody"}
+    record["spec_digest"] = (ledger.revision_spec(ledger.revision()) or ("", ""))[1]
     ledger.add_acceptance(FREEZE, ledger.revision(), "subject", verdict, record)
     film = folder.candidate(FREEZE) / "final" / "final.webm"
     film.parent.mkdir(parents=True, exist_ok=True)

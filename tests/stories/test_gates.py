@@ -170,3 +170,13 @@ def test_a_world_recorded_without_a_newer_field_is_no_hand_edit(accepted: Any) -
         db.execute("DELETE FROM meta")
     db.close()
     assert accepted.call("inspect_world", world="w")["matrix"]["mandatory_open"] == 0
+
+
+def test_acceptance_names_the_rows_of_the_matrix_that_it_does_not_count(loop: Any) -> None:
+    """`numerical:promise` compares the bake with its probe, of which the fresh process reads nothing."""
+    told = json.loads(loop.answers["accept"].content[0].text)
+    rows = Ledger(loop.workspace / "w" / "ledger.sqlite").rows()
+    assert told["not_counted"] == ["numerical:promise"]
+    assert told["counts"]["pass"] + told["counts"]["not_applicable"] + len(told["not_counted"]) == len(rows)
+    assert "numerical:promise" in told["summary"]
+    assert told["revision"] == 1

@@ -25,7 +25,18 @@ def test_moving_one_block_leaves_what_does_not_depend_on_it(accepted: Any) -> No
     folder = accepted.workspace / "w"
     built, caches = _files(folder / "built"), _files(folder / "candidates")
     data = accepted.edit(("/entities/b3/pose/position/0", 0.2047))
-    assert set(data["stale"]) == {"acceptance", "category", "contact", "final", "motion", "seen", "shots", "static:b3", "story"}
+    assert set(data["stale"]) == {
+        "acceptance",
+        "category",
+        "claims",
+        "contact",
+        "final",
+        "motion",
+        "seen",
+        "shots",
+        "static:b3",
+        "story",
+    }
     stale = _stale(accepted)
     kept = {r.id for r in Ledger(folder / "ledger.sqlite").rows()} - stale
     assert {"scale:ball", "scale:b1", "interpenetration:b1:b2"} <= kept
@@ -41,7 +52,7 @@ def test_another_shot_keeps_the_bake_and_asks_for_acceptance_again(accepted: Any
     folder = accepted.workspace / "w"
     caches = _files(folder / "candidates")
     data = accepted.edit(("/shots/only/keys/a/position", [0.2, -1.25, 0.5]))
-    assert data["stale"] == ["acceptance", "final", "seen", "shots"]
+    assert data["stale"] == ["acceptance", "claims", "final", "seen", "shots"]
     assert all(i.startswith(("shots:", "delivery:", "claim:")) for i in _stale(accepted))
     assert "not accepted" in accepted.refused("render_shot", world="w", kind="final")
     assert accepted.call("run_checks", world="w", scope="acceptance")["verdict"] == "accepted"
@@ -190,3 +201,41 @@ def test_two_clients_that_build_at_once_do_not_disturb_each_other(accepted: Any,
             for thread in threads:
                 thread.join()
             assert not any(a.is_error for a in answers), [a.content[0].text for a in answers]
+
+
+@pytest.mark.parametrize(
+    ("pointer", "value", "rows"),
+    [("/entities/b1/role", "dining table", {"scale:b1"}), ("/title", "Another title", set())],
+    ids=["a role", "a title"],
+)
+def test_words_that_change_after_acceptance_close_the_film_as_inspect_says(
+    accepted: Any, pointer: str, value: str, rows: set[str]
+) -> None:
+    """A role is judged (`scale:kind`), and a verdict prints what it is about: neither is about another specification."""
+    assert accepted.call("inspect_world", world="w")["next"] == "render_shot(world='w', kind='final')"
+    data = accepted.edit((pointer, value))
+    assert {"acceptance", "final"} <= set(data["stale"])
+    assert data["rows_now_stale"] > 0
+    assert rows <= _stale(accepted)
+    assert data["next"] == "run_checks(world='w', scope='acceptance')"
+    told = accepted.call("inspect_world", world="w", part="acceptance")
+    assert "this verdict is not about it" in told["warnings"][0]
+    text = accepted.refused("render_shot", world="w", kind="final")
+    assert f"about revision 1, and there changed since {pointer}" in text
+    accepted.edit((pointer, small_spec()["entities"]["b1"]["role"] if "role" in pointer else small_spec()["title"]))
+    assert "warnings" not in accepted.call("inspect_world", world="w", part="acceptance") or "stands" in str(
+        accepted.call("inspect_world", world="w", part="acceptance")["warnings"]
+    )
+
+
+def test_an_edit_of_the_light_leaves_the_verdict_and_inspect_says_so(accepted: Any) -> None:
+    accepted.edit(("/look/exposure", 0.5))
+    told = accepted.call("inspect_world", world="w", part="acceptance")
+    assert "the verdict stands" in told["warnings"][0]
+    assert told["next"] == "render_shot(world='w', kind='final')"
+
+
+def test_an_edit_that_takes_another_back_finds_the_step_that_is_open(accepted: Any) -> None:
+    position = small_spec()["entities"]["b3"]["pose"]["position"]
+    assert accepted.edit(("/entities/b3/pose/position/0", 0.2047))["next"].startswith("place_object")
+    assert accepted.edit(("/entities/b3/pose/position", position))["next"] == "render_shot(world='w', kind='final')"

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from worldagent.construction import build_world, built_paths
-from worldagent.execution import run_inline
+from worldagent.execution import Cancelled, run_inline
 from worldagent.simulation.freeze import open_freeze
 from worldagent.simulation.probe import run_probe
 from worldagent.tests.stories.small_run import PROMPT, small_spec
@@ -108,3 +108,85 @@ def test_judging_what_was_seen_puts_its_rows_in_the_place_of_the_look(session: S
     with pytest.raises(RefusedError, match="after evidence against it"):
         _lower(session)
     assert json.loads((session.folder.spec_path).read_text())["story"]["beats"]["fall"]["predicate"]["min"] == 0.15
+
+
+# ---------------------------------------------------------------- runs that are ended before their verdict
+
+
+def _payload(session: Session) -> dict[str, Any]:
+    return {"folder": str(session.folder.root)}
+
+
+def _ended_at(session: Session, frame: int, kind: str = "probe", **more: Any) -> None:
+    """Run a job and cancel it as soon as so many frames are there."""
+    begun = session.folder.candidate(session.freeze()) / {"bake": "bake"}.get(kind, kind) / "rigid"
+
+    def cancelled() -> bool:
+        return len(list(begun.glob("frame_*.npz"))) > frame
+
+    with pytest.raises(Cancelled):
+        run_inline(f"worldagent.workflow.jobs:{kind}", {**_payload(session), **more}, cancel_asked=cancelled)
+
+
+@pytest.fixture
+def fresh(cancelled_folder: Path, tmp_path: Path) -> Session:
+    """The slow ball, before anything ran."""
+    folder = shutil.copytree(cancelled_folder, tmp_path / "w")
+    shutil.rmtree(folder / "candidates")
+    return Session.at(WorldFolder.at(folder))
+
+
+def test_a_probe_that_is_cancelled_leaves_how_far_it_ran_and_a_reason_is_asked(
+    fresh: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("worldagent.workflow.probes.judge_begun", lambda *_: None)  # a world that no check looks over in time
+    _ended_at(fresh, 4)
+    (ran,) = fresh.ledger.looks()
+    assert ran["stage"] == "probe:ran"
+    assert ran["last"] >= 4
+    with pytest.raises(RefusedError, match=r"probe .* \(revision 1\) ran to frame \d+ and was not judged.*weakening_reason"):
+        _lower(fresh)
+    _faster(fresh)  # a repair of what nobody saw fail needs no hypothesis
+    assert _lower(fresh, weakening_reason=REASON)["weakenings_recorded"]
+    assert [w["reason"] for w in fresh.ledger.weakenings()] == [REASON]
+
+
+def test_what_the_frames_of_a_cancelled_probe_decide_is_judged_yet(fresh: Session) -> None:
+    """The window of the beat is over when the run is cancelled: its row fails, as it would have if the run had gone on."""
+    _set(fresh, "/story/beats/strike/frames", [1, 3])
+    _ended_at(fresh, 6)
+    rows = {r.id: r.status for r in fresh.ledger.rows()}
+    assert rows["beat:strike"] == "fail"
+    with pytest.raises(RefusedError, match="name its hypothesis"):
+        _faster(fresh)
+    with pytest.raises(RefusedError, match="weakening_reason"):
+        _set(fresh, "/story/beats/strike/frames", [1, 30])
+
+
+def test_a_probe_that_is_judged_leaves_rows_in_the_place_of_its_run(fresh: Session) -> None:
+    run_inline("worldagent.workflow.jobs:probe", _payload(fresh))
+    assert fresh.ledger.looks() == []
+    assert fresh.ledger.ever_failed()
+
+
+def test_a_sketch_that_is_cancelled_is_on_record_too(fresh: Session) -> None:
+    _ended_at(fresh, 3, "sketch", sketch={"until": 30})
+    assert [r["stage"] for r in fresh.ledger.looks()] == ["sketch:ran"]
+    with pytest.raises(RefusedError, match=r"sketch .* ran to frame"):
+        _lower(fresh)
+
+
+def test_the_next_probe_does_not_settle_what_a_cancelled_bake_showed(fresh: Session) -> None:
+    fresh.ledger.add_look("f" * 64, "full:ran", 1, 30)
+    fresh.ledger.put_freeze("f" * 64, 1, passed=True, detail={})
+    assert [r["stage"] for r in fresh.ledger.looks()] == ["full:ran"]
+    assert fresh.ledger.looks(untested=True) == []
+    fresh.ledger.put_bake("f" * 64, 1, "digest", {})
+    assert fresh.ledger.looks() == []
+
+
+def test_a_run_whose_frames_were_judged_before_leaves_nothing_new(fresh: Session) -> None:
+    run_inline("worldagent.workflow.jobs:probe", _payload(fresh))
+    shutil.rmtree(fresh.folder.candidate(fresh.freeze()) / "probe")
+    _ended_at(fresh, 4)
+    assert fresh.ledger.looks() == []

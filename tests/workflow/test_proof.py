@@ -71,7 +71,7 @@ def test_acceptance_of_a_world_that_was_edited_before_it_was_judged_is_no_verdic
     edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
     session = Session.open(tmp_path, "w")
     session.ledger.put_bake("f" * 64, 1, "d", {})
-    monkeypatch.setattr(jobs, "open_work", lambda payload: Work(session, "f" * 64, {}))
+    monkeypatch.setattr(jobs, "open_work", lambda payload, **_: Work(session, "f" * 64, {}))
     monkeypatch.setattr(jobs, "require_true_geometry", lambda session, built: None)
     monkeypatch.setattr(jobs, "plates_of", lambda *_, **__: None)
     monkeypatch.setattr("worldagent.verifiers.acceptance.WaitingJudge", nullcontext)

@@ -10,7 +10,7 @@ from worldagent.execution import JobStore
 from worldagent.tests.worlds.test_by_claim import OTHER_IDS, WEAKER, Edit, world
 from worldagent.tools.edit_spec import edit_spec
 from worldagent.workflow.context import ToolContext
-from worldagent.workflow.siblings import easier_beside
+from worldagent.workflow.siblings import easier_beside, started_anew
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
 from worldagent.worlds.requirements import Row
@@ -80,3 +80,23 @@ def test_a_damaged_world_is_told_and_ends_nothing(made: Made) -> None:
     made.fails("first")
     WorldFolder.of(made.root, "first").ledger_path.write_bytes(b"no ledger")
     assert made.easier(other(LATER)) == ["not compared with world first: its ledger is damaged"]
+
+
+def test_a_sentence_beside_the_prompt_hides_no_failed_world(made: Made) -> None:
+    made.fails("first")
+    before = "It is a quiet old yard in summer, with flowers along its old walls and a smell of hay. "
+    longer = other(LIGHTER).model_copy(update={"prompt": before + world().prompt})
+    (line,) = made.easier(longer)
+    assert line.startswith("easier than revision 1 of world first")
+    assert started_anew(made.root, "again", longer.prompt) == [
+        "started anew beside world first, which has failed rows for a prompt that stands in this one, or holds it"
+    ]
+
+
+def test_a_prompt_of_the_same_pattern_about_other_things_is_not_accused(made: Made) -> None:
+    made.fails("first")
+    prompt = world().prompt
+    things = prompt.replace("ball", "drum").replace("block", "bottle")
+    assert things != prompt
+    assert started_anew(made.root, "again", things) == []
+    assert len(started_anew(made.root, "again", prompt.replace("The last", "Its last"))) == 1

@@ -12,38 +12,38 @@ from worldagent.worlds.requirements import Row
 from worldagent.worlds.slices import geometry_slice, motion_slice
 from worldagent.worlds.spec import WorldSpec
 
-MOTION = {"motion", "contact", "category", "story", "shots", "seen", "acceptance", "final"}
-JUDGED = {"contact", "category", "story", "shots", "acceptance", "final"}
+MOTION = {"motion", "contact", "category", "story", "shots", "seen", "claims", "acceptance", "final"}
+JUDGED = {"contact", "category", "story", "shots", "claims", "acceptance", "final"}
 ALL_STATIC = {f"static:{n}" for n in small_spec()["entities"]}
 EDITS: dict[str, tuple[str, Any, set[str]]] = {
     "a pose": ("/entities/b1/pose/position", [0.1, 0, 0.33], MOTION | {"static:b1"}),
     "a shape": ("/entities/b1/parts/body/shape/size", [0.03, 0.05, 0.06], MOTION | {"built:b1", "static:b1"}),
     "a mass": ("/entities/b1/physics/mass", 0.1, MOTION | {"built:b1", "static:b1"}),
     "a start velocity": ("/entities/ball/physics/linear_velocity", [2, 0, 0], MOTION),
-    "a declared size": ("/entities/b1/dimensions/size", [0.03, 0.05, 0.051], {"static:b1", "acceptance", "final"}),
-    "a tolerance": ("/entities/b1/dimensions/tolerance", 0.05, {"static:b1", "acceptance", "final"}),
+    "a declared size": ("/entities/b1/dimensions/size", [0.03, 0.05, 0.051], {"static:b1", "claims", "acceptance", "final"}),
+    "a tolerance": ("/entities/b1/dimensions/tolerance", 0.05, {"static:b1", "claims", "acceptance", "final"}),
     "a density": ("/materials/steel/density", 7800, MOTION | {"built:ball", "static:ball"}),
     "a friction": ("/materials/steel/friction", 0.4, MOTION),
     "a colour": ("/materials/steel/appearance/color", [0, 0, 0], {"seen", "final"}),
     "light": ("/look/sky", "overcast", {"seen", "final"}),
     "an exposure": ("/look/exposure", 1, {"seen", "final"}),
-    "words of a shot": ("/shots/only/intent", "other", {"shots", "acceptance", "final"}),
+    "words of a shot": ("/shots/only/intent", "other", {"shots", "claims", "acceptance", "final"}),
     "samples": ("/look/samples", 4, {"final"}),
-    "the shape of the picture": ("/look/width", 128, {"shots", "seen", "acceptance", "final"}),
-    "a camera": ("/shots/only/keys/a/fov_deg", 45, {"shots", "seen", "acceptance", "final"}),
-    "a beat": ("/story/beats/fall/predicate/min", 0.2, {"story", "shots", "acceptance", "final"}),
+    "the shape of the picture": ("/look/width", 128, {"shots", "seen", "claims", "acceptance", "final"}),
+    "a camera": ("/shots/only/keys/a/fov_deg", 45, {"shots", "seen", "claims", "acceptance", "final"}),
+    "a beat": ("/story/beats/fall/predicate/min", 0.2, {"story", "shots", "claims", "acceptance", "final"}),
     "a limit": ("/simulation/limits/max_speed", 30, JUDGED | ALL_STATIC),
     "a relation": ("/graph/relations/hits", {"kind": "interacts", "a": "ball", "b": "b2"},
-                   {"static:ball", "static:b1", "static:b2", "story", "acceptance", "final"}),
+                   {"static:ball", "static:b1", "static:b2", "story", "claims", "acceptance", "final"}),
     "declared overlap": ("/graph/relations/glue", {"kind": "fastened", "a": "b1", "b": "b2", "max_depth": 0.1, "reason": "glued fast"},
                          MOTION | {"static:b1", "static:b2"}),
-    "a region": ("/graph/regions/r", {"kind": "sphere", "center": [0, 0, 0], "radius": 1}, {"story", "acceptance", "final"}),
+    "a region": ("/graph/regions/r", {"kind": "sphere", "center": [0, 0, 0], "radius": 1}, {"story", "claims", "acceptance", "final"}),
     "a step": ("/simulation/solvers/rigid/settings/step", 0.0002, MOTION),
     "gravity": ("/simulation/gravity", [0, 0, -3.7], MOTION),
-    "a claim": ("/claims/ball/by", ["/entities/b1"], {"acceptance", "final"}),
-    "a title": ("/title", "other", set()),
-    "a role": ("/entities/b1/role", "other", set()),
-    "an unused material": ("/materials/lead", {"density": 11340}, {"seen", "final"}),
+    "a claim": ("/claims/ball/by", ["/entities/b1"], {"claims", "acceptance", "final"}),
+    "a title": ("/title", "other", {"acceptance", "final"}),
+    "a role": ("/entities/b1/role", "other", {"static:b1", "claims", "acceptance", "final"}),
+    "an unused material": ("/materials/lead", {"density": 11340}, {"seen", "acceptance", "final"}),
 }  # fmt: skip
 
 
@@ -140,7 +140,9 @@ def test_rows_lose_their_evidence_with_what_they_judged() -> None:
     assert lost("a start velocity", "full") == moving
     assert lost("a camera", "full") == {"shots:b1", "shots:light", "delivery"}
     assert lost("a beat", "full") == {"beat", "causal", "support:b1", "navigability", "shots:b1", "shots:light", "delivery"}
-    assert lost("a title", "full") == lost("samples", "full") == set()
+    assert lost("samples", "full") == set()
+    assert lost("a title", "full") == {"delivery"}
+    assert lost("a role", "full") == {"delivery", "scale:b1", "interpenetration:b1-b2"}
     assert lost("light", "full") == lost("an exposure", "full") == lost("a colour", "full") == {"shots:light"}
     assert lost("a limit", "full") == moving | {"scale:b1", "scale:b2", "interpenetration:b1-b2"}
 

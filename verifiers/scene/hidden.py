@@ -187,7 +187,7 @@ def hidden_finding(candidate: Candidate, name: str) -> Finding:
                 "a part that no camera sees makes the body heavier than it looks",
                 "mass",
                 f"Drop the hidden part of {name!r}, or choose a material that weighs what the body should; where it is meant to be weighted, "
-                "say `weighted` in its role, which is printed.",
+                "say `weighted` in its role, with a weakening_reason; both are printed.",
                 pointers=(*places, pointer("entities", name, "role")),
                 patch=tuple({"op": "remove", "path": place} for place in places),
             ),

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
     from ..categories.judge import Touch
 
-__all__ = ["Meeting", "asks_for_contact", "first_contact", "promises"]
+__all__ = ["Meeting", "asks_for_contact", "carried_from_the_start", "first_contact", "promises"]
 
 
 class Meeting(NamedTuple):
@@ -91,6 +91,26 @@ def first_contact(candidate: Candidate, activation: int, moved: int | None) -> M
     if bodies is not None and not promises(candidate.spec):
         return bodies
     return min((m for m in (bodies, _of_matter(candidate, activation)) if m is not None), key=lambda m: m.time, default=None)
+
+
+def carried_from_the_start(candidate: Candidate, activation: int) -> str:
+    """That all who should meet touch from frame 0 on until they move, in words; empty where one pair does not.
+
+    What stands on a lift is carried by a contact that is there already: none that begins later is missing.
+    """
+    asked = promises(candidate.spec)
+    pairs = [frozenset(_touching(candidate, frame)) for frame in (1, max(1, activation) + 1) if frame < candidate.frame_count]
+    if not asked or not pairs or not all(p.entities in pair for p in asked for pair in pairs):
+        return ""
+    told = sorted({" and ".join(sorted(p.entities)) for p in asked})
+    return f"{', '.join(told)} touch from frame 0 on, and go on so: what is carried from the start meets nothing anew"
+
+
+def _touching(candidate: Candidate, frame: int) -> Iterator[frozenset[str]]:
+    """Pairs of bodies that the log of contacts has in the steps up to a frame."""
+    for cache in candidate.rigid_caches.values():
+        for pair in cache.ragged("contact/pair")[frame]["contact/pair"].tolist():
+            yield frozenset(cache.index.colliders[i] for i in pair)
 
 
 def _of_bodies(candidate: Candidate, moved: int) -> Meeting | None:

@@ -5,7 +5,8 @@
 - activation: the first frame at which a driver acts, or a body, grains or cloth are faster than the scene's start speed.
 - first contact: the first new contact after activation between entities that did not touch before: bodies, grains and bodies, cloth
   and solids (`story/phase_contacts.py`). Where there is none and the specification asks for none (no contact predicate, no `interacts`
-  relation, no cause between different bodies), it does not apply; one that nothing asks for within `SPAN` of the end starts no response.
+  relation, no cause between different bodies), or where those who should meet touch from frame 0 on, as a lift and its load do, it does
+  not apply; one that nothing asks for within `SPAN` of the end starts no response.
 - peak response: frame of the largest kinetic energy from the first contact on; from activation where none is asked for and no bodies
   meet. What then goes on evenly to the end (`STEADY`), as in a stream, is at its peak from the frame on where that begins. What has most
   at the last frame is at its peak there when it goes on rightly, as a fall does.
@@ -39,7 +40,7 @@ from ..rows.corrections import correction, halve_any_step, longer, set_value
 from ..rows.findings import Finding
 from .beat_corrections import still_moves
 from .offers import let_meet
-from .phase_contacts import asks_for_contact, first_contact, promises
+from .phase_contacts import asks_for_contact, carried_from_the_start, first_contact, promises
 from .phase_ends import SPAN, ending
 from .questions import PHASES_SHOWN
 
@@ -137,12 +138,13 @@ def find_phases(candidate: Candidate) -> Phases:
     contact = None if met is None else met.frame
     still = bool(loose) and all((_speeds(candidate, n) <= threshold).all() for n in names)
     energy = _kinetic(candidate, loose if still else [])
-    touchless = activation is not None and contact is None and not asked
+    carried = carried_from_the_start(candidate, activation) if asked and activation is not None and met is None else ""
+    touchless = activation is not None and contact is None and (not asked or bool(carried))
     # What sand or a sheet touches unasked is no blow that a response follows; nor is what meets unasked as the run ends.
     late = met is not None and met.frame > last - max(1, round(SPAN * candidate.spec.simulation.fps))
     unasked = touchless or (met is not None and not asked and (met.pressed or late))
     if touchless:
-        notes["first_contact"] += ", and no beat, relation or cause asks for one"
+        notes["first_contact"] = carried or f"{notes['first_contact']}, and no beat, relation or cause asks for one"
     start = activation if unasked else contact
     peak, settling, course = (None, None, None) if start is None else _response(candidate, energy, start, notes, unasked=unasked)
     return Phases(preroll, activation, contact, peak, settling, last, notes, who, threshold, touchless, course)

@@ -234,6 +234,10 @@ def _floats(held: Held, name: str, loose: Sequence[int], *, detailed: bool) -> F
     if near is not None and near.distance > gap and (fall is None or near.distance < 0.9 * fall.distance):
         text += f"; the nearest thing that is held up is {near.to!r}, {near.distance * 1e3:.4g} mm away"
         corrections.insert(0, _move(held, name, loose, near, f"bring it to {near.to!r}"))
+    mobile = _on_mobile(held, name, loose) if detailed else None
+    if mobile is not None:
+        text = f"{what} touches {mobile!r}, which may move: what never moves itself is not held by that, and would stay in the air; else it {text.removeprefix(what).lstrip()}"
+        corrections.insert(0, _let_move(surfaces, name, mobile))
     corrections += _others(name, what)
     return Finding(
         "fail",
@@ -270,6 +274,36 @@ def _move(held: Held, name: str, loose: Sequence[int], way: Way, what: str) -> C
     if set(parts) <= set(declared) and in_the_way(surfaces, loose, way.offset) is None:
         return move_parts(surfaces.candidate, name, dict.fromkeys(parts, way.offset), cause, action)
     return correction(cause, "shape", action, pointers=(pointer("entities", name, "parts", parts[0], "pose"),))
+
+
+def _on_mobile(held: Held, name: str, loose: Sequence[int]) -> str | None:
+    """A body that may move and that some parts touch; None where there is none."""
+    surfaces = held.surfaces
+    low, high = (box[:, 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
+    still = {name, *held.names}
+    for other in (n for n in surfaces.entities if n not in still and n not in surfaces.broken):
+        gap = seam(surfaces, name, other)
+        for i, j in ((i, j) for i in loose for j in surfaces.parts_of[other]):
+            if (low[j] > high[i] + gap).any() or (high[j] < low[i] - gap).any():
+                continue
+            pose, there = (surfaces.track(surfaces.parts[k].entity, surfaces.parts[k].body).at(0) for k in (i, j))
+            if signed_clearance(surfaces.shapes.solid(i, 0), pose, surfaces.shapes.solid(j, 0), there).distance <= gap:
+                return other
+    return None
+
+
+def _let_move(surfaces: Surfaces, name: str, mobile: str) -> Correction:
+    """Let a thing that lies on a body which may move go with it: an engine then moves it too."""
+    spec = surfaces.candidate.spec
+    place = pointer("entities", name, "motion")
+    moved = any(name in i.members and mobile in i.members for i in spec.simulation.solvers.values())
+    return correction(
+        f"{name!r} is said never to move, and lies on {mobile!r}, which may",
+        "shape",
+        f"Let {name!r} move too (motion 'dynamic', a member of the instance that moves {mobile!r}).",
+        pointers=(place,),
+        patch=({"op": "replace", "path": place, "value": "dynamic"},) if moved else (),
+    )
 
 
 def _closer(name: str) -> Correction:

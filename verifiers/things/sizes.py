@@ -147,7 +147,7 @@ def _hints(candidate: Candidate, name: str, kind: Kind, worst: _Judged, variant:
         )
     ]
     for other in _kin(kind, worst):
-        action = f"If {name!r} is a {other}, say so in its role, with {other!r} as its last word: then it is measured as one."
+        action = f"If {name!r} is a {other}, say so in its role, with {other!r} as its last word and a weakening_reason: then it is measured as one."
         hints.append(correction(f"it is a {other}", "text", action, pointers=(pointer("entities", name, "role"),)))
     if variant is None:
         word = "toy" if worst.value < worst.low else "giant"
@@ -155,7 +155,7 @@ def _hints(candidate: Candidate, name: str, kind: Kind, worst: _Judged, variant:
             correction(
                 f"it is no ordinary {kind.name}",
                 "text",
-                f"If the prompt asks for a {word} one, say so in the role of {name!r}: '{word} {kind.name}'; the register names it.",
+                f"If the prompt asks for a {word} one, say so in the role of {name!r}, with a weakening_reason: '{word} {kind.name}'; the register names it.",
                 pointers=(pointer("entities", name, "role"),),
             )
         )

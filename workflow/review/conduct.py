@@ -218,8 +218,8 @@ def read_world(session: Session, candidate: Candidate, check: Callable[[], None]
         ReaderError: the model gave no answer that counts; nothing is recorded.
         InputError: the settings of the reader are wrong.
     """
-    from ...verifiers.acceptance import acceptance_subject
     from ..rows import summary as rows_summary
+    from ..standing import is_about_present
 
     endpoint = configured() if ask else None
     found = prepare(session.folder, candidate)
@@ -230,11 +230,13 @@ def read_world(session: Session, candidate: Candidate, check: Callable[[], None]
     rows = rows_of_reviews(session, candidate, found)
     session.record(rows, stage="full", checks=("review",))
     reviews, reader = readers_of(session, found)
-    known = session.ledger.acceptance(acceptance_subject(session.spec, session.freeze(), candidate.digest))
+    known = session.ledger.acceptance()
+    about = known is not None and known["record"].get("cache_digest") == candidate.digest
+    about = about and known is not None and is_about_present(session.ledger, known, session.revision)
     return {
         "scope": "review",
         "read_by": reader,
-        "accepted": known is not None and known["verdict"] == "accepted",
+        "accepted": about and known is not None and known["verdict"] == "accepted",
         "reviews": summary(reviews),
         "earlier_reviews": len(session.ledger.reviews()) - len(reviews),
         "asked": {"spans": len(found.questions.spans), "left_out": found.questions.left_out, "folder": found.place},

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from ..categories.registry import CATEGORIES, shape_of
-from ..drivers import acts_from
+from ..drivers import acts_from, since
 from ..errors import EvidenceError
 from ..predicates import atoms_of
 from ..problems import Problem
@@ -39,13 +39,13 @@ def _unowned(spec: WorldSpec) -> Iterator[Problem]:
         if name in owners or (driver.kind == "field" and driver.field.kind == "drag"):
             continue
         try:
-            begins, bodies = acts_from(spec, name)
+            bodies = acts_from(spec, name)[1]
         except EvidenceError:
             continue  # a joint that is not there: the references tell of it
         told = ", ".join(bodies[:3]) or "nothing"
         yield Problem(
             f"/simulation/drivers/{name}",
-            f"0 beats are owned by {driver.kind} {name!r}, which acts on {told} from {begins:g} s on; 1 is wanted: causal:untold runs the world "
+            f"0 beats are owned by {driver.kind} {name!r}, which acts on {told} {since(spec, name)}; 1 is wanted: causal:untold runs the world "
             f"again without it and fails every beat that does not come then. Give it a beat (owner {name}), or take it away",
         )
 

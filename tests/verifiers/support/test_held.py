@@ -206,6 +206,32 @@ def test_of_what_is_held_nobody_says_that_it_is_not(tmp_path: Path) -> None:
     assert "it touches 'wall' beside or above it, where neither friction nor a joint holds it" in text
 
 
+def test_a_still_thing_on_a_body_that_may_move_is_told_so_and_let_go_with_it(tmp_path: Path) -> None:
+    """A cap on a block that slides: it lies on it, and is not held by it."""
+    block = box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.051))
+    things = {"floor": ground(), "block": block, "cap": box(0.1, 0.1, 0.02, at=(0, 0, 0.1115))}
+    spec = world(things, frames=FRAMES)
+    rows = {r.id: r for r in support.check(make_candidate(tmp_path, spec))}
+    row = rows["support:derived:cap"]
+    assert row.status == "fail"
+    assert "'cap' touches 'block', which may move" in row.evidence["explanation"]
+    assert row.measured == pytest.approx(0.1015, abs=1e-3), "what is measured stays the fall to what holds"
+    assert "may" in row.corrections[0].cause
+    assert row.corrections[0].pointers == ("/entities/cap/motion",)
+    loose = {
+        r.id: r
+        for r in support.check(
+            make_candidate(
+                tmp_path / "l", world({**things, "cap": box(0.1, 0.1, 0.02, motion="dynamic", at=(0, 0, 0.1115))}, frames=FRAMES)
+            )
+        )
+    }
+    assert loose["support:derived:cap"].status == "pass", loose["support:derived:cap"].evidence
+    beside = {"floor": ground(), "block": block, "cap": box(0.1, 0.1, 0.02, at=(0.5, 0, 0.1115))}
+    far = rows_of(tmp_path / "f", beside)["support:derived:cap"]
+    assert far.evidence["explanation"].startswith("'cap' floats 101.5 mm above 'floor'")
+
+
 # ---------------------------------------------------------------- joints, ropes, fastened things
 
 

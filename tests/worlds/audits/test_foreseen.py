@@ -9,6 +9,7 @@ from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.verifiers.shots.bounds import SCREEN_STEP as JUDGED
 from worldagent.worlds.audits.audit import MOST_WARNINGS, audit
 from worldagent.worlds.audits.foreseen import SCREEN_STEP
+from worldagent.worlds.drivers import deed
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.spec import WorldSpec
 
@@ -37,6 +38,17 @@ def test_a_driver_that_no_beat_owns_is_told_with_what_it_acts_on() -> None:
     )
     assert "audit:story" not in told
     assert told in report.told
+
+
+def test_a_field_that_blows_before_frame_0_is_told_from_then_on() -> None:
+    pull = {"kind": "attraction", "center": [9, 0, 0], "acceleration": 1, "distance": 1, "exponent": 0}
+    early = changed(
+        ("/simulation/preroll", 0.3),
+        ("/simulation/drivers/fld", {"kind": "field", "field": pull, "start": -0.2, "entities": ["b1"]}),
+    )
+    told = next(w for w in audit(early).warnings if "'fld'" in w)
+    assert "acts on b1 from -0.2 s on, before frame 0; 1 is wanted" in told
+    assert deed(early, "fld", "b1") == "driver fld acts on b1 from -0.2 s on, before frame 0"
 
 
 def test_a_driver_that_a_beat_owns_and_still_air_are_not_told() -> None:

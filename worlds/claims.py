@@ -26,6 +26,7 @@ from .prompts.odd import odd_characters
 from .prompts.units import boundaries, letters, units_of, word_count
 from .repeats import is_repeat
 from .roles import misplaced_roles
+from .row_words import misnamed_rows
 from .spec import CLAIM_TYPES, Beat, WorldSpec
 from .stillness import stillness_of, stillness_warnings
 from .subjects import misplaced_subjects
@@ -143,6 +144,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from stillness_warnings(spec, language)
     yield from decoy_warnings(spec)
     yield from look_warnings(spec)
+    yield from (m.text for m in misnamed_rows(spec, spans, language) if not m.sure)
     yield from deciding_warnings(spec, spans, language)
     yield from place_warnings(spec, spans, language)
     readings = [

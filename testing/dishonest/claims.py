@@ -25,6 +25,7 @@ _PASSING = ["floor", "ball", "cube", "wall"]
 _FOURTH = block("wooden block 4", "wood", (0.03, 0.05, 0.05), (-0.35, 0.1, 0.326))
 _NEVER = "/story/requirements/"
 _WOODEN = {"/entities/plate/material": "wood", "/materials/wood": {"density": 600, "substance": "wood"}}
+_GOLD = PUSH.marked.replace("[steel](property plate)", "[gold](property plate)")
 _STEEL_BADGE = {"/entities/plate/parts/badge": {"shape": {"kind": "box", "size": [0.001, 0.01, 0.01]}, "material": "steel"}}
 
 
@@ -95,6 +96,10 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
              marked="A [glass](property ball) [ball](thing ball) [falls](event fall) onto a [stone](property floor) [floor](thing floor) and [bounces](event bounce)."),
         Case("bronce", PUSH_ES, says="reading: bronce", marked="Una [placa](thing plate) de [bronce](property plate) [empuja](event push) una [caja](thing crate) por el [suelo](thing floor)."),
         Case("of substance other", PUSH, AUDIT, "asks for steel", changes={"/entities/plate/material": "stuff", "/materials/stuff": {"density": 100, "substance": "other"}}),
+        Case("gold that weighs as wood", PUSH, AUDIT, "asks for gold", marked=_GOLD, changes={"/entities/plate/material": "stuff", "/materials/stuff": {"density": 500, "substance": "other"}}),
+        Case("lead by name alone", PUSH, "audit:masses", "is called lead", changes={"/entities/plate/material": "lead", "/materials/lead": {"density": 500, "substance": "other"}}),
+        Case("gold of wood", PUSH, says="'gold' is the name of a material", marked=_GOLD, changes=_WOODEN),
+        Case("cork of stone", PUSH, AUDIT, "asks for cork", marked=PUSH.marked.replace("[steel](property plate)", "[cork](property plate)"), changes={"/entities/plate/material": "stone"}),
         Case("one part of steel", PUSH, AUDIT, "steel",
              changes=_WOODEN | _STEEL_BADGE),
         Case("a part of steel, named alone", PUSH, AUDIT, "asks for steel", marked=PUSH.marked.replace("(property plate)", "(property /entities/plate/parts/badge)"), changes=_WOODEN | _STEEL_BADGE),

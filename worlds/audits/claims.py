@@ -24,6 +24,7 @@ from ..prompts.marks import occurrence
 from ..prompts.numbers import number_in, ordinal_in
 from ..references import kinds_of, resolves
 from ..roles import SENTENCE, misplaced_roles
+from ..row_words import misnamed_rows
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from ..subjects import misplaced_subjects
 from .acted_on import acted_on_problems
@@ -84,6 +85,8 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         *misplaced_subjects(spec, reading.spans, reading.language),
     ]
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
+    rows = misnamed_rows(spec, reading.spans, reading.language)
+    found += [Problem(f"/claims/{m.claim}/by", m.text) for m in rows if m.sure]
     denied = misdenied(spec, reading.spans, reading.language)
     found += [Problem(f"/claims/{claim}/by", text) for claim, text, sure in denied if sure]
     return [*found, *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from .amounts import miscounted
 from .claim_targets import Span, named_in, targets_of
 from .deciding import deciding_warnings
 from .decoys import decoy_warnings
@@ -13,6 +14,7 @@ from .denials import denied_verb, misdenied
 from .described import DESCRIBING, judged_words
 from .documents import kept_of_latest
 from .errors import InputError
+from .hedged import hedged_events
 from .nouns import noun_of
 from .orders import orders_said
 from .place_things import place_warnings
@@ -144,7 +146,8 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from stillness_warnings(spec, language)
     yield from decoy_warnings(spec)
     yield from look_warnings(spec)
-    yield from (m.text for m in misnamed_rows(spec, spans, language) if not m.sure)
+    for readers in (misnamed_rows, hedged_events, miscounted):
+        yield from (m.text for m in readers(spec, spans, language) if not m.sure)
     yield from deciding_warnings(spec, spans, language)
     yield from place_warnings(spec, spans, language)
     readings = [

@@ -10,10 +10,12 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ..amounts import miscounted
 from ..claims import Reading, named_in, reading_of
 from ..denials import misdenied
 from ..documents import document_of
 from ..errors import InputError
+from ..hedged import hedged_events
 from ..postures import posture_problems
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
@@ -85,8 +87,9 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         *misplaced_subjects(spec, reading.spans, reading.language),
     ]
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
-    rows = misnamed_rows(spec, reading.spans, reading.language)
-    found += [Problem(f"/claims/{m.claim}/by", m.text) for m in rows if m.sure]
+    for readers in (misnamed_rows, hedged_events, miscounted):
+        words = readers(spec, reading.spans, reading.language)
+        found += [Problem(f"/claims/{m.claim}/by", m.text) for m in words if m.sure]
     denied = misdenied(spec, reading.spans, reading.language)
     found += [Problem(f"/claims/{claim}/by", text) for claim, text, sure in denied if sure]
     return [*found, *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]

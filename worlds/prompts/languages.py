@@ -23,6 +23,7 @@ from .held_lists import (
     FREE,
     HAN_HELD,
     INFINITIVES,
+    KEPT_FROM,
     NADA_OF,
     NEGATIONS,
     ONLY_WITH,
@@ -230,6 +231,9 @@ def _spaced_held(text: str, language: str) -> list[Held]:
                 break
         else:
             at += 1
+    plain = text.translate(APOSTROPHES)
+    kept = [m.span("held") for m in regex.finditer(KEPT_FROM.get(language, r"(?!)(?P<held>)"), plain, regex.IGNORECASE)]
+    found += [Held(*span, "negation") for span in kept if not any(h.start < span[1] and span[0] < h.end for h in found)]
     taken = {held.start for held in found}
     numbers = number_spans(text, units, words, language)
     return found + [Held(start, end, kind) for start, end, kind in numbers if not any(start <= at < end for at in taken)]

@@ -129,6 +129,11 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("a bound on another body", PUSH, "audit:claims|claim:quantity:*", "20 cm", marked=PUSH.marked.replace("/story/beats/push/predicate/min", "/story/requirements/way/predicate/min"),
              changes={"/story/requirements/way": {"text": "the plate goes on", "predicate": {"kind": "displacement", "entity": "plate", "min": 0.2}}, "/story/beats/push/predicate/min": 0.06}),
         Case("angle of view for degrees", DOMINOES, "audit:claims|claim:quantity:*", "40 degrees", marked=DOMINOES.marked.replace("[tips over](event tip)", "[tips over](event tip) by [40 degrees](quantity /shots/only/keys/a/fov_deg)")),
+        Case("within a tenth, by the time before it begins", BLOCKS, AUDIT, "name what says it of the world", marked=BLOCKS.marked.replace("[hits](event hit)", "[within 0.1 s](quantity /simulation/preroll) [hits](event hit)"), changes={"/simulation/preroll": 0.1}),
+        Case("the weight of another", PUSH, AUDIT, "is of another", marked=PUSH.marked.replace("[plate](thing plate)", "[plate](thing plate) of [3 kg](quantity /entities/crate/physics/mass)"), changes={"/entities/crate/physics": {"category": "rigid", "mass": 3}}),
+        Case("a distance by its own size", BLOCKS, AUDIT, "says how far", marked=BLOCKS.marked.replace("[block](thing wooden_block)", "[block](thing wooden_block) [10 cm](quantity /entities/wooden_block/dimensions/size/0) off")),
+        Case("a whole minute of two seconds", PUSH, AUDIT, "says 60", marked=PUSH.marked.replace("A [steel]", "For [a whole minute](quantity /simulation/frames) a [steel]")),
+        Case("half a minute in filler", BOUNCE, AUDIT, "'half a minute'", marked=BOUNCE.marked.replace("A [rubber]", "For half a minute a [rubber]")),
         Case("a name, not a number", PUSH, AUDIT, "is none", marked=PUSH.marked.replace("/story/beats/push/predicate/min", "/story/beats/push/predicate/kind")),
     ),
     "order": (

@@ -33,6 +33,7 @@ from .held_lists import (
 )
 from .held_numbers import han_numbers, number_spans
 from .numbers import hedge_spans
+from .unit_articles import article_amounts
 from .units import APOSTROPHES, Unit, boundaries, folded, units_of
 from .wordnet import known
 
@@ -236,7 +237,9 @@ def _spaced_held(text: str, language: str) -> list[Held]:
     found += [Held(*span, "negation") for span in kept if not any(h.start < span[1] and span[0] < h.end for h in found)]
     taken = {held.start for held in found}
     numbers = number_spans(text, units, words, language)
-    return found + [Held(start, end, kind) for start, end, kind in numbers if not any(start <= at < end for at in taken)]
+    found += [Held(start, end, kind) for start, end, kind in numbers if not any(start <= at < end for at in taken)]
+    amounts = [Held(*span, "number") for span in article_amounts(plain, language)]
+    return found + [a for a in amounts if not any(h.start < a.end and a.start < h.end for h in found)]
 
 
 def _adjacent(text: str, units: tuple[Unit, ...]) -> bool:

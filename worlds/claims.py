@@ -8,6 +8,7 @@ from typing import Any
 
 from .amounts import miscounted
 from .claim_targets import Span, named_in, targets_of
+from .contradicted_words import contradicted_words
 from .deciding import deciding_warnings
 from .decoys import decoy_warnings
 from .denials import denied_verb, misdenied
@@ -146,7 +147,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from stillness_warnings(spec, language)
     yield from decoy_warnings(spec)
     yield from look_warnings(spec)
-    for readers in (misnamed_rows, hedged_events, miscounted):
+    for readers in (misnamed_rows, hedged_events, miscounted, contradicted_words):
         yield from (m.text for m in readers(spec, spans, language) if not m.sure)
     yield from deciding_warnings(spec, spans, language)
     yield from place_warnings(spec, spans, language)

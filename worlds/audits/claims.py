@@ -12,6 +12,7 @@ from typing import Any
 
 from ..amounts import miscounted
 from ..claims import Reading, named_in, reading_of
+from ..contradicted_words import contradicted_words
 from ..denials import misdenied
 from ..documents import document_of
 from ..errors import InputError
@@ -87,7 +88,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         *misplaced_subjects(spec, reading.spans, reading.language),
     ]
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
-    for readers in (misnamed_rows, hedged_events, miscounted):
+    for readers in (misnamed_rows, hedged_events, miscounted, contradicted_words):
         words = readers(spec, reading.spans, reading.language)
         found += [Problem(f"/claims/{m.claim}/by", m.text) for m in words if m.sure]
     denied = misdenied(spec, reading.spans, reading.language)

@@ -22,7 +22,7 @@ _PATTERNS: Mapping[str, str] = {
         r"(?:second|minute|hour|met(?:re|er)|kilomet(?:re|er)|centimet(?:re|er)|millimet(?:re|er)|kilo|kilogram|gram|tonne|ton|lit(?:re|er)|mile|inch|foot|yard)s?\b"
         r"|\ban?\s+(?:minute|hour|met(?:re|er)|kilomet(?:re|er)|centimet(?:re|er)|millimet(?:re|er)|kilogram|kilo|gram|tonne|lit(?:re|er)|mile|inch)"
         + _AFTER_EN
-        + r"|(?<=\b(?:for|within|after|lasts|about|over|of|almost|nearly|under)\s)an?\s+(?:second|foot|yard)(?=\s*(?:$|[.,;:!?)\n])|\s+(?:long|later|apart|off|away|after|before)\b)"
+        + r"|(?<=\b(?:for|within|after|lasts|about|over|almost|nearly|under)\s)an?\s+(?:second|foot|yard)(?=\s*(?:$|[.,;:!?)\n])|\s+(?:long|later|apart|off|away|after|before)\b)"
     ),
     "de": r"\bein(?:e[nmrs]?)?\s+(?:(?:ganze|volle|halbe|viertel)[nmrs]?\s+)?(?:sekunde|minute|stunde|meter|zentimeter|millimeter|kilometer|kilogramm|kilo|gramm|tonne|liter)[ns]?\b|"
     r"\bhalbe[nmrs]?\s+(?:sekunde|minute|stunde|meter)[ns]?\b",

@@ -28,7 +28,7 @@ from ..worlds.built import TriangleMesh
 
 __all__ = ["measure", "run"]
 
-ASKED = 60e6
+ASKED = 80e6
 """Particle-steps per second that are asked of an H200 at 2 million particles."""
 SPACING = 0.02
 SIDE = 8
@@ -128,6 +128,7 @@ def measure(particles: int, steps: int, device: str, bodies: int) -> dict[str, A
         "iterations_divergence": float(np.mean([i[1] for i in iterations])),
         "density_error": report.density_error[0],
         "neighbours": round(float(engine.work.count[: engine.store.count].numpy().mean()), 2),
+        "memory_gib": 0.0 if where == "cpu" else round(warp().get_mempool_used_mem_high(where) / 2**30, 3),
     }
     few = min(5, steps)
     found["host_per_step"] = _host_work(engine, state, few)

@@ -4,7 +4,7 @@ from .apart import apart
 from .batch import BatchClearance, clearance_batch
 from .broadphase import Meetings, aabb_of, candidate_pairs, meetings, turned_boxes
 from .camera import Camera, camera_at
-from .clearance import Clearance, clearance_series, query_noise, signed_clearance
+from .clearance import Care, Clearance, clearance_series, query_noise, signed_clearance
 from .convex_union import is_convex_union
 from .forest import Forest
 from .heightfields import ground_solid, is_height_field
@@ -21,6 +21,7 @@ from .walls import cut_thickness, wall_thickness
 __all__ = [
     "BatchClearance",
     "Camera",
+    "Care",
     "Clearance",
     "Crossings",
     "Forest",

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
-from .clearance import NOISE, SMALL_WORK, measure, relative_poses, repeats
+from .clearance import EXACT, NOISE, SMALL_WORK, Care, measure, relative_poses, repeats
 from .depth import PRECISION
 from .forest import Forest
 from .launch import chosen_device, launch, load, warp
@@ -51,10 +51,19 @@ class _Queries(NamedTuple):
     """[m], shape (n,)."""
     enough: F64
     """Depth [m] that ends a search, shape (n,)."""
+    idle: F64
+    """Depth [m] up to which none is of interest, shape (n,)."""
 
     def take(self, rows: NDArray[np.intp] | slice) -> _Queries:
         (pa, qa), (pb, qb) = self.poses_a, self.poses_b
-        return _Queries(self.pairs[rows], (pa[rows], qa[rows]), (pb[rows], qb[rows]), self.skip_above[rows], self.enough[rows])
+        return _Queries(
+            self.pairs[rows],
+            (pa[rows], qa[rows]),
+            (pb[rows], qb[rows]),
+            self.skip_above[rows],
+            self.enough[rows],
+            self.idle[rows],
+        )
 
     def chunks(self) -> Iterator[tuple[slice, _Queries, Relative]]:
         for start in range(0, len(self.pairs), CHUNK):
@@ -81,8 +90,7 @@ def clearance_batch(
     poses_b: tuple[F64, F64],
     *,
     skip_above: float | F64,
-    tolerance: float = 0.0,
-    enough: float | F64 = np.inf,
+    care: Care = EXACT,
     device: str | None = None,
 ) -> BatchClearance:
     """Signed clearance of many (solid, solid, poses) at once.
@@ -96,8 +104,7 @@ def clearance_batch(
         poses_a: positions (n, 3) and unit quaternions (n, 4) of the first.
         poses_b: the same of the second.
         skip_above: distance [m] beyond which a lower bound is enough, one for all or shape (n,).
-        tolerance: depths may be too small by this [m] besides `depth.PRECISION`: a search that needs no more is much faster.
-        enough: depth [m] from which on it is no matter how deep, one for all or shape (n,): the answer may be any depth from there on.
+        care: how exactly depths are wanted.
         device: `cpu`, `cuda`, ...; default as `launch.chosen_device` says. On a GPU every list goes to the kernels.
     """
     own = solids.solids if isinstance(solids, Forest) else tuple(solids)
@@ -105,13 +112,13 @@ def clearance_batch(
     pairs = np.asarray(pairs, dtype=np.int32).reshape(-1, 2)
     count = len(pairs)
     limit = np.broadcast_to(np.asarray(skip_above, dtype=np.float64), (count,))
-    deep = np.broadcast_to(np.asarray(enough, dtype=np.float64), (count,))
-    asked = _Queries(pairs, poses_a, poses_b, limit, deep)
+    deep, shallow = (np.broadcast_to(np.asarray(v, dtype=np.float64), (count,)) for v in (care.enough, care.idle))
+    asked = _Queries(pairs, poses_a, poses_b, limit, deep, shallow)
     anchor = np.empty(count, dtype=np.intp)
     for part, some, poses in asked.chunks():
         anchor[part] = part.start + repeats(poses, some.pairs)
-    # One that asks farther or deeper than the query it repeats is answered by itself.
-    farther = np.flatnonzero((limit > limit[anchor]) | (deep > deep[anchor]))
+    # One that asks farther, deeper or more exactly than the query it repeats is answered by itself.
+    farther = np.flatnonzero((limit > limit[anchor]) | (deep > deep[anchor]) | (shallow < shallow[anchor]))
     anchor[farther] = farther
     compute = np.flatnonzero(anchor == np.arange(count))
     chosen = asked.take(compute)
@@ -119,14 +126,14 @@ def clearance_batch(
     forest = solids if isinstance(solids, Forest) else Forest(own)
     exact = 0
     if len(compute) and where == "cpu" and where not in forest.on_device and _effort(own, chosen.pairs) < EFFORT:
-        done, some_values = _one_by_one(forest, chosen, tolerance)
+        done, some_values = _one_by_one(forest, chosen, care.tolerance)
         value[compute[done]] = some_values
         exact = len(done)
         left = np.ones(len(compute), dtype=bool)
         left[done] = False
         compute, chosen = compute[left], chosen.take(np.flatnonzero(left))
     if len(compute):
-        value[compute], more = _by_kernels(forest, chosen, where, tolerance)
+        value[compute], more = _by_kernels(forest, chosen, where, care.tolerance)
         exact += more
     return BatchClearance(value[anchor], computed, exact)
 
@@ -169,7 +176,7 @@ def _one_by_one(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDAr
                 break
             some = asked.take(portion)
             poses = relative_poses(some.poses_a, some.poses_b)
-            values.append(measure(a, b, poses, skip_above=some.skip_above, tolerance=tolerance, enough=some.enough))
+            values.append(measure(a, b, poses, skip_above=some.skip_above, care=Care(tolerance, some.enough, some.idle)))
             done.append(portion)
             forest.overlaps += 0 if convex else int((values[-1] < 0.0).sum())
     return np.concatenate([np.empty(0, dtype=np.intp), *done]), np.concatenate([np.empty(0), *values])
@@ -195,7 +202,8 @@ def _by_kernels(forest: Forest, asked: _Queries, device: str, tolerance: float) 
         distance[rough[depth > 0.0]] = -depth[depth > 0.0]
         left = np.concatenate([rows[both_convex], rough[depth < 0.0]])
         for (i, j), same in _by_pair(pairs, left):
-            distance[same] = measure(solids[i], solids[j], poses.take(same), tolerance=tolerance, enough=some.enough[same])
+            care = Care(tolerance, some.enough[same], some.idle[same])
+            distance[same] = measure(solids[i], solids[j], poses.take(same), care=care)
         value[part] = distance
         exact += len(left)
     return value, exact

@@ -7,8 +7,9 @@ others python-fcl for the distance of triangle soups and `depth` for what fcl ca
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,8 @@ FEW = 8
 BLOCK = 1_500_000
 """Array elements per vectorised block."""
 CONTACTS = 200_000
+SPREAD = 8
+"""Own choice: vertices that are asked whether two bodies are in one place."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,28 @@ class _Mesh:
         return np.asarray(np.unique(pairs, axis=0))
 
 
+class Care(NamedTuple):
+    """Exactness that is wanted of depths [m]; one value for all poses, or one for each, shape (f,)."""
+
+    tolerance: float = 0.0
+    """They may be too small by this besides `depth.PRECISION`: a search that needs no more is much faster."""
+    enough: float | F64 = np.inf
+    """From here on it is no matter how deep: the answer may be any depth from there on."""
+    idle: float | F64 = 0.0
+    """Up to here it is no matter how deep: minus this may be the answer for surfaces that touch."""
+
+
+EXACT = Care()
+
+
+class _Care(NamedTuple):
+    """The same at one pose."""
+
+    tolerance: float = 0.0
+    enough: float = np.inf
+    idle: float = 0.0
+
+
 @dataclass
 class _Found:
     """Results in the frame of b, one per pose."""
@@ -129,13 +154,13 @@ class _Found:
         self.value[index], self.point_a[index], self.point_b[index], self.method[index] = value, point_a, point_b, method
 
 
-def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, tolerance: float = 0.0, enough: F64 | None = None) -> _Found:
+def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, cares: Sequence[_Care] | None = None) -> _Found:
     count = len(poses.translation)
     found = _Found(np.empty(count), np.empty((count, 3)), np.empty((count, 3)), np.full(count, "", dtype="<U10"))
     mesh = _Mesh(a, b, witness=witness)
     if not (a.convex and b.convex):
         for k in range(count):
-            _general(mesh, poses, k, found, (tolerance, np.inf if enough is None else float(enough[k])))
+            _general(mesh, poses, k, found, _Care() if cares is None else cares[k])
         return found
     work = len(a.facets.normals) * len(b.vertices) + len(b.facets.normals) * len(a.vertices)
     everything = np.arange(count)
@@ -218,6 +243,12 @@ def _coincident(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> bool:
     return False
 
 
+def _flush(a: Solid, b: Solid, one: Relative, noise: float) -> bool:
+    """True if some vertices of a, spread over it, lie in the surface of b: bodies in one place pass, those that overlap or rest seldom."""
+    some = a.vertices[np.linspace(0, len(a.vertices) - 1, SPREAD).astype(np.intp)]
+    return bool(distance_to_surface(b, one.forward(some)[0]).distance.max() <= noise)
+
+
 def _is_copy(a: Solid, b: Solid, one: Relative, noise: float) -> bool:
     """True if a and b are the same closed mesh in the same place: all their triangles touch, so ask nothing else."""
     if not (a.closed and b.closed) or a.vertices.shape != b.vertices.shape or a.faces.shape != b.faces.shape:
@@ -225,7 +256,7 @@ def _is_copy(a: Solid, b: Solid, one: Relative, noise: float) -> bool:
     return np.array_equal(a.faces, b.faces) and bool(np.abs(one.forward(a.vertices)[0] - b.vertices).max() <= noise)
 
 
-def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, care: tuple[float, float]) -> None:
+def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, care: _Care) -> None:
     a, b = mesh.a, mesh.b
     noise = NOISE * (a.size + b.size)
     here = np.array([k])
@@ -240,15 +271,17 @@ def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, care: tuple[fl
         return
     pairs = mesh.crossings() if touching else np.empty((0, 2), dtype=np.int32)
     into_b, into_a = _both_ways(a, b, one, pairs, noise, care)
-    if max(into_a.depth, into_b.depth) > noise:
+    if max(into_a.depth, into_b.depth) > max(noise, care.idle):
         point_a, point_b, depth = _deep_points(one, into_b, into_a)
         found.put(here, np.array(-depth), point_a, point_b, "depth")
         return
-    found.put(here, np.array(max(value, 0.0)), *mesh.nearest(one, i, j), "mesh")
+    level = -care.idle if care.idle > noise and (a.closed or b.closed) else max(value, 0.0)
+    found.put(here, np.array(level), *mesh.nearest(one, i, j), "mesh")
     if not touching:
         return
     if a.closed and b.closed:
-        _coincident(mesh, poses, k, found)
+        if care.idle <= noise or _flush(a, b, one, 1e3 * noise):
+            _coincident(mesh, poses, k, found)
     elif not a.closed and not b.closed:
         triangles = one.forward(a.triangles[pairs[:, 0]].reshape(-1, 3)).reshape(-1, 3, 3)
         reach = crossing_excursion(triangles, b.triangles[pairs[:, 1]], noise=noise)
@@ -256,21 +289,19 @@ def _general(mesh: _Mesh, poses: Relative, k: int, found: _Found, care: tuple[fl
             found.put(here, np.array(-reach), *mesh.nearest(one, i, j), "crossing")
 
 
-def _both_ways(a: Solid, b: Solid, one: Relative, pairs: I32, noise: float, care: tuple[float, float]) -> tuple[Deep, Deep]:
+def _both_ways(a: Solid, b: Solid, one: Relative, pairs: I32, noise: float, care: _Care) -> tuple[Deep, Deep]:
     """Depth of a inside b and of b inside a, the lesser one 0 where the search had no need of it.
 
     The thicker body is asked first: a sheet through it is nowhere as deep in itself, which a search of its own, for a plateau of
-    half its thickness all along the cut, would take thousands of times as long to say. `care` is what `measure` takes as `tolerance` and
-    `enough`.
+    half its thickness all along the cut, would take thousands of times as long to say.
     """
     ways = [(a, one, b, pairs), (b, one.inverse(), a, pairs[:, ::-1])]
     turn = _thickness(a) > _thickness(b)
     first, second = ways[::-1] if turn else ways
-    tolerance, enough = care
-    found = surface_depth(*first, noise=noise, tolerance=tolerance, enough=enough)
+    found = surface_depth(*first, noise=noise, tolerance=care.tolerance, known=care.idle, enough=care.enough)
     deeper = found
-    if found.depth < enough:
-        deeper = surface_depth(*second, noise=noise, tolerance=tolerance, known=found.depth, enough=enough)
+    if found.depth < care.enough:
+        deeper = surface_depth(*second, noise=noise, tolerance=care.tolerance, known=found.depth, enough=care.enough)
     if deeper.depth <= found.depth:
         deeper = Deep(0.0, deeper.point, deeper.foot)
     return (deeper, found) if turn else (found, deeper)
@@ -333,24 +364,14 @@ def clearance_series(a: Solid, poses_a: tuple[F64, F64], b: Solid, poses_b: tupl
     return result
 
 
-def measure(
-    a: Solid,
-    b: Solid,
-    poses: Relative,
-    *,
-    skip_above: float | F64 = np.inf,
-    tolerance: float = 0.0,
-    enough: float | F64 = np.inf,
-) -> F64:
-    """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`.
-
-    Depths may be too small by `tolerance` [m] besides `depth.PRECISION`; where one reaches `enough` [m], it may be any from there on.
-    """
+def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float | F64 = np.inf, care: Care = EXACT) -> F64:
+    """Signed clearance at each relative pose [m], shape (f,); the gap of the bounding boxes where that is above `skip_above`."""
     result = _box_gap(a, b, poses)
     near = np.flatnonzero(result <= skip_above)
     if len(near):
-        some = np.broadcast_to(np.asarray(enough, dtype=np.float64), result.shape)[near]
-        result[near] = _measure(a, b, poses.take(near), witness=False, tolerance=tolerance, enough=some).value
+        deep, shallow = (np.broadcast_to(v, result.shape)[near] for v in (care.enough, care.idle))
+        cares = [_Care(care.tolerance, *map(float, pair)) for pair in zip(deep, shallow, strict=True)]
+        result[near] = _measure(a, b, poses.take(near), witness=False, cares=cares).value
     return result
 
 

@@ -36,7 +36,7 @@ SLICE = 512
 """Elements of one slice on the CPU. Own choice: some milliseconds of work, against 30 microseconds for a launch."""
 
 _log = logging.getLogger(__name__)
-_loaded: set[tuple[str, str]] = set()
+_loaded: set[tuple[str, str, int | None]] = set()
 _starting, _loading = threading.Lock(), threading.Lock()
 
 
@@ -71,15 +71,16 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def load(kernel: Any, device: str, *, report: Callable[[str], None] | None = None) -> None:
+def load(kernel: Any, device: str, *, report: Callable[[str], None] | None = None, block_dim: int | None = None) -> None:
     """Compile the module of a kernel for a device, or load it from Warp's cache folder, which survives the process.
 
     Args:
         kernel: any kernel of the module.
         device: where it will run.
         report: hears of it before a compilation that may take half a minute; the log does in any case.
+        block_dim: threads of a block, where they are not Warp's default; each number is a compilation of its own.
     """
-    key = (kernel.module.name, device)
+    key = (kernel.module.name, device, block_dim)
     if key in _loaded:
         return
     with _loading:
@@ -91,7 +92,7 @@ def load(kernel: Any, device: str, *, report: Callable[[str], None] | None = Non
         if report is not None:
             report(text)
         start = time.perf_counter()
-        kernel.module.load(wp.get_device(device))
+        kernel.module.load(wp.get_device(device), block_dim)
         _log.info("prepared %s for %s in %.1f s", kernel.module.name, device, time.perf_counter() - start)
         _loaded.add(key)
 

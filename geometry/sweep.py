@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64
 from ..worlds.errors import EvidenceError
 from .batch import clearance_batch
-from .clearance import clearance_series
+from .clearance import Care, clearance_series
 from .forest import Forest
 from .motions import Motion, relative_travel
 
@@ -99,11 +99,12 @@ class Sweep(NamedTuple):
 
 
 class _Ask(NamedTuple):
-    """Clearances that a search needs next: of motions `rows` at times `s`, exact where below `enough` [m]."""
+    """Clearances that a search needs next: of motions `rows` at times `s`, exact where below `enough` [m] and deeper than `idle` [m]."""
 
     rows: NDArray[np.intp]
     s: F64
     enough: F64
+    idle: F64
 
 
 def lowest_clearance(sweep: Sweep, *, skip_above: float = 0.0) -> Lowest:
@@ -175,9 +176,18 @@ def _together(
     counts = [len(ask.rows) for _, _, ask in searches.values()]
     named = [(index[id(pair.a)], index[id(pair.b)]) for _, pair, _ in searches.values()]
     poses = [(np.concatenate([p for p, _ in side]), np.concatenate([q for _, q in side])) for side in (one, two)]
-    enough = np.concatenate([ask.enough for _, _, ask in searches.values()])
-    values = clearance_batch(forest, np.repeat(named, counts, axis=0), *poses, skip_above=enough, tolerance=tolerance).distance
+    enough, idle = (np.concatenate([getattr(ask, name) for _, _, ask in searches.values()]) for name in ("enough", "idle"))
+    pairs = np.repeat(named, counts, axis=0)
+    values = clearance_batch(forest, pairs, *poses, skip_above=enough, care=Care(tolerance, idle=idle)).distance
     return dict(zip(searches, np.split(values, np.cumsum(counts)[:-1]), strict=True))
+
+
+def _idle(sweep: Sweep, travel: F64) -> F64:
+    """Depth [m] from which no motion of so little travel gets below what is asked, shape (n,): no matter how deep it is up to there."""
+    if not sweep.below < 0.0:
+        return np.zeros(len(travel))
+    room = (-sweep.below - 0.5 * travel - DEPTH_SHARE * sweep.precision) / (1.0 + DEPTH_ERROR)
+    return np.clip((1.0 - 1e-9) * room, 0.0, max(-sweep.ends_above, 0.0))
 
 
 def _search(pair: _Pair, sweep: Sweep) -> Generator[_Ask, F64, Lowest]:
@@ -186,8 +196,8 @@ def _search(pair: _Pair, sweep: Sweep) -> Generator[_Ask, F64, Lowest]:
     zero, one = np.zeros(count), np.ones(count)
     # Within an interval no value lies lower than that at its end by more than the travel.
     spare = max(sweep.below, 0.0)
-    twice = np.tile(pair.travel(rows, zero, one) + spare, 2)
-    c0, c1 = np.split((yield _Ask(np.tile(rows, 2), np.concatenate([zero, one]), twice)), 2)
+    way = np.tile(pair.travel(rows, zero, one), 2)
+    c0, c1 = np.split((yield _Ask(np.tile(rows, 2), np.concatenate([zero, one]), way + spare, _idle(sweep, way))), 2)
     ends = np.stack([c0, c1], axis=1)
     best, when = np.minimum(c0, c1), np.where(c1 < c0, 1.0, 0.0)
     keep = np.flatnonzero(best >= sweep.ends_above)
@@ -208,7 +218,7 @@ def _search(pair: _Pair, sweep: Sweep) -> Generator[_Ask, F64, Lowest]:
                 f"{FARTHEST * sweep.precision:.3g} m are not searched; lower their speed or spin, or raise fps"
             )
         middle = 0.5 * (s + e)
-        c = yield _Ask(rows, middle, travel + spare)
+        c = yield _Ask(rows, middle, travel + spare, _idle(sweep, 0.5 * travel))
         order = np.argsort(-c, kind="stable")
         lower = order[c[order] < best[rows[order]]]
         # Sorted from high to low, so that the lowest value of an interval is written last.

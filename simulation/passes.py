@@ -27,10 +27,12 @@ from typing import Any
 from ..geometry.launch import cores, load, warp
 from .team import team
 
-__all__ = ["ALONE", "Chain", "Pass", "Passes"]
+__all__ = ["ALONE", "FEW", "Chain", "Pass", "Passes"]
 
 SMALLEST = 256
 """Elements below which a slice is not worth a thread; also what one thread of a CPU folds."""
+FEW = 32
+"""Threads of a block for kernels in which most threads have nothing to do and some much: a block waits for its slowest thread."""
 ALONE = 1 << 60
 """For kernels with tiles: on a CPU all threads share Warp's one pointer to the memory of tiles (1.19, x86-64), so these run in one."""
 SLICES = 2
@@ -49,12 +51,22 @@ class Pass:
         device: where they are.
         smallest: elements below which a slice is not worth a thread.
         slices: of each core.
+        block: threads of a block on a GPU.
     """
 
     def __init__(
-        self, kernel: Any, count: int, inputs: Sequence[Any], device: str, *, smallest: int = SMALLEST, slices: int = SLICES
+        self,
+        kernel: Any,
+        count: int,
+        inputs: Sequence[Any],
+        device: str,
+        *,
+        smallest: int = SMALLEST,
+        slices: int = SLICES,
+        block: int = BLOCK,
     ) -> None:
-        load(kernel, device)
+        self._block: dict[str, Any] = {} if device == "cpu" else {"block_dim": block}
+        load(kernel, device, **self._block)
         self.kernel, self.device, self.smallest, self.slices = kernel, device, smallest, slices
         self.name = str(kernel.key)
         self.changes = 0
@@ -67,7 +79,7 @@ class Pass:
         parts = self._parts(count)
         cuts = [count * k // parts for k in range(parts + 1)]
         self.launches = [
-            wp.launch(self.kernel, dim=end - first, inputs=[first, *inputs], device=self.device, record_cmd=True)
+            wp.launch(self.kernel, dim=end - first, inputs=[first, *inputs], device=self.device, record_cmd=True, **self._block)
             for first, end in pairwise(cuts)
             if end > first
         ]
@@ -129,13 +141,15 @@ class Passes:
         self._chains: dict[str, list[Chain]] = {}
         self._known: dict[str, list[Pass]] = {}
 
-    def __call__(self, name: str, kernel: Any, count: int, inputs: Sequence[Any], *, smallest: int = SMALLEST) -> Pass:
+    def __call__(
+        self, name: str, kernel: Any, count: int, inputs: Sequence[Any], *, smallest: int = SMALLEST, block: int = BLOCK
+    ) -> Pass:
         """The pass of this name with these arguments."""
         known = self._known.setdefault(name, [])
         for one in known:
             if one.kernel is kernel and one.takes(count, inputs):
                 return one
-        made = Pass(kernel, count, inputs, self.device, smallest=smallest)
+        made = Pass(kernel, count, inputs, self.device, smallest=smallest, block=block)
         self._known[name] = [*known[-1:], made]
         return made
 
@@ -170,20 +184,27 @@ class Passes:
         ]
 
     def greatest(self, name: str, counts: Any, total: int, partial: Any, result: Any) -> int:
-        """The greatest of the first `total` counts.
+        """The greatest of the first `total` counts; see `seek_greatest`."""
+        for one in self.seek_greatest(name, counts, total, partial, result):
+            one()
+        return int(result.numpy()[0])
+
+    def seek_greatest(self, name: str, counts: Any, total: int, partial: Any, result: Any) -> list[Pass]:
+        """Passes that find the greatest of the first `total` counts.
 
         Args:
             name: of the passes.
             counts: int32 (n,).
             total: counts to look at.
             partial: int32 (>= parts(total),): room.
-            result: int32 (1,): room.
+            result: int32 (>= 1,): its first place takes it.
         """
         from . import sum_kernels as kernels
 
-        self.fold(name, kernels.greatest, total, [counts, partial])()
-        self.close(name + "_close", kernels.close_greatest, total, [partial, result])()
-        return int(result.numpy()[0])
+        return [
+            self.fold(name, kernels.greatest, total, [counts, partial]),
+            self.close(name + "_close", kernels.close_greatest, total, [partial, result]),
+        ]
 
     def chain(self, name: str, passes: Sequence[Callable[[], None]], *, going: Any = None) -> Chain:
         """Passes to run after each other; the graph of the same ones is used again.

@@ -1,8 +1,8 @@
 """Joints and drivers whose change makes something that is asked of their bodies easier (R157).
 
 A joint that comes, or leaves less room, helps what is to stay; one that goes, or leaves more room, helps what is to happen. A driver
-that goes, pushes less or for a shorter time helps what is to stay under it; what a stronger one brings about is a matter of agency
-(`verifiers/story/agency.py`). Where a predicate tells neither, both count.
+that goes, pushes less or for a shorter time helps what is to stay under it, unless it owns a beat, which asks for its effect; what a
+stronger one brings about is a matter of agency (`verifiers/story/agency.py`). Where a predicate tells neither, both count.
 """
 
 from __future__ import annotations
@@ -51,12 +51,16 @@ def holding_weakenings(before: WorldSpec, after: WorldSpec, bodies: Collection[s
     for key, joint in now.joints.items():
         if key not in was.joints and joint.model_dump() not in old:
             yield from _line(f"/simulation/joints/{key} ({joint.kind} of {_ends(joint)}) added", _bodies(after, joint), stays)
-    left = [d.model_dump() for d in now.drivers.values()]
+    left, owners = [d.model_dump() for d in now.drivers.values()], {beat.owner for beat in after.story.beats.values()}
     for key, driver in was.drivers.items():
         told, over = f"/simulation/drivers/{key} ({driver.kind})", now.drivers.get(key)
         if over is None and driver.model_dump() not in left:
             yield from _line(f"{told} removed", _bodies(before, driver), stays)
-        elif over is not None and (_acts_less(driver, over) or set(_bodies(after, over)) < set(_bodies(before, driver))):
+        elif (
+            over is not None
+            and key not in owners
+            and (_acts_less(driver, over) or set(_bodies(after, over)) < set(_bodies(before, driver)))
+        ):
             yield from _line(f"{told} acts less", _bodies(before, driver), stays)
 
 

@@ -79,6 +79,9 @@ def _of_atom(spec: WorldSpec, atom: SpecModel, subject: str) -> Floor | None:
         return None
     if kind == "contact":
         return least_impulse(spec, atom.a, atom.b)  # type: ignore[attr-defined]
+    if info.noise is not None:
+        least = info.noise.least(spec, kind, str(getattr(atom, "entity", subject)))
+        return None if least is None else Floor(*least)
     if info.unit == "m" and info.bodily:
         return least_travel(spec, str(getattr(atom, "entity", subject)))
     if info.unit in ("rad", "m/s"):

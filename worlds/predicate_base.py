@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, TypeVar, get_args
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args
 
 from pydantic import StringConstraints, model_validator
 
@@ -64,6 +64,15 @@ POSE = ("position", "quaternion")
 """Channels of the poses of bodies."""
 
 
+class Noise(NamedTuple):
+    """Noise of a kind of predicate that depends on the specification."""
+
+    bounds: Callable[[Any, Mapping[str, Any], str], Iterator[tuple[str, float, str]]]
+    """Of a specification, a predicate as JSON and a subject: bounds that noise alone would meet, as field, the least that is taken, and why."""
+    least: Callable[[Any, str, str], tuple[float, str, str] | None]
+    """Of a specification, a kind and an entity: the least difference that may be asked for, its unit, and the rule in words."""
+
+
 @dataclass(frozen=True)
 class PredicateInfo:
     """Metadata of one kind of predicate."""
@@ -85,6 +94,8 @@ class PredicateInfo:
     """It speaks of a state that lasts, whatever its fields say."""
     least: Mapping[str, float] = field(default_factory=dict)
     """Per field: the least bound that stands clear of noise. Own choice."""
+    noise: Noise | None = None
+    """Its noise where that depends on the specification."""
     event: bool = False
     """It says that something happens, by a physical definition: place, level or speed alone do not meet it."""
     adds_up: bool = False

@@ -170,7 +170,7 @@ def wedged(folder: Path, rng: RNG, excess: float, *culprits: str) -> World:
         lean = turn("y", -sign * angle)
         place = np.array([sign * half, 0, 2]) + lean @ np.array([sign * (0.1 + 1e-5), 0, 0])
         scene.add(name, Box(size=(0.2, 0.5, 0.3)), at=place, rotation=lean)
-        scene.post(float(place[0]), 0.2, float(place[2]))
+        scene.post(float(place[0]), 0.2, float(place[2]), founded=True)
         scene.on(name, "book")
     return scene.world(folder, *culprits, still=True)
 

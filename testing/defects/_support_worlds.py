@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.spec import Box, Cylinder, Entity, Material, Mesh, Part, Pose, Shape, Supports, WorldSpec
+from ...worlds.spec import Box, Cylinder, Entity, Fastened, Material, Mesh, Part, Pose, Shape, Supports, WorldSpec
 from ..worlds.small_worlds import MATERIALS, entity, make_candidate, mesh_of, world
 from .cases import World
 
@@ -87,16 +87,19 @@ class Scene:
             where = np.broadcast_to(self.entities[name][1] if path is None else path, (FRAMES, 3))
             self.paths[name] = (where, np.broadcast_to(rotation if turns is None else turns, (FRAMES, 3, 3)))
 
-    def post(self, x: float, y: float, top: float) -> None:
-        """A thin static post on the floor that reaches up to `top` [m]."""
+    def post(self, x: float, y: float, top: float, *, founded: bool = False) -> None:
+        """A thin static post on the floor, or set into it, that reaches up to `top` [m]."""
         name = f"post{sum(n.startswith('post') for n in self.entities)}"
         self.add(name, Box(size=(0.02, 0.02, top)), at=(x, y, top / 2))
+        if founded:
+            reason = "the post is set into the floor"
+            self.relations[f"set_{name}"] = Fastened(a="floor", b=name, max_depth=1e-3, reason=reason)
 
     def gallows(self) -> None:
-        """A static beam along x with its underside at 3 m, on an arm and a post beside it."""
+        """A static beam along x with its underside at 3 m, on an arm and a post beside it, which is set into the floor."""
         self.add("beam", Box(size=(1, 0.1, 0.1)), at=(0, 0, 3.05))
         self.add("arm", Box(size=(0.05, 2.0, 0.1)), at=(0.47, 1.05, 3.05))
-        self.post(0.47, 2.0, 3.05)
+        self.post(0.47, 2.0, 3.05, founded=True)
 
     def on(self, a: str, b: str, **more: Any) -> None:
         """Declare that `a` carries `b`."""

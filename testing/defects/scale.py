@@ -32,7 +32,19 @@ from ...worlds.spec import (
     Wedge,
 )
 from ..worlds.small_worlds import ball, box, build, entity, ground, make_candidate, mesh_of, pose, world
-from ._masses import heavier_than_its_volume, hidden_core, hidden_dowel, lighter_than_its_volume, of_its_volume, thin_shell
+from ._masses import (
+    heavier_than_its_volume,
+    hidden_core,
+    hidden_dowel,
+    lighter_than_its_volume,
+    lump_in_a_box,
+    lump_in_a_mesh,
+    lump_in_an_open_box,
+    of_its_volume,
+    thin_shell,
+    void_in_a_mesh,
+    wood_in_a_box,
+)
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -412,6 +424,11 @@ SUITE = Suite(
         Mechanism("too light", "steel of a milligram", True, lighter_than_its_volume, 1.03, 1e8, "1", bound=1.0),
         Mechanism("too heavy", "more than its volume holds", True, heavier_than_its_volume, 1.03, 1e3, "1", bound=1.0),
         Mechanism("hidden core", "a heavy core that no camera sees", True, hidden_core, 0.11, 5.0, "1", bound=0.1),
+        Mechanism("lump in a box", "steel shut into a box of boards", True, lump_in_a_box, 0.11, 3.0, "1", bound=0.1),
+        Mechanism("lump in a mesh", "a lump inside the mesh of a block", True, lump_in_a_mesh, 0.12, 0.9, "1", bound=0.1),
+        Mechanism("lump in an open box", "steel in a box that is half open", False, lump_in_an_open_box, 0.11, 3.0, "1"),
+        Mechanism("wood in a box", "wood shut into a box of boards", False, wood_in_a_box, 0.11, 3.0, "1"),
+        Mechanism("void in a mesh", "a void inside the mesh of a block", False, void_in_a_mesh, 0.12, 0.9, "1"),
         Mechanism("hidden dowel", "a nail or dowel inside", False, hidden_dowel, 0.001, 0.09, "1"),
         Mechanism("of its volume", "a mass of its own, in the range", False, of_its_volume, 0.001, 1.0, "1"),
         Mechanism("thin shell", "hollow, and says so", False, thin_shell, 1.05, 10.0, "1"),

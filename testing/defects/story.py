@@ -121,6 +121,23 @@ def _comes_home(folder: Path, m: float, rng: RNG) -> World:
     return _world(folder, {"comes": _beat(HOME, 50)}, (), x=1.0 - _between((0, round(m)), (int(rng.integers(50, 60)), LAST)))
 
 
+def _starts(folder: Path, m: float, rng: RNG, culprits: tuple[str, ...], *causes: str) -> World:
+    """It stays near where it starts for m frames, and goes away later."""
+    goes = round(m) + int(rng.integers(2, 12))
+    near = Displacement(entity="ball", max=0.1, when="always")
+    first = int(rng.integers(0, round(m)))
+    beats = {"stays": _beat(near, first, round(m)), "goes": _beat(FAR, round(m) + 1, causes=list(causes))}
+    return _world(folder, beats, culprits, x=_between((goes, LAST)), velocity=None)
+
+
+def _start_as_cause(folder: Path, m: float, rng: RNG) -> World:
+    return _starts(folder, m, rng, ("stays",), "stays")
+
+
+def _told_start(folder: Path, m: float, rng: RNG) -> World:
+    return _starts(folder, m, rng, ())
+
+
 # ---------------------------------------------------------------- one of several
 
 
@@ -256,6 +273,7 @@ SUITE = Suite(
         Mechanism("happened-before", "a contact that happened before its interval", True, _happened_before, 3, 40, "frames"),
         Mechanism("lasts-since-before", "a state that lasts since before its interval", True, _lasts_since, 1, 40, "frames"),
         Mechanism("came-before", "was already there once", True, _came_before, 1, 30, "frames"),
+        Mechanism("start-as-cause", "a state from frame 0 on, named as a cause", True, _start_as_cause, 2, 40, "frames"),
         Mechanism(
             "one-side-never",
             "an `or` one side of which never comes true",
@@ -274,6 +292,7 @@ SUITE = Suite(
         Mechanism("swing-grows", "a swing gains from nowhere, its beats long over", True, _grows, 0.2, 0.5, "1/s"),
         Mechanism("blows-up", "gains energy at the very end", True, _blows_up, 1.3, 15, "times the bound", 1.0),
         Mechanism("second-of-two", "a second bounce whose first has a beat", False, _second_of_two, 3, 40, "frames"),
+        Mechanism("told-start", "a state from frame 0 on that no beat names", False, _told_start, 2, 40, "frames"),
         Mechanism("went-again", "a state that ended and comes back", False, _went_again, 1, 40, "frames"),
         Mechanism("comes-home", "starts there, leaves and comes back", False, _comes_home, 1, 30, "frames"),
         Mechanism("both-sides", "an `or` both sides of which come true", False, _both_sides, 0.1, 0.9, "times the blow"),

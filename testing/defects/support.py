@@ -27,8 +27,11 @@ from ...worlds.spec import (
     Wedge,
     WeldJoint,
 )
+from ._bonded_worlds import BONDED_MECHANISMS
 from ._held_worlds import HELD_MECHANISMS
+from ._hung_worlds import HUNG_MECHANISMS
 from ._land_support import LAND_MECHANISMS
+from ._lump_worlds import LUMP_MECHANISMS
 from ._support_scenes import DRIFT, GAP, cart, draw_size, edge, ladder, seesaw, slide, slope, stair, wedged
 from ._support_worlds import FRAMES, RNG, Scene, block, turn
 from .cases import Mechanism, Suite, World
@@ -318,6 +321,27 @@ def _squeezed(folder: Path, m: float, rng: RNG) -> World:
     return _between_walls(folder, float(rng.uniform(0.02, 0.1)), m, rng, "book0")
 
 
+def _beside_a_column(folder: Path, m: float, rng: RNG, *culprits: str, lifted: bool = True) -> World:
+    """A book between two walls, m from each, which a column on the floor touches from the side; or it stands on the floor itself."""
+    scene, thick = Scene(rng, friction=0.6), float(rng.uniform(0.02, 0.1))
+    height = 1.0 if lifted else 0.15 + 1e-4
+    scene.add("left", Box(size=(0.2, 2, 4)), at=(-0.1 - m, 0, 2))
+    scene.add("right", Box(size=(0.2, 2, 4)), at=(thick + 0.1 + m, 0, 2))
+    scene.add("book", Box(size=(thick, 0.2, 0.3)), at=(thick / 2, 0, height), motion="dynamic")
+    near = float(rng.uniform(1e-6, UNDER * GAP))
+    column = Box(size=(0.8 * thick, 0.3, 1.5))
+    scene.add("column", column, at=(thick / 2, 0.25 + near, 0.75 + 1e-4), motion="dynamic")
+    return scene.world(folder, *culprits, still=True)
+
+
+def _clamped_beside(folder: Path, m: float, rng: RNG) -> World:
+    return _beside_a_column(folder, m, rng, "book")
+
+
+def _stands_beside(folder: Path, m: float, rng: RNG) -> World:
+    return _beside_a_column(folder, m, rng, lifted=False)
+
+
 def _hanging(folder: Path, m: float, rng: RNG) -> World:
     """A lamp on a rope, spring, hinge or ball joint; it swings by m rad."""
     scene, radius, way, kind = Scene(rng), float(rng.uniform(0.05, 0.15)), float(rng.uniform(0.4, 1)), int(rng.integers(4))
@@ -466,6 +490,16 @@ SUITE = Suite(
         Mechanism(
             "squeezed", "between walls from which it is drawn apart", True, _squeezed, OVER * FITTED, UNDER * GAP, "m", FITTED
         ),
+        Mechanism(
+            "clamped-beside",
+            "the same, and what stands on the floor touches it",
+            True,
+            _clamped_beside,
+            OVER * FITTED,
+            UNDER * GAP,
+            "m",
+            FITTED,
+        ),
         Mechanism("one-bookend", "pressed by something that floats", True, _one_bookend, 0.02, 0.1, "m"),
         Mechanism("slack", "hangs on a slack rope", True, _slack, OVER * GAP, 0.5, "m", GAP),
         Mechanism("weak-lift", "slides down its rail", True, _weak_lift, 0.02, 1.0, "weight"),
@@ -481,6 +515,9 @@ SUITE = Suite(
         ),
         Mechanism("held-book", "wedged by friction alone", False, _held_book, 1e-3, 0.2, "rad"),
         Mechanism("row-of-books", "pressed between walls", False, _row_of_books, 0.01, 0.1, "m"),
+        Mechanism(
+            "stands-beside", "stands between walls beside a column", False, _stands_beside, OVER * FITTED, UNDER * GAP, "m"
+        ),
         Mechanism("hanging", "a lamp that swings", False, _hanging, 0.01, 1.0, "rad"),
         Mechanism("bridge", "several piers carry part", False, _bridge, 1e-5, UNDER * GAP, "m"),
         Mechanism("leaves-in-time", "leaves when its beat begins", False, _leaves_in_time, 1, FRAMES - 1, "frame"),
@@ -489,5 +526,8 @@ SUITE = Suite(
         Mechanism("far-away", "beside a wall, far from the origin", False, _dim, 1.0, 1e5, "m"),
         *LAND_MECHANISMS,
         *HELD_MECHANISMS,
+        *HUNG_MECHANISMS,
+        *BONDED_MECHANISMS,
+        *LUMP_MECHANISMS,
     ),
 )

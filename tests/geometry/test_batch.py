@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worldagent.geometry import Solid, clearance_batch, query_noise, signed_clearance
 from worldagent.geometry import batch as module
-from worldagent.geometry.clearance import relative_poses
+from worldagent.geometry.clearance import Care, relative_poses
 from worldagent.geometry.depth import PRECISION
 from worldagent.geometry.forest import Forest, grow
 from worldagent.worlds.arrays import RigidPose, compose
@@ -219,7 +219,7 @@ def test_a_depth_within_a_tolerance_is_never_too_large(monkeypatch, kernels):
     poses = [stacked([random_pose(rng, 0.1) for _ in pairs]) for _ in range(2)]
     monkeypatch.setattr(module, "DEPTHS", 0 if kernels else 1000)
     true = clearance_batch(solids, pairs, *poses, skip_above=0.1).distance
-    rough = clearance_batch(solids, pairs, *poses, skip_above=0.1, tolerance=0.01).distance
+    rough = clearance_batch(solids, pairs, *poses, skip_above=0.1, care=Care(0.01)).distance
     assert (true < -0.01).sum() > 3
     assert (rough >= true - 2.0 * PRECISION * abs(true)).all()
     assert (rough <= true + 0.01 + 2.0 * PRECISION * abs(true)).all()
@@ -235,7 +235,7 @@ def test_a_search_may_end_at_a_depth_that_is_enough(monkeypatch, kernels):
     placed = stacked([at()] * 20), stacked(poses)
     whole = clearance_batch(solids, pairs, *placed, skip_above=np.inf).distance
     enough = np.where(np.arange(20) % 2 == 0, 0.01, 10.0)
-    short = clearance_batch(solids, pairs, *placed, skip_above=np.inf, enough=enough).distance
+    short = clearance_batch(solids, pairs, *placed, skip_above=np.inf, care=Care(enough=enough)).distance
     deep = whole < -enough
     assert 3 < deep.sum() < 17
     assert (short[deep] <= -enough[deep]).all()

@@ -7,7 +7,17 @@ import math
 import numpy as np
 import pytest
 import trimesh
-from worldagent.geometry import Motion, Solid, State, clearance_series, cut_thickness, lowest_clearance, wall_thickness
+from worldagent.geometry import (
+    Motion,
+    Solid,
+    State,
+    clearance_series,
+    cut_thickness,
+    lowest_clearance,
+    lowest_clearances,
+    wall_thickness,
+)
+from worldagent.geometry.clearance import Care, measure, relative_poses
 from worldagent.geometry.motions import relative_travel
 from worldagent.geometry.sweep import Sweep
 from worldagent.worlds.arrays import rotation_matrix
@@ -225,3 +235,32 @@ def test_an_oblique_cut_makes_no_wall_thinner_and_a_sliver_is_thin() -> None:
     above = _prism([(0.455, 0.009), (1.0, 0.009), (1.0, 0.01), (0.45, 0.01)])
     assert cut_thickness([left, under, above]) == pytest.approx([0.01, 0.009, 0.001], rel=0.05)
     assert cut_thickness([left]) == pytest.approx([0.01], rel=0.05)
+
+
+def test_what_is_shallower_than_of_interest_is_no_deeper_than_said_and_bodies_in_one_place_stay_deep():
+    """Rings that overlap a little, a lot, in full and not at all, asked with and without a depth of no interest."""
+    one = solid_of(ring())
+    places = [(0.0, 0.0, z) for z in np.linspace(0.0, 1.0, 41)]
+    poses = (np.array(places), np.tile(UPRIGHT, (len(places), 1)))
+    exact = measure(one, one, relative_poses(poses, still(len(places)).at(np.zeros(len(places)))))
+    idle = 0.5 * float(-exact[1:].min())
+    told = measure(one, one, relative_poses(poses, still(len(places)).at(np.zeros(len(places)))), care=Care(idle=idle))
+    deep, apart = exact < -idle * (1.0 + 0.01), exact > 0.0
+    assert min(np.count_nonzero(rows) for rows in (deep, apart, ~deep & ~apart)) > 0
+    assert told[deep] == pytest.approx(exact[deep], rel=0.01)
+    assert told[apart] == pytest.approx(exact[apart])
+    assert (told[~deep & ~apart] <= exact[~deep & ~apart] + 1e-9).all()
+    assert (told[~deep & ~apart] >= -idle * (1.0 + 0.01)).all()
+
+
+def test_a_search_finds_the_same_ways_through_whatever_shallow_depths_it_leaves_out():
+    """Many random flights of two rings: which get deeper than a bound is what single searches with exact depths say."""
+    rng, a, b = np.random.default_rng(11), solid_of(ring()), solid_of(ring())
+    sweeps = [
+        Sweep(a, random_motion(rng, 0.4), b, random_motion(rng, 0.4), below=-0.02, precision=1e-3, first_found=True)
+        for _ in range(30)
+    ]
+    found = [float(low.value[0]) < -0.02 for low in lowest_clearances(sweeps)]
+    alone = [float(lowest_clearance(sweep).value[0]) < -0.02 for sweep in sweeps]
+    assert 0 < sum(alone) < len(alone)
+    assert found == alone

@@ -94,3 +94,11 @@ def test_another_name_or_a_body_that_nothing_asks_about_is_no_weakening() -> Non
     assert told(STAYS, gone("/simulation/joints/arm"), put("/simulation/joints/elbow", arm)) == []
     crate = {**STAYS, "predicate": {**STAYS["predicate"], "entity": "shelf"}}
     assert told(crate, put("/simulation/joints/hold", WELD)) == []
+
+
+def test_a_push_that_owns_a_beat_may_be_tuned() -> None:
+    before = edited(asking(STAYS), "/story/beats/pushed", {**FALLS, "owner": "push", "subject": "lamp", "frames": [0, 9]})
+    weaker = apply_patch(before, [put("/simulation/drivers/push/force", [1.0, 0.0, 0.0])])
+    assert not [line for line in weakenings(before, weaker) if "easier to meet" in line]
+    calmer = apply_patch(before, [put("/simulation/drivers/wind/field/velocity", [1.0, 0.0, 0.0])])
+    assert [line for line in weakenings(before, calmer) if "easier to meet" in line]

@@ -19,6 +19,7 @@ from ..support.lowest import ground_lines
 from ..things.sizes import variant_lines
 from .apart import apart_lines
 from .fields import field_lines
+from .initial import initial_lines
 from .joints import joint_lines
 from .scene import scene_lines
 from .surfaces import surface_lines
@@ -55,6 +56,7 @@ def approximations(candidate: Candidate) -> list[dict[str, str]]:
         + _declared(spec)
         + joint_lines(spec)
         + branch_lines(candidate)
+        + initial_lines(candidate)
         + hidden_lines(candidate)
         + variant_lines(candidate)
         + start_lines(candidate)

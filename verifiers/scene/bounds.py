@@ -21,6 +21,17 @@ HIDDEN_DEPTH = 0.01
 """[1] Own choice: share of its own diagonal by which a part must stand out to be seen; faces in one plane hide each other."""
 HIDDEN_TRIANGLES = 500
 """[1] Own choice: largest triangles of a part that are looked at."""
+DENSER = 2.0
+"""[1] Own choice: what lies in a closed cavity is told of where it is so many times as dense as what can be seen: a shelf in a cupboard
+makes nothing heavier than solid wood, a lump of iron does."""
+SHEET = 0.01
+"""[m] Own choice: what is no thicker on the mean, twice its volume by its surface, is sheet or bars and no lump: an oven in a stove."""
+ESCAPES = 0.02
+"""[1] Own choice: share of the sight lines from a part that may lead out of a cavity that counts as closed: joints between boards."""
+SIGHT_PLACES = 64
+"""[1] Own choice: triangles of a part from which sight lines go out, even over its area."""
+SIGHT_LINES = 96
+"""[1] Own choice: directions over the sphere, of which half leave a face."""
 
 CROSSING_NOISE = 1e-6
 """[1] Of the size: files in single precision round vertices by 6e-8 of their coordinates, so that surfaces that touch may cross by a

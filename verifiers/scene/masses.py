@@ -14,7 +14,7 @@ from ...worlds.spec import RigidPhysics
 from ...worlds.weights import LEAST_WALL, ROUNDING, allowed
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
-from .hidden import hidden_parts
+from .hidden import hidden_parts, nested_lumps
 
 if TYPE_CHECKING:
     from ...worlds.built import TriangleMesh
@@ -43,7 +43,7 @@ def mass_finding(candidate: Candidate, name: str) -> Finding:
     pieces, seen, hidden = [], [], hidden_parts(candidate, name)
     for part in built.parts:
         own = entity.parts.get(part.part)
-        volume = _volume(part.render)
+        volume = _volume(part.render) - sum(abs(s.volume) for s in nested_lumps(candidate, name, part))
         if not np.isfinite(volume) or volume <= 0.0:
             raise EvidenceError(f"the surface of {name}/{part.part} bounds no volume; call place_object")
         pieces.append((volume, spec.materials[(own.material if own else None) or entity.material].substance))

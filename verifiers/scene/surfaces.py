@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Meetings, aabb_of, clearance_batch, meetings, signed_clearance, turned_boxes
+from ...geometry import Care, Meetings, aabb_of, clearance_batch, meetings, signed_clearance, turned_boxes
 from ...worlds.arrays import F64, RigidPose
 from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
@@ -96,7 +96,7 @@ class Surfaces(Parts):
             position = np.concatenate([t.position for t in tracks])
             poses.append((position if move is None else position + move, np.concatenate([t.quaternion for t in tracks])))
         pairs = places.reshape(2, -1).T
-        return clearance_batch(forest, pairs, *poses, skip_above=self.reach, tolerance=tolerance, enough=enough).distance
+        return clearance_batch(forest, pairs, *poses, skip_above=self.reach, care=Care(tolerance, enough)).distance
 
     def boxes(self, frames: NDArray[np.intp]) -> tuple[F64, F64]:
         """World boxes that hold all parts [m], shapes (parts, frames, 3); empty from the first broken pose of an entity on."""

@@ -4,7 +4,7 @@ Rows: `beat:<id>` and `requirement:<id>` judge the declared predicate over its f
 beat that was true before its interval begins (`story/vacuity.py`); `beat:branches:<id>` an `or` one side of which never comes true
 (`story/branches.py`); `beat:driven:<id>` fails an outcome whose motion
 is authored, or that nothing of the story starts (`story/driven.py`). An *invariant* (`always`, `stays_in`, `supported`, `no_contact`, `not`, an atom with `when=always`)
-without causes may be true from the start; a beat with causes may not.
+without causes may be true from the start: an initial state, which is told as such and causes nothing. A beat with causes may not.
 """
 
 from __future__ import annotations

@@ -10,6 +10,9 @@ Looked at are all frames from 0 up to the beat's first one, and by kind of predi
   up to the frame that decides. What ended and comes back within the interval is new.
 - What **adds up** over the interval (`SUMS`: what breaks, flows through, presses) is measured over earlier spans of the same length.
 
+A lasting state without causes may be so from frame 0 on: the row and the register say that it is an initial state, and no beat may name it as
+its cause.
+
 A combination was true before when its members were: all of `and`, one of `or`, enough of `count`.
 """
 
@@ -36,6 +39,7 @@ from ..rows.corrections import correction
 from ..rows.findings import Finding, lacking
 from ..scene.surfaces import surfaces_of
 from .bounds import FLICKER
+from .initial import initial_state
 from .offers import offered
 from .questions import VACUOUS
 
@@ -43,7 +47,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row
     from ...worlds.spec import Beat, SpecModel, WorldSpec
 
-__all__ = ["EVENTS", "SUMS", "Past", "check_vacuity"]
+__all__ = ["EVENTS", "SUMS", "Past", "check_vacuity", "from_start"]
 
 EVENTS = frozenset({*EVENT_KINDS, "reaches", "debris"} - {"splash_height"})
 """Kinds that happen; all other atoms are states. Arrival at a place is news here, and the height of a splash one that lasts."""
@@ -272,19 +276,31 @@ def _decisive(predicate: SpecModel, outcome: Outcome) -> int | None:
     return outcome.frames[0] if is_invariant(predicate) else outcome.first_true_frame
 
 
+def from_start(candidate: Candidate, beat_id: str) -> Past | None:
+    """Truth of a lasting state from frame 0 up to the interval of its beat; None where it comes later.
+
+    Raises:
+        EvidenceError: it cannot be judged.
+    """
+    return _Past(candidate, beat_id).from_start()
+
+
 def check_vacuity(candidate: Candidate, beat_id: str) -> list[Row]:
-    """Row `beat:vacuous:<id>`; none for a lasting state without causes, which may be true from the start."""
+    """Row `beat:vacuous:<id>`."""
     beat = candidate.spec.story.beats[beat_id]
     lasting = is_invariant(beat.predicate)
-    if lasting and not beat.causes:
-        return []
     looks, past = _Past(candidate, beat_id), None
     try:
         if lasting or beat.frames[0] == 0:
             past = looks.from_start()
         else:
             past = looks.of(beat.predicate, beat.frames, (0, beat.frames[0] - 1))
-        found = _judged(beat_id, beat, past, candidate.spec)
+        initial = lasting and not beat.causes
+        found = (
+            initial_state(beat_id, past.last, candidate.spec)
+            if initial and past
+            else _judged(beat_id, beat, past, candidate.spec)
+        )
     except EvidenceError as error:
         found = lacking(error)
     then = evaluate(candidate, beat.predicate, (past.first, past.first) if past is not None else (0, 0))

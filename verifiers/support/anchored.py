@@ -169,6 +169,8 @@ def _anchor(surfaces: Surfaces, anchor: Anchor) -> Finding:
     if reason is not None:
         return Finding("pass", f"{anchor.words} holds {anchor.entity!r} at a point of space: {reason}", **common)
     text = f"{anchor.words} holds {anchor.entity!r} at ({place}), where nothing is drawn that never moves"
+    if anchor.axis is not None:
+        text = f"no place on the axis of {anchor.words} is at {anchor.entity!r} and at something drawn that never moves"
     if found is not None:
         text += f": {found.entity!r} is the nearest, {found.distance * 1e3:.4g} mm away, at most {found.bound * 1e3:.4g} mm are allowed"
     return Finding(
@@ -185,10 +187,11 @@ def _anchor(surfaces: Surfaces, anchor: Anchor) -> Finding:
 
 def _corrections(anchor: Anchor, found: Footing | None) -> Iterator[Correction]:
     place, path = [round(float(c), 5) for c in anchor.point], pointer(*anchor.where)
+    where = f"{place}" if anchor.axis is None else f"{anchor.entity!r} on the axis"
     yield correction(
         "what holds it is not drawn",
         "shape",
-        f"Add a static hook, post, bracket or beam that is held and reaches {place}; then name it as what {anchor.words} joins it to.",
+        f"Add a static hook, post, bracket or beam that is held and reaches {where}; then name it as what {anchor.words} joins it to.",
         pointers=("/entities", path),
     )
     if found is not None:

@@ -1,8 +1,9 @@
 """Balance of things that never move: what only stands on others has its centre of mass over what it stands on (R92, R154).
 
 Things that touch from the side or overlap, one that hangs under another, and what a `fastened` relation joins hang together as one
-piece. The ground, whatever is one piece with it, and pieces of several things that stand on it (walls, rooms, frames) need no balance. Every
-other piece is asked as a body at rest would be: contacts push, and friction is as large as any material has it.
+piece. The ground and whatever is one piece with it needs no balance. Every other piece, of one thing or of several (walls, rooms, frames), is
+asked as a body at rest would be: contacts push, and friction is as large as any material has it. What hangs is asked by `support/hung.py`
+whether what touches it can bear it.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from ..scene.room import in_the_way
 from .bounds import OUTSIDE
 from .equilibrium import Balance, Group, solve
 from .graph import gravity_direction
+from .hung import hanging, hung_rows
 from .questions import BALANCE, HELD
 from .touching import contacts_of
 
@@ -51,9 +53,16 @@ class _Pieces:
     @cached_property
     def stands(self) -> frozenset[Pair]:
         """Pairs (below, above) of things that touch, of which the lower one is in the way of the other's falling."""
-        found = [p for a, b in self.touching for p in ((a, b), (b, a)) if self._carries(*p)]
-        # Each holds the other: they hook into each other.
-        return frozenset(p for p in found if p[::-1] not in found)
+        return self._in_the_way - self.hooked
+
+    @cached_property
+    def hooked(self) -> frozenset[Pair]:
+        """Pairs of which each holds the other: they hook into each other."""
+        return frozenset(p for p in self._in_the_way if p[::-1] in self._in_the_way)
+
+    @cached_property
+    def _in_the_way(self) -> frozenset[Pair]:
+        return frozenset(p for a, b in self.touching for p in ((a, b), (b, a)) if self._carries(*p))
 
     def _carries(self, below: str, above: str) -> bool:
         return bool(self.surfaces.carries(below, above, until=1)[0])
@@ -93,18 +102,11 @@ class _Pieces:
 
     @cached_property
     def base(self) -> frozenset[str]:
-        """Pieces that need no balance: with the ground, with what is said to float, or of several things that stand on the ground."""
+        """Pieces that need no balance: with the ground, with what is said to float, or that nothing holds at all."""
         spec = self.surfaces.candidate.spec
-        rooted = {b for a, b in self.stands if a in self.ground}
         found = set()
         for name, at in self.piece.items():
-            several = sum(other == at for other in self.piece.values()) > 1
-            if (
-                name in self.ground
-                or spec.entities[name].afloat is not None
-                or (several and name in rooted)
-                or self.held.loose(name)
-            ):
+            if name in self.ground or spec.entities[name].afloat is not None or self.held.loose(name):
                 found.add(at)
         return frozenset(found)
 
@@ -151,7 +153,11 @@ def balanced_rows(held: Held) -> list[Row]:
 
     def found() -> list[Row]:
         pieces = _Pieces(held)
-        return [
+        down = gravity_direction(surfaces)
+        assert down is not None
+        groups = list(hanging([n for n in held.names if not held.loose(n)], pieces.ground, pieces.touching, pieces.stands))
+        hung = hung_rows(surfaces, groups, pieces.hooked, down)
+        return hung + [
             row_of(surfaces.candidate, BALANCE, (at,), _tips(pieces, group, at, balance), entities=(at,))
             for group in pieces.groups()
             for at, balance in solve(group, shift=OUTSIDE).items()

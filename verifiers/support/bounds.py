@@ -60,3 +60,20 @@ BROAD = 0.02
 """[1] Own choice: a level base has at least this share of the footprint; round things have none and are not asked to lie flat."""
 OVER_EDGE = 0.002
 """[m] Own choice, that of OUTSIDE: how far the centre may seem to lie outside the places that it stands on."""
+
+SIDE_LEVEL = 1e-4
+"""[1] Own choice: share of a body's size within which a drawn face lies on the side of its box; bonds to the world are as strict."""
+SIDE_SAMPLES = 8
+"""[1] Own choice: pieces into which each edge of a bonded side's triangles is cut, to look for what never moves at it."""
+RIM = 1.5
+"""[1] Own choice: in reaches, how far from the rim of a bonded side it has to meet what holds it; what only its rim touches does not."""
+
+LUMPS_MOST = 200
+"""[1] Own choice: meshes of more lumps are foliage, gravel or cloth in one surface, and are not asked to hang together."""
+
+BOND = 1e6
+"""[Pa] Own choice: what glue, plaster, nails or screws bear on the mean over the places at which static things touch from the side, plastic,
+each place and direction by itself. Construction glues bear 3 to 10 MPa over their own area, which is a part of that; what is bolted or
+welded bears more, and says `fastened`."""
+BOND_MOST = 1e3
+"""[1] Own choice: weights beyond which it is not told how many a joint bears."""

@@ -19,6 +19,7 @@ from ..rows.findings import Finding
 from ..scene.surfaces import surfaces_of
 from .anchored import anchored_rows
 from .balanced import balanced_rows
+from .bonded import bonded_rows
 from .carried import carried
 from .fallen_off import kept_rows
 from .free_bodies import derived
@@ -26,6 +27,7 @@ from .graph import SupportGraph
 from .held import Held, held_rows
 from .joined import joined_rows
 from .landed import Ground, landed_rows
+from .lumps import lump_rows
 from .moved import support_interval
 from .one_piece import one_piece_rows
 from .pinned import pinned_rows
@@ -58,7 +60,9 @@ def check(candidate: Candidate) -> list[Row]:
         *joined_rows(surfaces),
         *anchored_rows(surfaces),
         *pinned_rows(surfaces),
+        *bonded_rows(surfaces),
         *one_piece_rows(surfaces, frozenset(n for n in surfaces.entities if is_still(surfaces.candidate.spec, n))),
+        *lump_rows(surfaces, ground),
         *landed_rows(surfaces, ground),
         *stays_rows(surfaces),
         *kept_rows(surfaces),

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import Entity
     from ..scene.surfaces import Surfaces
 
-__all__ = ["pinned_rows"]
+__all__ = ["pin_bound", "pinned_points", "pinned_rows"]
 
 
 def pinned_rows(surfaces: Surfaces) -> list[Row]:
@@ -38,7 +38,7 @@ def pinned_rows(surfaces: Surfaces) -> list[Row]:
     return found
 
 
-def _held(entity: Entity, key: str, rest: F64) -> F64:
+def pinned_points(entity: Entity, key: str, rest: F64) -> F64:
     """Vertices that a pin holds, of all of them in the entity's frame [m]: shape (n, 3) -> (k, 3)."""
     physics = entity.physics
     if isinstance(physics, ClothPhysics):
@@ -49,7 +49,7 @@ def _held(entity: Entity, key: str, rest: F64) -> F64:
     return rest[inside]
 
 
-def _bound(surfaces: Surfaces, name: str, carrier: str) -> float:
+def pin_bound(surfaces: Surfaces, name: str, carrier: str) -> float:
     """Largest distance of held vertices from their carrier [m]: the contact tolerance (S3), collision skins, an edge of a sheet's triangles."""
     entity = surfaces.candidate.spec.entities[name]
     edges = [edge for _, edge in grids_of(entity)] if isinstance(entity.physics, ClothPhysics) else []
@@ -62,10 +62,10 @@ def _pin(surfaces: Surfaces, name: str, key: str, carrier: str) -> Finding:
     entity = candidate.spec.entities[name]
     surfaces.require(name, carrier)
     rest = [p.simulation.vertices for p in candidate.entity(name).parts if p.simulation is not None]
-    held = pose_of(entity.pose).apply(_held(entity, key, np.concatenate(rest)))
+    held = pose_of(entity.pose).apply(pinned_points(entity, key, np.concatenate(rest)))
     distance, point, nearest = way_to(surfaces, carrier, held)
     way = nearest - point
-    bound = _bound(surfaces, name, carrier)
+    bound = pin_bound(surfaces, name, carrier)
     common: dict[str, Any] = {"frames": (0, 0), "predicate": f"what pin {key} of {name} holds is at {carrier}"}
     if distance <= bound:
         text = f"what pin {key!r} of {name!r} holds is {distance:.3g} m from {carrier!r}"

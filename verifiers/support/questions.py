@@ -8,14 +8,17 @@ from .bounds import HANGING
 __all__ = [
     "ANCHOR",
     "BALANCE",
+    "BONDED",
     "CARRIED",
     "DERIVED",
     "FASTENED",
     "GRIP",
     "GROUND",
     "HELD",
+    "HUNG",
     "JOINT",
     "KEPT",
+    "LUMPS",
     "PIECE",
     "PIN",
     "QUESTIONS",
@@ -72,6 +75,15 @@ HELD = Question(
     "support:held",
     "a chain of contacts leads from every piece of it over things that never move to the ground",
 )
+HUNG = Question(
+    "support:hung",
+    "what never moves and stands on nothing is borne where it touches what stands: a relation says so, it reaches into it, or enough of it meets",
+    "share of its weight that joints of BOND bear where it touches",
+    "1",
+    ">=",
+    "1",
+    ("entity",),
+)
 JOINT = Question(
     "support:joint",
     "joint {0} reaches what it joins",
@@ -110,12 +122,21 @@ FASTENED = Question(
 )
 PIN = Question(
     "support:pin",
-    "what pin {1} of {0} holds is at its carrier",
-    "distance of the held vertices from the carrier",
+    "what pin {1} of {0} holds is at its carrier; without one at something that never moves, or the entity says why not: `afloat`",
+    "distance of the held vertices from the carrier, or from the nearest thing that never moves",
     "m",
     "<=",
     "limits.contact_gap, two skins, or an edge of the sheet's triangles",
     ("entity", "pin"),
+)
+BONDED = Question(
+    "support:bonded",
+    "side {1} of {0}, which is bonded to the world, lies at something drawn that never moves, or the entity says why not: `afloat`",
+    "distance of that side from the nearest thing that never moves",
+    "m",
+    "<=",
+    "limits.contact_gap and two skins",
+    ("entity", "side"),
 )
 PIECE = Question(
     "support:piece",
@@ -124,6 +145,15 @@ PIECE = Question(
     "pieces",
     "<=",
     "1",
+    ("entity",),
+)
+LUMPS = Question(
+    "support:lumps",
+    "every lump of its meshes touches another one, another part, or, of what never moves, something else that does not",
+    "lumps that touch nothing",
+    "lumps",
+    "<=",
+    "0",
     ("entity",),
 )
 GROUND = Question(
@@ -160,12 +190,15 @@ QUESTIONS = (
     GRIP,
     DERIVED,
     HELD,
+    HUNG,
     JOINT,
     ROPE,
     ANCHOR,
     FASTENED,
     PIN,
+    BONDED,
     PIECE,
+    LUMPS,
     GROUND,
     STAYS,
     KEPT,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...geometry import apart, turned_boxes
-from ...geometry.clearance import measure, relative_poses
+from ...geometry.clearance import Care, measure, relative_poses
 from ...worlds.arrays import F64, RigidPose
 from .bounds import COARSE, EXACT, FINE, GRAZE
 
@@ -23,7 +23,7 @@ AT_ONCE = 8
 """Positions measured together of convex surfaces."""
 TOUCH = 1e-7
 """[m] Surfaces that are nearer meet."""
-CARE = {"tolerance": 0.25 * GRAZE, "enough": 2.0 * GRAZE}
+CARE = Care(tolerance=0.25 * GRAZE, enough=2.0 * GRAZE)
 """[m] Of depths: found to a quarter of what is allowed, and no deeper than needed."""
 
 
@@ -125,7 +125,7 @@ def _clearance(surfaces: Surfaces, opening: Opening, mover: int, obstacle: int, 
     fixed = np.tile(other.position, (count, 1)), np.tile(other.quaternion, (count, 1))
     poses = relative_poses(opening.poses(_start(surfaces, mover), positions), fixed)
     one, two = surfaces.parts[mover].solid, surfaces.parts[obstacle].solid
-    return measure(one, two, poses, skip_above=skip, **CARE)
+    return measure(one, two, poses, skip_above=skip, care=CARE)
 
 
 def _allowed(surfaces: Surfaces, mover: int, obstacle: int) -> float:

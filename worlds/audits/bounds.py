@@ -88,6 +88,9 @@ def _within_noise(spec: WorldSpec, predicate: Mapping[str, Any], place: str, sub
         if floor is not None and 0.0 < value < floor.value:
             text = f"a contact of {value:g} N s is within noise; ask for at least {floor.value:g} N s ({floor.how}), or for the touch alone"
             yield Problem(f"{place}/min_impulse", text, replaced(f"{place}/min_impulse", floor.value))
+    noise = PREDICATES[kind].noise
+    for field, value, text in noise.bounds(spec, predicate, subject) if noise is not None else ():
+        yield Problem(f"{place}/{field}", text, replaced(f"{place}/{field}", round(value, 9)))
     for field, least in PREDICATES[kind].least.items():
         value = predicate.get(field)
         if value is not None and 0.0 < value < least:

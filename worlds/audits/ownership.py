@@ -37,8 +37,8 @@ def ownership_problems(spec: WorldSpec) -> list[Problem]:
             problems.append(Problem(f"{place}/active", text, removed(f"{place}/active")))
         if entity.afloat is not None and entity.motion == "dynamic" and name not in held_at_points(spec):
             text = (
-                f"{name!r} is dynamic, and afloat ({entity.afloat!r}) is allowed for static and kinematic things, and for what a joint or rope end "
-                "holds at a point of space: it says why one hangs in the air with nothing that holds it; what else is dynamic falls, or a contact, "
+                f"{name!r} is dynamic, and afloat ({entity.afloat!r}) is allowed for static and kinematic things, and for what a joint, rope end, "
+                "pin or bonded side holds at points of space: it says why one hangs in the air with nothing that holds it; what else is dynamic falls, or a contact, "
                 "joint, rope or liquid carries it: leave afloat out, or make it static"
             )
             problems.append(Problem(f"{place}/afloat", text, removed(f"{place}/afloat")))

@@ -130,8 +130,14 @@ def _anchors(spec: WorldSpec) -> Iterator[tuple[str, str, F64, str, float]]:
 
 
 def held_at_points(spec: WorldSpec) -> frozenset[str]:
-    """Entities that a joint, spring or rope end holds at a fixed point of space."""
-    return frozenset(entity for _, entity, *_ in _anchors(spec))
+    """Entities that a joint, spring, rope end, pin or bonded side holds at points of space."""
+    pinned = {
+        name
+        for name, entity in spec.entities.items()
+        if any(pin.to is None for pin in getattr(entity.physics, "pins", {}).values())
+        or (entity.breakable is not None and entity.breakable.fixed)
+    }
+    return frozenset(entity for _, entity, *_ in _anchors(spec)) | pinned
 
 
 def _from_nothing(spec: WorldSpec) -> Iterator[Problem]:

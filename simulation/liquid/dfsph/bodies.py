@@ -11,7 +11,7 @@ from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.errors import InputError
 from ...boundaries import BodyState
-from ...passes import ALONE
+from ...passes import ALONE, FEW
 from ..boundary import Sampled
 from ..engine import LiquidSetup
 from .samples import Samples, stays
@@ -63,6 +63,8 @@ class Coupling:
         self._least = LEAST_STIFFNESS / (max(f.density for f in setup.fluids) * setup.spacing**2)
         self.lanes, self.width = (4 if self.device == "cpu" else 8 * passes.width), passes.width
         self.parts = self.lanes // self.width
+        self._arms = [float(np.linalg.norm(s.position, axis=1).max()) if len(s.position) else None for s in sampled]
+        """Largest distance of a body's samples from its centre [m]."""
         rows = np.concatenate([np.full(len(s.position), k) for k, s in enumerate(sampled)] or [np.zeros(0)]).astype(np.int32)
         self._fixed_rows = [k for k, one in enumerate(setup.boundaries) if stays(one)]
         fixed = np.isin(rows, self._fixed_rows)
@@ -99,14 +101,13 @@ class Coupling:
     def fastest(self, bodies: BodyState) -> float:
         """Largest speed of a moving surface [m/s], bounded by its samples' distance from the centre."""
         fastest = 0.0
-        for k, (boundary, sampled) in enumerate(zip(self.setup.boundaries, self.sampled, strict=True)):
+        for k, (boundary, arm) in enumerate(zip(self.setup.boundaries, self._arms, strict=True)):
             if boundary.motion == "static" and not boundary.deforming:
                 continue
             if k in bodies.vertices:
                 fastest = max(fastest, float(np.linalg.norm(bodies.vertices[k][1], axis=1).max(initial=0.0)))
                 continue
-            if len(sampled.position):
-                arm = float(np.linalg.norm(sampled.position, axis=1).max())
+            if arm is not None:
                 turning = arm * np.linalg.norm(bodies.angular_velocity[k])
                 fastest = max(fastest, float(np.linalg.norm(bodies.velocity[k]) + turning))
         return fastest
@@ -166,27 +167,33 @@ class Coupling:
                 name = self.setup.boundaries[row].name
                 raise InputError(f"the static boundary {name!r} comes with a pose; give its mesh in the world's frame")
 
-    def meet(self, work: Work, x: Any, volume: Any, lift: Any, surfaces: Any, h: float, n: int) -> None:
+    def count_pairs(self, work: Work, x: Any, volume: Any, h: float, n: int) -> None:
+        """Count the pairs of each particle; their number is the second of `work.most`, and is to be `total`."""
+        from . import pair_kernels as kernels
+
+        w, run = work, self.passes
+        self._work, self._x, self._volume, self._n = work, x, volume, n
+        self.pairs.start, self.pairs.touched = w.start, w.touched
+        if self.count:
+            run("count_pairs", kernels.count_pairs, n, [x, self.fixed.arranged, self.moving.arranged, h, w.touched], block=FEW)()
+            warp().utils.array_scan(w.touched[:n], w.start[:n], inclusive=False)
+            run("sum_pairs", kernels.sum_pairs, 1, [n, w.start, w.touched, w.most], block=FEW)()
+
+    def meet(self, work: Work, lift: Any, surfaces: Any, h: float) -> None:
         """Find the pairs, add the bodies to fill and gradients, and finish the diagonal of the solves."""
         from . import grid_kernels, reaction_kernels
         from . import pair_kernels as kernels
 
         wp, w, run = warp(), work, self.passes
-        self.total = 0
-        self._work, self._x, self._volume, self._n = work, x, volume, n
-        self.pairs.start, self.pairs.touched = w.start, w.touched
+        x, volume, n = self._x, self._volume, self._n
         fixed, moving = self.fixed.arranged, self.moving.arranged
-        if self.count:
-            run("count_pairs", kernels.count_pairs, n, [x, fixed, moving, h, w.touched])()
-            wp.utils.array_scan(w.touched[:n], w.start[:n], inclusive=False)
-            self.total = int(w.start[n - 1 : n].numpy()[0]) + int(w.touched[n - 1 : n].numpy()[0])
-            if self.total > self._room:
-                self._make_room(int(1.5 * self.total))
-                self.pairs.start, self.pairs.touched = w.start, w.touched
+        if self.total > self._room:
+            self._make_room(int(1.5 * self.total))
+            self.pairs.start, self.pairs.touched = w.start, w.touched
         if self.total:
             inputs = [x, fixed, moving, self.bodies, surfaces, self.setup.spacing, h, lift, self.pairs, w.fill, w.lean]
-            run("fill_pairs", kernels.fill_pairs, n, inputs)()
-            run("list_pairs", kernels.list_pairs, self.total, [self.pairs, self.key, self.order])()
+            run("fill_pairs", kernels.fill_pairs, n, inputs, block=FEW)()
+            run("list_pairs", kernels.list_pairs, self.total, [self.pairs, self.key, self.order], block=FEW)()
             wp.utils.radix_sort_pairs(self.key, self.order, self.total)
             self.spans.zero_()
             run("pair_spans", grid_kernels.spans, self.total, [self.total, self.key, self.spans])()

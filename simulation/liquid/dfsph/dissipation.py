@@ -41,6 +41,6 @@ class Dissipation:
             self._known = wp.zeros(self._room, dtype=wp.float32, device=run.device)
         lists = [*w.lists, self._tensor, self._known]
         run("shear", kernels.shear, n, [s.x, s.v, *lists])()
-        signals = [self.signal, float(MOST * self.spacing / dt)]
-        run("damp", kernels.damp, n, [s.x, s.v, w.lightness, *lists, *signals, w.settings, w.way])()
+        inputs = [s.x, s.v, w.lightness, *lists, self.signal, 0.0, w.settings, w.way]
+        run("damp", kernels.damp, n, inputs)({len(inputs) - 2: float(MOST * self.spacing / dt)})
         wp.copy(s.v, w.way, count=n)

@@ -163,17 +163,11 @@ class Dfsph:
             none = {row: np.zeros((len(ease), 3)) for row, ease in bodies.vertex_lightness.items()}
             given, taken = self.coupling.wrenches()
             return LiquidReport(dt=dt, impulse=given, reaction=taken, added=added, vertex_impulse=none)
-        self.coupling.begin(bodies, self._grid, dt)
-        self.keep_out.place(self.coupling)
-        self._sort(w)
-        self._neighbours(w)
+        self._meet(w, bodies, n, dt)
         s, run = self.store.now, self.passes
-        if self.steps % PACKING_EVERY == 0:
-            self._measure_packing(w)
-        self.coupling.meet(w, s.x, s.volume, w.lift, self.keep_out.surfaces, self.h, n)
         driven, blown, thin = self._accelerate(s, w, bodies, n, dt)
-        spread = self.solves.solve(w, s, n, density=False)
-        pressed = self.solves.solve(w, s, n, density=True)
+        self.solves.solve(w, s, n, density=False)
+        self.solves.solve(w, s, n, density=True)
         self.keep_out.apply(w, s, self.coupling, n)
         run("travel", kernels.travel, n, [w.way, w.settings, s.x])()
         margin = self.setup.spacing
@@ -184,6 +178,7 @@ class Dfsph:
             [s.x, *self._sides, margin, len(self.setup.outflows), self._boxes, w.leaving],
         )()
         error = self._census(w)
+        spread, pressed = self.solves.ended(w)
         self.time += dt
         self.steps += 1
         given, taken = self.coupling.wrenches()
@@ -193,6 +188,26 @@ class Dfsph:
             vertex_impulse=self.coupling.soft.given(given, dt), iterations=(pressed.iterations, spread.iterations), capped=capped,
             density_error=error, driven=driven, blown=blown,
         )  # fmt: skip
+
+    def _meet(self, w: Work, bodies: BodyState, n: int, dt: float) -> None:
+        """Bring particles into order and find who is near whom, bodies too.
+
+        A GPU works on the particles' lists while the host prepares the bodies; it waits for both together.
+        """
+        self._sort(w)
+        self._search(w)
+        self.coupling.begin(bodies, self._grid, dt)
+        self.keep_out.place(self.coupling)
+        s = self.store.now
+        self.coupling.count_pairs(w, s.x, s.volume, self.h, n)
+        most, self.coupling.total = (int(one) for one in w.most.numpy())
+        if most > w.room:
+            w.grow(8 * (-(-(most + 4) // 8)))
+            self._search(w)
+        self._walls(w)
+        if self.steps % PACKING_EVERY == 0:
+            self._measure_packing(w)
+        self.coupling.meet(w, w.lift, self.keep_out.surfaces, self.h)
 
     def _accelerate(self, s: Any, w: Work, bodies: BodyState, n: int, dt: float) -> tuple[F64, F64, bool]:
         """Everything but pressure acts; what zones of waves and fields gave, each (4,), and whether viscosity was solved for."""
@@ -242,8 +257,9 @@ class Dfsph:
         self.passes("spans", kernels.spans, n, [n, w.key, w.span])()
         self._sorted = n
 
-    def _neighbours(self, w: Work) -> None:
-        from . import domain_kernels, grid_kernels, step_kernels
+    def _search(self, w: Work) -> None:
+        """List neighbours; the longest list is the first of `w.most`."""
+        from . import grid_kernels, step_kernels
 
         s, n, run = self.store.now, self.store.count, self.passes
         run(
@@ -252,15 +268,18 @@ class Dfsph:
             n,
             [s.fluid, s.held, self._density, w.settings, s.pressure, self._gravity, self._pressed, w.lightness, w.lift],
         )()
-        while True:
-            lists = [w.room, *w.lists, w.fill, w.lean, w.stiffness]
-            run("search", grid_kernels.search, n, [s.x, s.volume, w.lightness, w.span, *self._grid, self.h, *lists])()
-            most = run.greatest("most", w.count, n, w.longest, w.most)
-            if most <= w.room:
-                break
-            w.grow(8 * (-(-(most + 4) // 8)))
+        lists = [w.room, *w.lists, w.fill, w.lean, w.stiffness]
+        run("search", grid_kernels.search, n, [s.x, s.volume, w.lightness, w.span, *self._grid, self.h, *lists])()
+        for one in run.seek_greatest("most", w.count, n, w.longest, w.most):
+            one()
+
+    def _walls(self, w: Work) -> None:
+        """Add the closed sides of the domain."""
+        from . import domain_kernels
+
+        s, n = self.store.now, self.store.count
         walls = [s.x, *self._sides, self.setup.spacing, self.h, w.fill, w.lean, w.lift, w.borne]
-        run("walls", domain_kernels.walls, n, walls)()
+        self.passes("walls", domain_kernels.walls, n, walls)()
 
     def _let_in(self) -> dict[str, float]:
         """Add the layers of inflows that are due."""

@@ -9,6 +9,7 @@ import numpy as np
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ...boundaries import Boundary
+from ...passes import FEW
 from ..engine import LiquidSetup
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ class KeepOut:
             s.x, w.lightness, s.volume, w.settings, self.spacing, coupling.pairs, coupling.bodies, self.surfaces,
             s.v, w.way, coupling.pair_force, coupling.pair_return,
         ]  # fmt: skip
-        self.passes("keep_out", kernels.keep_out, n, inputs)()
+        self.passes("keep_out", kernels.keep_out, n, inputs, block=FEW)()
         coupling.rubbed()
 
 

@@ -9,7 +9,7 @@ from .shape_kernels import cell_of, half_space, plane_weight, slope, weight, wra
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 2})  # 27 cells
 
-__all__ = ["SHEET", "count_pairs", "fill_pairs", "list_pairs"]
+__all__ = ["SHEET", "count_pairs", "fill_pairs", "list_pairs", "sum_pairs"]
 
 LAYER = wp.constant(wp.float32(0.1497))
 """Fill that a plane of samples gives at a spacing, where liquid at rest keeps to it: of sheets and bodies that deform, the fill goes
@@ -68,6 +68,18 @@ def count_pairs(
     while k < 8 and known[k] >= 0:
         k += 1
     touched[i] = k
+
+
+@wp.kernel
+def sum_pairs(
+    first: wp.int32,
+    total: wp.int32,
+    start: wp.array(dtype=wp.int32),
+    touched: wp.array(dtype=wp.int32),
+    most: wp.array(dtype=wp.int32),
+):
+    """Number of all pairs, into the second place of `most`."""
+    most[1 + first + wp.tid()] = start[total - 1] + touched[total - 1]
 
 
 @wp.func

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ....geometry.launch import warp
 from . import solve_kernels as kernels
 from .step_slots import Slot
 
@@ -52,8 +53,8 @@ class PressureSolves:
         self._passes, self._coupling, self._settings = passes, coupling, settings
         self.relaxation = [RELAXATION, RELAXATION]
 
-    def solve(self, w: Work, s: Any, count: int, *, density: bool) -> Solved:
-        """One solve.
+    def solve(self, w: Work, s: Any, count: int, *, density: bool) -> None:
+        """One solve. How it ends is told by `ended`, so that nothing waits for it.
 
         Args:
             w: arrays of the step; its numbers and neighbours are filled in.
@@ -71,9 +72,13 @@ class PressureSolves:
         else:
             coupling.book(p)
             passes("end", kernels.end, count, [w.a, w.settings, s.v])()
-        found = w.settings.numpy()
-        self.relaxation[int(density)] = min(RELAXATION, RECOVERY * float(found[Slot.OMEGA]))
-        return Solved(int(found[Slot.DONE]), float(found[Slot.ERROR]), found[Slot.MET] == 0.0)
+        warp().copy(w.ended[int(density)], w.settings)
+
+    def ended(self, w: Work) -> list[Solved]:
+        """The ends of the velocity and the density solve of this step; the next ones begin with what they found."""
+        rows = w.ended.numpy()
+        self.relaxation = [min(RELAXATION, RECOVERY * float(found[Slot.OMEGA])) for found in rows]
+        return [Solved(int(found[Slot.DONE]), float(found[Slot.ERROR]), found[Slot.MET] == 0.0) for found in rows]
 
     def _begin(self, w: Work, s: Any, p: Any, count: int, *, density: bool) -> None:
         """The right side and what is asked of the solve."""
@@ -93,11 +98,23 @@ class PressureSolves:
         """Passes of one iteration."""
         passes, coupling, name = self._passes, self._coupling, "density" if density else "divergence"
         reaction = coupling.reaction(w.y, moves=not density)
-        inputs = [w.a, w.lean, *w.lists, coupling.taken, w.firm if density else w.stiffness, w.b, s.volume, w.settings]
+        bounds = [coupling.taken, w.firm if density else w.stiffness, w.b, s.volume, w.settings]
+        ends = [p, w.y, w.last_y, w.last_r, w.sums]
+        sums = count
+        if w.swift is None:
+            accelerate = passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, w.a])
+            relax = passes(name + "relax", kernels.relax, count, [w.a, w.lean, *w.lists, *bounds, *ends])
+        else:
+            from . import solve_gpu_kernels as swift
+
+            sums = -(-count // swift.WARP)
+            accelerate = passes("accelerate", swift.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, w.swift])
+            inputs = [count, w.swift, w.lean, *w.lists, *bounds, *ends]
+            relax = passes(name + "relax", swift.relax, swift.WARP * sums, inputs)
         return [
-            passes("accelerate", kernels.accelerate, count, [w.y, w.lightness, w.lean, *w.lists, w.a]),
+            accelerate,
             *reaction,
-            passes(name + "relax", kernels.relax, count, [*inputs, p, w.y, w.last_y, w.last_r, w.sums]),
-            passes.fold("gather", kernels.gather, count, [w.sums, w.partial]),
-            passes.close("judge", kernels.judge, count, [w.partial, w.settings, 0, w.going]),
+            relax,
+            passes.fold("gather", kernels.gather, sums, [w.sums, w.partial]),
+            passes.close("judge", kernels.judge, sums, [w.partial, w.settings, 0, w.going]),
         ]

@@ -106,7 +106,7 @@ class Work:
 
         wp, device = warp(), passes.device
 
-        def zeros(count: int, kind: Any) -> Any:
+        def zeros(count: int | tuple[int, int], kind: Any) -> Any:
             return wp.zeros(count, dtype=kind, device=device)
 
         self.device, self.capacity = device, capacity
@@ -122,15 +122,19 @@ class Work:
         )
         self.moving, self.none, self.viscosity = (zeros(capacity, wp.float32) for _ in range(3))
         self.lean, self.lift, self.borne, self.a, self.way = (zeros(capacity, wp.vec3) for _ in range(5))
+        self.swift = zeros(capacity, wp.vec4) if self._packed and device != "cpu" else None
+        """Accelerations as `solve_gpu_kernels.py` keeps them, which goes over packed lists on a GPU; else None."""
         parts = passes.parts(capacity)
         self.sums, self.partial = zeros(capacity, Sums), zeros(parts, Totals)
         self.going = zeros(1, wp.int32)
         self.last_y, self.last_r = zeros(capacity, wp.float32), zeros(capacity, wp.float32)
         self.tallies, self.tally = zeros(parts, Tally), zeros(1, Tally)
-        self.longest, self.most = zeros(parts, wp.int32), zeros(1, wp.int32)
+        self.longest, self.most = zeros(parts, wp.int32), zeros(2, wp.int32)
         self._numbers = np.zeros(max(Slot) + 1, dtype=np.float32)
         self.settings = zeros(len(self._numbers), wp.float32)
         """Numbers that kernels read and write, by `Slot`."""
+        self.ended = zeros((2, len(self._numbers)), wp.float32)
+        """The same at the end of the velocity and of the density solve."""
 
     def put(self, **numbers: float) -> None:
         """Note numbers by the names of `Slot`, for `send`."""

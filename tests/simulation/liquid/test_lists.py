@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from worldagent.geometry.launch import warp
 from worldagent.simulation.boundaries import BodyState
 from worldagent.simulation.liquid.dfsph import Dfsph, store
 from worldagent.simulation.liquid.engine import Fluid, LiquidSetup
@@ -19,7 +20,7 @@ NONE = BodyState(
 )
 
 
-def _splash(velocity: float) -> Dfsph:
+def _splash(velocity: float, device: str = "cpu") -> Dfsph:
     """Two blocks that meet in free space."""
     one = (np.indices((6, 5, 5)).reshape(3, -1).T + 0.5) * SPACING
     position = np.concatenate([one, one + np.array([7.0, 0.3, 0.0]) * SPACING])
@@ -38,6 +39,7 @@ def _splash(velocity: float) -> Dfsph:
             velocity=speed,
             fluid=np.zeros(n, dtype=np.int32),
             volume=np.full(n, SPACING**3),
+            device=device,
         )
     )
 
@@ -64,6 +66,20 @@ def test_packed_lists_keep_momentum(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(store, "packs", lambda device, capacity: True)
     after = _run(_splash(2.0), 0.1)
     assert np.abs(after[:, 3:].sum(axis=0)).max() < 1e-5 * len(after)
+
+
+@pytest.mark.skipif(not warp().is_cuda_available(), reason="there is no GPU here")
+@pytest.mark.parametrize("swift", [True, False])
+def test_a_gpu_gives_the_motion_of_a_cpu(swift: bool) -> None:
+    """By its own passes of the solves, and by those that a CPU runs."""
+    wide = _run(_splash(2.0), 0.1)
+    engine = _splash(2.0, "cuda:0")
+    assert engine.work.swift is not None
+    if not swift:
+        engine.work.swift = None
+    found = _run(engine, 0.1)
+    assert np.abs(found[:, :3] - wide[:, :3]).max() < 0.005 * SPACING
+    assert np.abs(found[:, 3:] - wide[:, 3:]).max() < 0.01
 
 
 def test_lists_of_many_particles_are_wide() -> None:

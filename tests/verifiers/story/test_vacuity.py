@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import IDENTITY, Touch, ball, box, ground, make_candidate, world
+from worldagent.verifiers.register.initial import initial_lines
 from worldagent.verifiers.story.beats import check
 from worldagent.verifiers.story.vacuity import check_vacuity
 from worldagent.worlds.candidate import Candidate
@@ -178,6 +179,29 @@ def test_what_is_so_from_the_start_may_be_asked_as_a_state_that_needs_no_cause(t
         (tmp_path / "mended").mkdir()
         lasting = moved(tmp_path / "mended", {**beats, "b": mended.story.beats["b"]})
         assert [r for r in check_vacuity(lasting, "b") if r.status != "pass"] == []
+
+
+@pytest.mark.parametrize(("moves", "status"), [((6, LAST), "fail"), ((2, 3), "pass")])
+def test_a_state_that_the_story_starts_with_is_no_cause(tmp_path: Path, moves: tuple[int, int], status: str) -> None:
+    """The ball lies still up to frame 5, and goes; or it moved before, so that its rest from frame 4 on came about."""
+    still = beat(Displacement(entity="ball", max=0.1, when="always"), (4, 5))
+    goes = beat(Displacement(entity="ball", min=0.5), (6, 20), causes=["b"])
+    found = row(moved(tmp_path, {"b": still, "goes": goes}, x=between(moves)))
+    assert found.status == status
+    alone = row(moved(tmp_path / "alone", {"b": still}, x=between(moves)))
+    assert (alone.status, alone.evidence.get("initial")) == ("pass", True if status == "fail" else None)
+    if status == "fail":
+        assert "goes names it as a cause" in found.evidence["explanation"]
+        assert (found.first_failing_entity, found.first_failing_frame) == ("ball", 0)
+
+
+def test_the_register_tells_of_states_that_the_story_starts_with(tmp_path: Path) -> None:
+    beats = {
+        "b": beat(Displacement(entity="ball", max=0.1, when="always"), (4, 5)),
+        "later": beat(Displacement(entity="ball", min=0.5, when="always"), (10, 12)),
+    }
+    lines = initial_lines(moved(tmp_path, beats, x=between((6, LAST))))
+    assert [line["what"] for line in lines] == ["beat 'b' is so from frame 0 on: it happens"]
 
 
 def test_a_state_that_was_there_before_and_lasts_is_refused(tmp_path: Path) -> None:

@@ -62,11 +62,62 @@ def test_walls_shelves_and_beams_that_touch_from_the_side_are_one_piece(tmp_path
         "beam": box(1.8, 0.1, 0.1, at=(0, 3, 1.7)),
         "lamp": box(0.1, 0.1, 0.2, at=(0.7, 3, 1.55)),
     }
-    rows = rows_of(tmp_path, things)
+    footing = {"footing": Fastened(a="floor", b="wall", max_depth=0.001, reason="the wall is built on a footing")}
+    rows = rows_of(tmp_path, things, relations=footing)
     assert {r.status for r in rows.values()} == {"pass"}
-    assert not any(
-        n in rows for n in ("support:balance:wall", "support:balance:shelf", "support:balance:beam", "support:balance:lamp")
+    pieces = {n.rsplit(":", 1)[1] for n in rows if n.startswith("support:balance:")}
+    assert len(pieces) == 1, "posts, beam and lamp stand as one"
+    assert {n for n in rows if n.startswith("support:hung:")} == {"support:hung:shelf", "support:hung:beam"}
+    rows = rows_of(tmp_path / "loose", things)
+    assert [r.id for r in rows.values() if r.status == "fail"] == ["support:scene", "support:balance:shelf"]
+
+
+def beside_a_pole(air: float, **more: Any) -> dict[str, Any]:
+    """A slab of 30 kg whose edge meets a pole of 2 cm, which is set into the floor."""
+    slab = box(1, 1, 0.05, at=(0.51 + air, 0, 1.5), **more)
+    return {"floor": ground(), "pole": box(0.02, 0.02, 3, at=(0, 0, 1.5)), "slab": slab}
+
+
+SET = {"set": Fastened(a="floor", b="pole", max_depth=0.001, reason="the pole is set into the floor")}
+
+
+@pytest.mark.parametrize("air", [0.0, 1e-4, 1.5e-4])
+def test_a_slab_that_meets_a_thin_pole_from_the_side_is_held_by_nothing(tmp_path: Path, air: float) -> None:
+    rows = rows_of(tmp_path / "loose", beside_a_pole(air))
+    assert rows["support:balance:pole"].status == "fail", "pole and slab tip together"
+    rows = rows_of(tmp_path / "set", beside_a_pole(air), relations=SET)
+    row = rows["support:hung:slab"]
+    assert (row.status, rows["support:scene"].status, row.bound) == ("fail", "fail", 1.0)
+    assert row.measured is not None
+    assert 0.0 < row.measured < 0.6
+    assert row.entities[:2] == ("slab", "pole")
+
+
+def test_what_bears_a_slab_beside_a_pole_is_a_bolt_a_post_a_larger_seat_or_a_word(tmp_path: Path) -> None:
+    bolts = {**SET, "bolts": Fastened(a="pole", b="slab", max_depth=0.001, reason="the slab is welded to the pole")}
+    under = {"under": box(0.1, 0.1, 1.475, at=(0.9, 0, 0.7375))}
+    wall = {"pole": box(0.2, 1, 3, at=(-0.09, 0, 1.5))}
+    honest: tuple[tuple[dict[str, Any], dict[str, Any]], ...] = (
+        (beside_a_pole(0.0), bolts),
+        (beside_a_pole(0.0) | wall, SET),
+        (beside_a_pole(0.0, afloat="a slab that a spell keeps level"), SET),
+        (beside_a_pole(0.0) | {"brace": box(0.02, 0.02, 3, at=(1.02, 0, 1.5))}, SET),
     )
+    for k, (things, relations) in enumerate(honest):
+        assert rows_of(tmp_path / str(k), things, relations=relations)["support:scene"].status == "pass", k
+    rows = rows_of(tmp_path / "under", beside_a_pole(0.0) | under, relations=SET)
+    assert "support:hung:slab" not in rows, "it stands on the post"
+
+
+def test_a_load_on_a_bracket_is_borne_by_what_holds_the_bracket(tmp_path: Path) -> None:
+    things = {"floor": ground(), "wall": box(0.2, 4, 3, at=(-0.1, 0, 1.5)), "bracket": box(0.1, 0.02, 0.02, at=(0.05, 0, 1.0))}
+    assert rows_of(tmp_path / "a", things)["support:hung:bracket"].status == "pass"
+    loaded = things | {"load": box(0.09, 0.4, 0.4, at=(0.05, 0, 1.21))}
+    row = rows_of(tmp_path / "b", loaded)["support:hung:bracket"]
+    assert row.measured is not None
+    assert row.measured < rows_of(tmp_path / "c", things)["support:hung:bracket"].measured
+    heavy = loaded | {"more": box(0.09, 2.0, 1.0, at=(0.05, 0, 1.91))}
+    assert rows_of(tmp_path / "d", heavy)["support:hung:bracket"].status == "fail"
 
 
 def test_a_vase_on_the_edge_of_its_shelf_tips_whatever_holds_the_shelf(tmp_path: Path) -> None:

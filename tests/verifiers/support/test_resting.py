@@ -181,6 +181,46 @@ def test_collision_skins_clamp_nothing_beside_drawn_air(tmp_path: Path, gap: flo
     assert [text in row.evidence["explanation"] for row in (static, run)] == [status == "fail"] * 2
 
 
+@pytest.mark.parametrize(
+    ("gap", "beside", "status"),
+    [(4e-5, 0.0, "pass"), (2e-4, 0.0, "fail"), (9.9e-4, 0.0, "fail"), (9.9e-4, 5e-4, "fail"), (9.9e-4, 1.0, "fail")],
+)
+def test_what_stands_beside_a_clamped_body_presses_nothing(tmp_path: Path, gap: float, beside: float, status: str) -> None:
+    """A column that stands on the floor touches the book from the side, or is drawn `beside` it [m]."""
+    things = {
+        "floor": ground(),
+        "left": box(0.2, 2, 2, at=(-0.1 - gap, 0, 1)),
+        "b0": box(0.05, 0.2, 0.3, motion="dynamic", at=(0.025, 0, 1)),
+        "right": box(0.2, 2, 2, at=(0.15 + gap, 0, 1)),
+        "column": box(0.04, 0.2, 1.5, motion="dynamic", at=(0.025, 0.2 + beside, 0.75)),
+    }
+    for name, tracks in (("static", None), ("run", {})):
+        rows = rows_of(tmp_path / name, things, tracks)
+        assert (rows["support:derived:b0"].status, rows["support:derived:column"].status) == (status, "pass")
+
+
+def test_what_leans_on_a_body_presses_it(tmp_path: Path) -> None:
+    """A plank that leans on the book and would fall without it presses it against the wall, two skins away."""
+    angle = 0.3
+    length, thick = 1.2, 0.02
+    foot = np.array([0.051 + 1.0 * np.tan(angle), 0.0, 0.0])
+    along = np.array([-np.sin(angle), 0, np.cos(angle)])
+    across = np.array([np.cos(angle), 0, np.sin(angle)])
+    at = foot + along * length / 2 + across * thick / 2 + [0, 0, 1e-4]
+    things = {
+        "floor": ground(),
+        "wall": box(0.2, 2, 4, at=(-0.101, 0, 2)),
+        "b0": box(0.05, 0.2, 0.3, motion="dynamic", at=(0.025, 0, 1)),
+        "plank": box(thick, 0.2, length, motion="dynamic", at=tuple(at), euler=(0, -angle, 0)),
+    }
+    surfaces = surfaces_of(make_candidate(tmp_path, world(things, frames=4)))
+    graph = SupportGraph(surfaces, until=1)
+    assert graph.squeezed("b0", 0) == []
+    without = {n: e for n, e in things.items() if n != "plank"}
+    alone = SupportGraph(surfaces_of(make_candidate(tmp_path / "alone", world(without, frames=4))), until=1)
+    assert [s.wall for s in alone.squeezed("b0", 0)] == ["wall"]
+
+
 @pytest.mark.parametrize(("motion", "status"), [("dynamic", "pass"), ("static", "fail")])
 def test_a_jaw_on_a_hinge_presses_and_a_wall_does_not(tmp_path: Path, motion: str, status: str) -> None:
     """Both are drawn two skins from the book, as bodies that touch are."""

@@ -15,7 +15,8 @@ DOWN = 30.0
 NEARER = 0.9
 """[1] Own choice: ratio of the distances, or fields of view, at the end and the start of a push in."""
 NEAR = 1.0
-"""[1] Own choice: what is beside something is no farther from it than the larger of both is long."""
+"""[1] Own choice: what is beside something is no farther from it than the geometric mean of their lengths: a chair a metre from a table, a person
+four metres from a house, a marble two hand's breadths from a bookcase."""
 BENEATH = 0.5
 """[1] Own choice: share of the smaller outline, as seen along gravity, that lies within the other's where one is under the other: the larger part of it."""
 PLATE = 0.25

@@ -3,7 +3,7 @@
 - *on*: it touches the place, its centre is above the lowest point of that, and the place bears it from below, or nothing else does.
 - *in*: its centre lies in the convex hull of the place.
 - *under*, *above*: one of them is under the other as seen along gravity (`outlines.py`).
-- *beside*: they overlap in height, stand no farther apart than the larger is long, and neither is in, or under the other.
+- *beside*: they overlap in height, stand no farther apart than the geometric mean of their lengths, and neither is in, or under the other.
 - *between*: its centre projects between those of two places, nearer to their line than half their distance.
 - *edge*: it is within its own size of a side of the place's box, as seen from above.
 - *against*, *behind*, *in front of*: see `facing.py`.
@@ -12,6 +12,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -48,7 +49,7 @@ def _beside(place: Place, thing: str) -> bool:
     for ground in place.grounds:
         box = place.box(ground)
         level = own[0, 2] <= box[1, 2] and box[0, 2] <= own[1, 2]
-        reach = NEAR * max(float(np.ptp(own, axis=0).max()), float(np.ptp(box, axis=0).max()))
+        reach = NEAR * math.sqrt(float(np.ptp(own, axis=0).max()) * float(np.ptp(box, axis=0).max()))
         if (
             level
             and apart(own, box) <= reach

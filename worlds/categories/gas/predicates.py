@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from ...predicate_base import BAND, Band, PredicateInfo, Subject, When
 from ...vocabulary import EntityRef, Finite, Positive, RegionRef, SpecModel, Vec3
 from ..event import MatterEvent
+from .noise import GAS_NOISE
 
 __all__ = [
     "PREDICATES",
@@ -113,9 +114,9 @@ class GasClears(SpecModel):
 
 _GAS = ("gas_soot", "gas_room", "gas_corner")
 PREDICATES = (
-    PredicateInfo("gas_density_in", "kg/m^3", _GAS, BAND),
-    PredicateInfo("gas_temperature_in", "K", (*_GAS, "gas_temperature"), BAND),
-    PredicateInfo("plume_height", "m", _GAS, BAND),
+    PredicateInfo("gas_density_in", "kg/m^3", _GAS, BAND, noise=GAS_NOISE),
+    PredicateInfo("gas_temperature_in", "K", (*_GAS, "gas_temperature"), BAND, noise=GAS_NOISE),
+    PredicateInfo("plume_height", "m", _GAS, BAND, noise=GAS_NOISE),
     PredicateInfo(
         "gas_arrives",
         "kg/m^3",
@@ -123,10 +124,11 @@ PREDICATES = (
         {"min_density": "up", "within": "down"},
         frames="narrower",
         event=True,
+        noise=GAS_NOISE,
         gloss="At least `min_density` of its soot (0.01 of that of its source) comes into a cell of the region, or to the target's surface.",
         source="cells of its box; the share is an own choice between a haze and what rounding spreads",
     ),
-    PredicateInfo("light_through", "1", _GAS, BAND),
+    PredicateInfo("light_through", "1", _GAS, BAND, noise=GAS_NOISE),
     PredicateInfo(
         "gas_clears",
         "1",
@@ -138,7 +140,7 @@ PREDICATES = (
         gloss="Of the most of its soot that was there at a frame before, no more than `max_share` is left, and an eye saw the most: an optical depth of 0.05.",
         source="own choice: what was never seen does not clear; Koschmieder's contrast of 0.02 to 0.05",
     ),
-    PredicateInfo("heat_release", "W", (*_GAS, "gas_released"), BAND),
+    PredicateInfo("heat_release", "W", (*_GAS, "gas_released"), BAND, noise=GAS_NOISE),
     PredicateInfo(
         "burns",
         "W",

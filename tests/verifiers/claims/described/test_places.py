@@ -305,3 +305,18 @@ def test_an_asset_has_a_front_of_its_own(tmp_path: Path) -> None:
     aside = box(*CRATE, at=(1.5, 0, 0.1))
     assert standing(tmp_path / "aside", "behind", aside, place).status == "fail"
     assert standing(tmp_path / "without", "in front of", box(*CRATE, at=(0, 1.0, 0.1)), BOOKCASE).status == "fail"
+
+
+@pytest.mark.parametrize(
+    ("thing", "ok"),
+    [
+        (small(0, -0.3, 0.01), True),
+        (small(0, -1.0, 0.01), False),
+        (box(0.5, 0.5, 0.9, at=(0, -1.2, 0.45)), True),
+        (box(0.5, 0.5, 0.9, at=(0, -1.9, 0.45)), False),
+    ],
+    ids=["marble near", "marble a metre away", "chair near", "chair far"],
+)
+def test_beside_reaches_as_far_as_both_are_long_together(tmp_path: Path, thing: Entity, ok: bool) -> None:
+    """A bookcase 1.8 m high and 0.3 m deep: 0.19 m for a marble, 1.3 m for a chair."""
+    assert (standing(tmp_path, "beside", thing, BOOKCASE).status == "pass") is ok

@@ -29,7 +29,7 @@ HEDGED: Mapping[str, tuple[str, ...]] = {
     "zh": _listed("几乎, 差一点, 快要"),
     "ja": _listed("もう少しで, あやうく, 危うく"),
 }
-"""What stands behind these has not happened."""
+"""Behind these stands an event that has not happened."""
 DOUBTED: Mapping[str, tuple[str, ...]] = {
     "en": _listed(
         "might, could, may, should, is about to, about to, tries to, attempts to, threatens to, pretends to, seems to, is supposed to, is meant to, hardly, barely, scarcely"
@@ -42,7 +42,7 @@ DOUBTED: Mapping[str, tuple[str, ...]] = {
     "nl": _listed("nauwelijks, zou kunnen, dreigt te, lijkt te"),
     "ru": _listed("едва, мог бы, пытается"),
 }
-"""What stands behind these may have happened, or be meant to: the verdict warns."""
+"""Behind these stands an event that may have happened, or be meant to: the verdict warns."""
 BETWEEN_EVENT: Mapping[str, frozenset[str]] = {
     "en": frozenset(
         (

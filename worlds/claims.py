@@ -6,13 +6,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from .amounts import miscounted
 from .claim_targets import Span, named_in, targets_of
+from .contradicted_words import contradicted_words
 from .deciding import deciding_warnings
 from .decoys import decoy_warnings
 from .denials import denied_verb, misdenied
 from .described import DESCRIBING, judged_words
 from .documents import kept_of_latest
 from .errors import InputError
+from .hedged import hedged_events
 from .nouns import noun_of
 from .orders import orders_said
 from .place_things import place_warnings
@@ -26,6 +29,7 @@ from .prompts.odd import odd_characters
 from .prompts.units import boundaries, letters, units_of, word_count
 from .repeats import is_repeat
 from .roles import misplaced_roles
+from .row_words import misnamed_rows
 from .spec import CLAIM_TYPES, Beat, WorldSpec
 from .stillness import stillness_of, stillness_warnings
 from .subjects import misplaced_subjects
@@ -143,6 +147,8 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from stillness_warnings(spec, language)
     yield from decoy_warnings(spec)
     yield from look_warnings(spec)
+    for readers in (misnamed_rows, hedged_events, miscounted, contradicted_words):
+        yield from (m.text for m in readers(spec, spans, language) if not m.sure)
     yield from deciding_warnings(spec, spans, language)
     yield from place_warnings(spec, spans, language)
     readings = [

@@ -25,6 +25,7 @@ _PASSING = ["floor", "ball", "cube", "wall"]
 _FOURTH = block("wooden block 4", "wood", (0.03, 0.05, 0.05), (-0.35, 0.1, 0.326))
 _NEVER = "/story/requirements/"
 _WOODEN = {"/entities/plate/material": "wood", "/materials/wood": {"density": 600, "substance": "wood"}}
+_GOLD = PUSH.marked.replace("[steel](property plate)", "[gold](property plate)")
 _STEEL_BADGE = {"/entities/plate/parts/badge": {"shape": {"kind": "box", "size": [0.001, 0.01, 0.01]}, "material": "steel"}}
 
 
@@ -95,6 +96,10 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
              marked="A [glass](property ball) [ball](thing ball) [falls](event fall) onto a [stone](property floor) [floor](thing floor) and [bounces](event bounce)."),
         Case("bronce", PUSH_ES, says="reading: bronce", marked="Una [placa](thing plate) de [bronce](property plate) [empuja](event push) una [caja](thing crate) por el [suelo](thing floor)."),
         Case("of substance other", PUSH, AUDIT, "asks for steel", changes={"/entities/plate/material": "stuff", "/materials/stuff": {"density": 100, "substance": "other"}}),
+        Case("gold that weighs as wood", PUSH, AUDIT, "asks for gold", marked=_GOLD, changes={"/entities/plate/material": "stuff", "/materials/stuff": {"density": 500, "substance": "other"}}),
+        Case("lead by name alone", PUSH, "audit:masses", "is called lead", changes={"/entities/plate/material": "lead", "/materials/lead": {"density": 500, "substance": "other"}}),
+        Case("gold of wood", PUSH, says="'gold' is the name of a material", marked=_GOLD, changes=_WOODEN),
+        Case("cork of stone", PUSH, AUDIT, "asks for cork", marked=PUSH.marked.replace("[steel](property plate)", "[cork](property plate)"), changes={"/entities/plate/material": "stone"}),
         Case("one part of steel", PUSH, AUDIT, "steel",
              changes=_WOODEN | _STEEL_BADGE),
         Case("a part of steel, named alone", PUSH, AUDIT, "asks for steel", marked=PUSH.marked.replace("(property plate)", "(property /entities/plate/parts/badge)"), changes=_WOODEN | _STEEL_BADGE),
@@ -124,6 +129,11 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("a bound on another body", PUSH, "audit:claims|claim:quantity:*", "20 cm", marked=PUSH.marked.replace("/story/beats/push/predicate/min", "/story/requirements/way/predicate/min"),
              changes={"/story/requirements/way": {"text": "the plate goes on", "predicate": {"kind": "displacement", "entity": "plate", "min": 0.2}}, "/story/beats/push/predicate/min": 0.06}),
         Case("angle of view for degrees", DOMINOES, "audit:claims|claim:quantity:*", "40 degrees", marked=DOMINOES.marked.replace("[tips over](event tip)", "[tips over](event tip) by [40 degrees](quantity /shots/only/keys/a/fov_deg)")),
+        Case("within a tenth, by the time before it begins", BLOCKS, AUDIT, "name what says it of the world", marked=BLOCKS.marked.replace("[hits](event hit)", "[within 0.1 s](quantity /simulation/preroll) [hits](event hit)"), changes={"/simulation/preroll": 0.1}),
+        Case("the weight of another", PUSH, AUDIT, "is of another", marked=PUSH.marked.replace("[plate](thing plate)", "[plate](thing plate) of [3 kg](quantity /entities/crate/physics/mass)"), changes={"/entities/crate/physics": {"category": "rigid", "mass": 3}}),
+        Case("a distance by its own size", BLOCKS, AUDIT, "says how far", marked=BLOCKS.marked.replace("[block](thing wooden_block)", "[block](thing wooden_block) [10 cm](quantity /entities/wooden_block/dimensions/size/0) off")),
+        Case("a whole minute of two seconds", PUSH, AUDIT, "says 60", marked=PUSH.marked.replace("A [steel]", "For [a whole minute](quantity /simulation/frames) a [steel]")),
+        Case("half a minute in filler", BOUNCE, AUDIT, "'half a minute'", marked=BOUNCE.marked.replace("A [rubber]", "For half a minute a [rubber]")),
         Case("a name, not a number", PUSH, AUDIT, "is none", marked=PUSH.marked.replace("/story/beats/push/predicate/min", "/story/beats/push/predicate/kind")),
     ),
     "order": (

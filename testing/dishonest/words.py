@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .cases import Case
-from .twins import BLOCKS, BLOCKS_DE, BOUNCE, LIFT, PASSING, PASSING_FR, PUSH, PUSH_ES, SHELF, SHELF_DE, TURN, TURN_ZH
+from .twins import BLOCKS, BLOCKS_DE, BOUNCE, DOMINOES, LIFT, PASSING, PASSING_FR, PUSH, PUSH_ES, SHELF, SHELF_DE, TURN, TURN_ZH
 
 __all__ = ["MECHANISMS"]
 
@@ -73,6 +73,29 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
              marked="A [plate](thing plate) [pushes 3 m](event push) a [crate](thing crate) across the [floor](thing floor)."),
         Case("a dozen", LIFT, AUDIT, "dozen",
              marked="A [platform](thing platform) [lifts](event lift) a [beam](thing beam) off a dozen [posts](thing left_post right_post)."),
+    ),
+    "amount in filler": (
+        Case("a pair that is one", PUSH, AUDIT, "says 2", marked=PUSH.marked.replace("a [wooden](property crate) [crate]", "a pair of [wooden](property crate) [crate]")),
+        Case("a trio of one", PUSH, AUDIT, "says 3", marked=PUSH.marked.replace("A [steel]", "A trio of [steel]")),
+        Case("a score of posts", LIFT, AUDIT, "says 20", marked=LIFT.marked.replace("[two](count left_post right_post) [posts]", "a score of [posts]")),
+        Case("several", BLOCKS, AUDIT, "says at least 3", marked=BLOCKS.marked.replace("A [steel]", "Several [steel]")),
+        Case("dozens, within a thing", SHELF, AUDIT, "says at least 24", marked=SHELF.marked.replace("[three](count b1 b2 b3) [wooden](property b1) [blocks]", "[dozens of blocks]").replace("same_as=blocks", "same_as=dozens_of_blocks")),
+        Case("mehrere", BLOCKS_DE, AUDIT, "says at least 2", marked=BLOCKS_DE.marked.replace("einen [Holzklotz]", "mehrere [Holzklotz]")),
+        Case("varias", PUSH_ES, AUDIT, "says at least 2", marked=PUSH_ES.marked.replace("una [caja]", "varias [caja]")),
+        Case("both of one", BOUNCE, AUDIT, "says 2", marked=BOUNCE.marked.replace("A [rubber](property ball) [ball]", "Both [rubber](property ball) [ball]")),
+        Case("a triple block", BLOCKS, says="'triple' says more than one", marked=BLOCKS.marked.replace("A [steel]", "A triple [steel]")),
+    ),
+    "event that does not happen": (
+        Case("almost", BOUNCE, AUDIT, "does not happen", marked=BOUNCE.marked.replace("[bounces]", "almost [bounces]")),
+        Case("all but, in its own words", PUSH, AUDIT, "does not happen", marked=PUSH.marked.replace("[pushes]", "[all but pushes]")),
+        Case("would", BLOCKS, AUDIT, "does not happen", marked=BLOCKS.marked.replace("[hits]", "would [hit]")),
+        Case("kept from", BLOCKS, AUDIT, "negation word", marked=BLOCKS.marked.replace("[hits](event hit)", "is kept from [hitting](event hit)")),
+        Case("prevented from", PASSING, AUDIT, "negation word", marked=PASSING.marked.replace("and [hits](event strike)", "and is prevented from [hitting](event strike)")),
+        Case("stops short of", PASSING, AUDIT, "negation word", marked=PASSING.marked.replace("and [hits](event strike)", "and stops short of [hitting](event strike)")),
+        Case("too slow to", PASSING, AUDIT, "does not happen", marked=PASSING.marked.replace("and [hits](event strike)", "and is too slow to [hit](event strike)")),
+        Case("seldom", DOMINOES, AUDIT, "negation word", marked=DOMINOES.marked.replace("[tips over](event follow)", "seldom [tips over](event follow)")),
+        Case("beinahe", SHELF_DE, AUDIT, "does not happen", marked=SHELF_DE.marked.replace("[fällt herunter]", "beinahe [fällt herunter]").replace("Der letzte [Klotz](thing b3 same_as=Klötze) beinahe", "Der letzte [Klotz](thing b3 same_as=Klötze), der beinahe")),
+        Case("might", BOUNCE, says="leaves open whether it happens", marked=BOUNCE.marked.replace("[bounces]", "might [bounce]")),
     ),
     "order in filler": (
         Case("after", TURN, AUDIT, "order word",

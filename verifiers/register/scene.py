@@ -114,6 +114,12 @@ def _materials(spec: WorldSpec) -> Iterator[tuple[str, str]]:
                 f"material {name!r} is {material.of} with a {field} of {value:g}, where the table has {low:g} to {high:g}: {material.departs}",
                 "what makes it another is not simulated",
             )
+        if material.of is None and material.departs is not None:
+            yield (
+                f"material {name!r} of {material.density:g} kg/m^3, friction {material.friction:g} and restitution {material.restitution:g} is said to depart "
+                f"from what it is called: {material.departs}",
+                "what makes it another is not simulated",
+            )
 
 
 def _guides(spec: WorldSpec) -> Iterator[tuple[str, str]]:

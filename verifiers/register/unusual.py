@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...worlds.materials import material_table
 from ...worlds.predicates import Contact, atoms_of
+from .frictions import surface_lines
 from .scene import gravity_lines, pusher_lines
 
 if TYPE_CHECKING:
@@ -21,10 +22,12 @@ LIVELY = 0.95
 
 
 def unusual(candidate: Candidate) -> list[str]:
-    """Sentences about gravity, restitution, contacts of any strength and bodies on paths that push others."""
+    """Sentences about gravity, restitution, friction, contacts of any strength and bodies on paths that push others."""
     spec = candidate.spec
     found = [f"{what}: {effect}" for what, effect in gravity_lines(spec)]
-    found += [*_lively(candidate), *_faint(spec)]
+    lively = list(_lively(candidate))
+    told = {line.split("'")[1] for line in lively}
+    found += [*lively, *(s for s in surface_lines(spec) if "restitution" not in s or s.split("'")[1] not in told), *_faint(spec)]
     return [*found, *(f"{what}: {effect}" for what, effect in pusher_lines(candidate))]
 
 

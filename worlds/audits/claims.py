@@ -10,10 +10,13 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from ..amounts import miscounted
 from ..claims import Reading, named_in, reading_of
+from ..contradicted_words import contradicted_words
 from ..denials import misdenied
 from ..documents import document_of
 from ..errors import InputError
+from ..hedged import hedged_events
 from ..postures import posture_problems
 from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
@@ -24,6 +27,7 @@ from ..prompts.marks import occurrence
 from ..prompts.numbers import number_in, ordinal_in
 from ..references import kinds_of, resolves
 from ..roles import SENTENCE, misplaced_roles
+from ..row_words import misnamed_rows
 from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
 from ..subjects import misplaced_subjects
 from .acted_on import acted_on_problems
@@ -84,6 +88,9 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         *misplaced_subjects(spec, reading.spans, reading.language),
     ]
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
+    for readers in (misnamed_rows, hedged_events, miscounted, contradicted_words):
+        words = readers(spec, reading.spans, reading.language)
+        found += [Problem(f"/claims/{m.claim}/by", m.text) for m in words if m.sure]
     denied = misdenied(spec, reading.spans, reading.language)
     found += [Problem(f"/claims/{claim}/by", text) for claim, text, sure in denied if sure]
     return [*found, *contradiction_problems(spec), *unclaimed_problems(spec), *_whole(spec, reading)]

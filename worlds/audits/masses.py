@@ -10,6 +10,7 @@ from ..categories.category import declares
 from ..categories.registry import CATEGORIES
 from ..materials import DENSITY_RANGES, ROUNDING, material_table
 from ..problems import Problem
+from ..row_words import beyond_row
 
 if TYPE_CHECKING:
     from ..spec import WorldSpec
@@ -40,6 +41,9 @@ def _called_otherwise(spec: WorldSpec) -> Iterator[Problem]:
             low, _, high = row.figures["density"].range
             low, high = (1.0 - ROUNDING) * low, (1.0 + ROUNDING) * high
             ways = f"say in `departs` what makes it another (it is printed), {ways}"
+            for field, value, least, most in beyond_row(material, row, math.inf):
+                text = f"material {name!r} is called {word} and has a {field} of {value:g}, {word} {least:g} to {most:g}: use a value near that, or {ways}"
+                yield Problem(f"/materials/{name}/{field}", text)
         if word != "other" and not low <= material.density <= high:
             yield Problem(
                 f"/materials/{name}/density",

@@ -30,8 +30,8 @@ def surface_problems(spec: WorldSpec) -> Iterator[Problem]:
             yield Problem(
                 place,
                 f"contact {key!r} gives {pair.a!r} and {pair.b!r} a {field} of {value:g}, and their materials give {_span(low, high)}; allowed without a "
-                f"reason: {least:.3g} to {most:.3g}. Use a value there, change the materials, or say in `reason` what lies between the two "
-                f"(an oil film, ice, glue): it is printed in the verdict",
+                f"reason: {least:.3g} to {most:.3g}. Use a value there, or say in `reason` what lies between the two "
+                f"(an oil film, ice, glue): it is printed in the verdict; materials are held to what they are made of",
                 replaced(place, min(max(value, least), most)),
             )
 

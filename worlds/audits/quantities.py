@@ -25,6 +25,7 @@ from ..quantities import quantity_said
 from ..references import references
 from ..spec import Claim, SpecModel, WorldSpec
 from .leaves import dimension_at, leaf_at
+from .quantity_targets import INSTEAD, is_setting, target_problems
 
 __all__ = ["in_unit", "quantity_problems", "side_of"]
 
@@ -68,7 +69,9 @@ def quantity_problems(spec: WorldSpec, document: Any, name: str, claim: Claim) -
         if stranger is not None:
             yield Problem(place, f"{claim.quote!r} is judged by {pointer}, {stranger}")
             continue
-        if wanted is None:
+        misplaced = list(target_problems(spec, name, pointer))
+        yield from misplaced
+        if wanted is None or misplaced:
             continue
         other = _other_dimension(document, pointer, wanted)
         if other is not None:
@@ -202,6 +205,8 @@ def _of_nothing_claimed(spec: WorldSpec, pointer: str) -> str | None:
     """Why a number is of nothing that the words of the prompt speak of; None where it is."""
     keys = pointer.strip("/").split("/")
     root = keys[0]
+    if is_setting(pointer) and not (keys[-1] == "fps" and _watched(spec)):
+        return f"a setting of a solver, of the checks or of the look, or time before the first frame, which says nothing of what is to be seen: {INSTEAD}"
     if root in ("shots", "look"):
         return (
             None
@@ -214,9 +219,7 @@ def _of_nothing_claimed(spec: WorldSpec, pointer: str) -> str | None:
     if root == "terrains":
         named = any(keys[1] in named_in(spec, n, "terrains") for n, c in spec.claims.items() if c.type != "quantity")
         return None if named else f"of a land {keys[1]!r} that no other claim names: claim the words of it as a thing or place"
-    bodies, what = _bodies_of(spec, keys)
-    if what == "setting":
-        return "a setting of a solver or a limit of the checks, which no words are about: name a number of what is to be seen"
+    bodies = _bodies_of(spec, keys)
     if bodies is None:
         return None
     loose = {n for n in bodies if n in spec.entities and spec.entities[n].physics.shape == "loose"}
@@ -225,15 +228,13 @@ def _of_nothing_claimed(spec: WorldSpec, pointer: str) -> str | None:
     return None
 
 
-def _bodies_of(spec: WorldSpec, keys: Sequence[str]) -> tuple[list[str] | None, str]:
+def _bodies_of(spec: WorldSpec, keys: Sequence[str]) -> list[str] | None:
     """Entities that the number at a pointer is of; None where it is of the world as a whole or judged elsewhere."""
     plan = spec.simulation
     if keys[0] == "entities":
-        return [keys[1]], ""
+        return [keys[1]]
     if keys[0] == "materials":
-        return [n for n, e in spec.entities.items() if keys[1] in (e.material, *(p.material for p in e.parts.values()))], ""
-    if keys[0] == "simulation" and keys[1] in ("solvers", "limits", "couplings"):
-        return None, "setting" if "domain" not in keys else ""
+        return [n for n, e in spec.entities.items() if keys[1] in (e.material, *(p.material for p in e.parts.values()))]
     holders: dict[str, Any] = {
         "joints": plan.joints,
         "drivers": plan.drivers,
@@ -242,8 +243,8 @@ def _bodies_of(spec: WorldSpec, keys: Sequence[str]) -> tuple[list[str] | None, 
     }
     item = holders.get(keys[1], {}).get(keys[2]) if len(keys) > 2 else None
     if not isinstance(item, SpecModel):
-        return None, ""
-    return [v for _, target, v in references(item, "") if target in ("entity", "node") and v in spec.entities] or None, ""
+        return None
+    return [v for _, target, v in references(item, "") if target in ("entity", "node") and v in spec.entities] or None
 
 
 def _watched(spec: WorldSpec) -> bool:

@@ -15,6 +15,7 @@ __all__ = [
     "FREE",
     "HAN_HELD",
     "INFINITIVES",
+    "KEPT_FROM",
     "NADA_OF",
     "NEGATIONS",
     "ONLY_WITH",
@@ -33,27 +34,30 @@ NEGATIONS: dict[str, tuple[str, ...]] = {
     "en": _listed("""n't, not, no, never, none, nobody, nothing, nowhere, cannot, without, neither, nor, no one
         dont, doesnt, didnt, isnt, arent, wasnt, werent, shouldnt, mustnt, couldnt, wouldnt, hasnt, havent
         refuse to, refuses to, refused to, refusing to, fail to, fails to, failed to, failing to, decline to, declines to, declined to
-        avoid, avoids, avoided, avoiding, unable to, instead of, rather than"""),
+        avoid, avoids, avoided, avoiding, unable to, instead of, rather than
+        kept from, prevented from, hindered from, stopped from, saved from, restrained from, refrains from, refrain from, refrained from
+        stop short of, stops short of, stopped short of, stopping short of, halts short of, falls short of, comes up short of
+        seldom, rarely, hardly ever, scarcely ever"""),
     "de": _listed("""nicht, kein, keine, keinen, keinem, keiner, keines, keins, nie, niemals, niemand, niemanden, niemandem, nichts
         nirgends, nirgendwo, nirgendwohin, ohne, weder, keinesfalls, keineswegs, ohne dass, nein
-        weigert, weigern, weigerte, weigerten, vermeidet, vermeiden, vermied, vermieden, vermeidend, anstatt zu, statt zu, statt dass, anstatt dass
+        weigert, weigern, weigerte, weigerten, vermeidet, vermeiden, vermied, vermieden, vermeidend, verhindert, verhindern, verhinderte, gehindert, selten einmal, anstatt zu, statt zu, statt dass, anstatt dass
         auf keinen fall"""),
     "fr": _listed(
         """ne, n', pas, jamais, aucun, aucune, rien, sans, ni, nul, nulle, nullement, guère, non, personne, nulle part
         refuse de, refuse d', refusent de, refusent d', refusa de, refusant de, évite, évitent, éviter, évita, évitant, échoue à, échouent à
-        au lieu de, au lieu d'"""
+        empêche, empêchent, empêcha, empêché, empêchée, rarement, au lieu de, au lieu d'"""
     ),
     "es": _listed("""no, nunca, jamás, nada, nadie, ningún, ninguno, ninguna, ni, sin, tampoco, se niega a, se niegan a, se negó a
-        evita, evitan, evitó, evitar, evitando, en vez de, en lugar de"""),
+        evita, evitan, evitó, evitar, evitando, impide, impiden, impidió, impidiendo, rara vez, raramente, en vez de, en lugar de"""),
     "it": _listed("""non, nessun, nessuno, nessuna, nessun', niente, nulla, mai, né, senza, neanche, nemmeno, neppure, no, rifiuta di, rifiutano di, rifiutò di
-        evita, evitano, evitò, evitare, evitando, invece di, anziché"""),
+        evita, evitano, evitò, evitare, evitando, impedisce, impediscono, impedì, impedendo, raramente, di rado, invece di, anziché"""),
     "pt": _listed("""não, nunca, jamais, nada, ninguém, nenhum, nenhuma, nem, sem, tampouco, recusa-se a, recusam-se a, se recusa a, se recusam a
-        evita, evitam, evitou, evitar, evitando, em vez de, em lugar de"""),
+        evita, evitam, evitou, evitar, evitando, impede, impedem, impediu, impedindo, raramente, em vez de, em lugar de"""),
     "nl": _listed("""niet, geen, nooit, niemand, niets, niks, nergens, zonder, noch, nimmer, geenszins, nee, weigert, weigeren, weigerde, weigerden
-        vermijdt, vermijden, vermeed, vermeden, ontwijkt, ontwijken, ontweek, in plaats van"""),
+        vermijdt, vermijden, vermeed, vermeden, ontwijkt, ontwijken, ontweek, verhindert, verhinderen, verhinderde, belet, beletten, voorkomt dat, zelden, in plaats van"""),
     "ru": _listed("""не, ни, нет, нельзя, никогда, никто, никого, никому, никем, ничто, ничего, ничему, ничем, нигде, никуда, никак
         никакой, никакая, никакое, никакие, никаких, никакого, ничуть, без, безо, отнюдь, отказывается, отказываются, отказался, отказалась, отказалось, отказались
-        избегает, избегают, избежал, избежала, избежало, вместо того чтобы"""),
+        избегает, избегают, избежал, избежала, избежало, предотвращает, предотвращают, предотвратил, предотвратила, вместо того чтобы"""),
 }
 """Words that deny."""
 
@@ -130,6 +134,8 @@ UNLESS_BEFORE: dict[str, dict[str, tuple[str, ...]]] = {
         "at first": _listed("light, glance, sight"),
         "not": ("only",),
         "nothing": ("but",),
+        "rarely": _listed("used, seen, visited, trodden, opened"),
+        "seldom": _listed("used, seen, visited, trodden, opened"),
     },
     "de": {"nicht": ("nur",)},
     "fr": {
@@ -158,6 +164,15 @@ ONLY_WITH: dict[str, dict[str, tuple[Literal["before", "earlier", "anywhere"], t
 """A word is held only where one of these comes right after it, or stands in its sentence, or earlier in it."""
 INFINITIVES: dict[str, dict[str, str]] = {
     "en": {
+        "kept from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "prevented from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "hindered from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "stopped from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "saved from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "restrained from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "refrains from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "refrain from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
+        "refrained from": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
         "instead of": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
         "rather than": r"(?!(?:no|any|some|every)thing$|s?p?t?ring$|king$|wing$).+ing$",
     },
@@ -182,13 +197,19 @@ ASIDES: dict[str, str] = {
     "ru": r"если (?:вам |тебе )?не (?:трудно|сложно|затруднит)|если (?:вы|ты) не (?:против|возражаете|возражаешь)",
 }
 """Formulas of politeness: they deny nothing of the world."""
+KEPT_FROM: dict[str, str] = {
+    "en": r"\b(?P<held>keeps?|kept|keeping|prevents?|prevented|preventing|stops?|stopped|stopping|hinders?|hindered|saves?|saved)(?:\s+[\p{L}'’-]+){1,6}?\s+from\s+"
+    r"(?!(?:no|any|some|every)thing\b|s?p?t?ring\b|king\b|wing\b|ceiling\b|building\b|morning\b|evening\b)(?:ever\s+|being\s+)?\p{L}+ing\b",
+    "de": r"\b(?P<held>hindert|hindern|hinderte)\b[^.;:!?]{1,60}?\bdaran\b|\b(?P<held>hält|halten|hielt)\b[^.;:!?]{1,60}?\bdavon ab\b",
+}
+"""Verbs that deny what stands behind their object: `keeps the ball from falling`."""
 NADA_OF = frozenset(("de", "que"))
 """Behind `nada` these make it nothing rather than `swims`."""
 
 HAN_HELD: dict[str, dict[str, tuple[str, str]]] = {
     "zh": {
         "negation": (
-            "没有|没|不|别|未|无|勿|并非|毫无|拒绝|避免|避开",
+            "没有|没|不|别|未|无|勿|并非|毫无|拒绝|避免|避开|阻止|防止|险些|差点",
             "不断|不同|不锈|不久|不停|不过|不仅|不但|不管|不少|不一|不均|不倒翁|差不多|忍不住|不禁|不得不|了不起|不错|不论|不规则|不知|不时|不只|"
             "数不清|不由|不远|不透明|不对称|来不及|特别|别的|别处|别墅|区别|级别|告别|分别|个别|性别|辨别|未来|未免|无数|无人机|无论|无比|无限|无线|无花果|"
             "淹没|沉没|没入|没过|出没|没收|吞没|埋没|覆没|没顶|是不是|能不能|会不会|要不要|好不好|行不行|对不对|有没有|要不|不妨|不如",

@@ -23,6 +23,7 @@ from .held_lists import (
     FREE,
     HAN_HELD,
     INFINITIVES,
+    KEPT_FROM,
     NADA_OF,
     NEGATIONS,
     ONLY_WITH,
@@ -32,6 +33,7 @@ from .held_lists import (
 )
 from .held_numbers import han_numbers, number_spans
 from .numbers import hedge_spans
+from .unit_articles import article_amounts
 from .units import APOSTROPHES, Unit, boundaries, folded, units_of
 from .wordnet import known
 
@@ -230,9 +232,14 @@ def _spaced_held(text: str, language: str) -> list[Held]:
                 break
         else:
             at += 1
+    plain = text.translate(APOSTROPHES)
+    kept = [m.span("held") for m in regex.finditer(KEPT_FROM.get(language, r"(?!)(?P<held>)"), plain, regex.IGNORECASE)]
+    found += [Held(*span, "negation") for span in kept if not any(h.start < span[1] and span[0] < h.end for h in found)]
     taken = {held.start for held in found}
     numbers = number_spans(text, units, words, language)
-    return found + [Held(start, end, kind) for start, end, kind in numbers if not any(start <= at < end for at in taken)]
+    found += [Held(start, end, kind) for start, end, kind in numbers if not any(start <= at < end for at in taken)]
+    amounts = [Held(*span, "number") for span in article_amounts(plain, language)]
+    return found + [a for a in amounts if not any(h.start < a.end and a.start < h.end for h in found)]
 
 
 def _adjacent(text: str, units: tuple[Unit, ...]) -> bool:

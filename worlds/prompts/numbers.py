@@ -19,6 +19,7 @@ from .digits import Found, digit_numbers, prepared
 from .measures import SI_UNITS, Measure, measure_behind
 from .spelled import spelled_numbers
 from .tables import NUMBER_LANGUAGES
+from .unit_articles import without_whole
 from .units import APOSTROPHES, folded
 
 __all__ = ["HEDGES", "How", "Quantity", "hedge_beside", "hedge_spans", "number_in", "ordinal_in", "quantity_in"]
@@ -194,6 +195,7 @@ class _Amount(NamedTuple):
 
 
 def _quantity(plain: str, language: str) -> Quantity | None:
+    plain = without_whole(plain, language)
     amounts = _amounts(plain, _numbers(plain, language), language)
     if not amounts and language == "en":
         ones = [Found(*match.span(), 1.0, 1.0) for match in _A.finditer(plain)]

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import MATERIALS, Touch, ball, box, ground, make_candidate, world
+from worldagent.verifiers.categories.rigid.register import _meeting
+from worldagent.verifiers.register.frictions import surface_lines
 from worldagent.verifiers.register.unusual import unusual
 from worldagent.worlds.materials import material_table
 from worldagent.worlds.predicates import Contact
-from worldagent.worlds.spec import Beat, ContactPair, Material, Requirement, Story
+from worldagent.worlds.spec import Beat, ContactPair, Interacts, Material, Requirement, Story, WorldSpec
 from worldagent.worlds.verdicts import unusual_told
 
 CRATE = {"crate": box(0.1, 0.1, 0.1, at=(0, 0, 0.05), motion="dynamic"), "floor": ground()}
@@ -120,3 +122,62 @@ def test_a_body_on_a_path_that_pushes_another_is_unusual(tmp_path: Path) -> None
         touches=[Touch(4, "hand", "crate", 0.2)],
     )
     assert any("'hand' on its authored path pushes 'crate'" in line for line in found)
+
+
+def surface(spec: WorldSpec, **materials: Any) -> list[str]:
+    return list(surface_lines(spec.model_copy(update={"materials": {**spec.materials, **materials}})))
+
+
+@pytest.mark.parametrize(
+    ("substance", "density", "field", "usual", "odd"),
+    [
+        ("steel", 7850, "friction", 0.3, 0.0),
+        ("wood", 600, "friction", 0.4, 4.0),
+        ("stone", 2600, "friction", 0.6, 0.0),
+        ("wood", 600, "restitution", 0.4, 1.0),
+    ],
+)
+def test_a_surface_unlike_its_substance_is_unusual(substance: str, density: float, field: str, usual: float, odd: float) -> None:
+    spec = world(CRATE)
+    used = spec.entities["crate"].material
+    asked = {"substance": substance, "density": density, "friction": 0.5}
+    assert surface(spec, **{used: Material.model_validate({**asked, field: usual})}) == []
+    (line,) = surface(spec, **{used: Material.model_validate({**asked, field: odd, "departs": "waxed and polished"})})
+    assert f"a {field} of {odd:g}" in line
+    assert "waxed and polished" in line
+
+
+def test_a_ball_that_stays_on_a_steep_slope_is_unusual() -> None:
+    spec = world({"marble": ball(0.06, at=(0, 0, 0.06), motion="dynamic"), "floor": ground()})
+    used = spec.entities["marble"].material
+    one = spec.materials[used]
+    assert surface(spec, **{used: one.model_copy(update={"rolling_friction": 0.003})}) == []
+    (line,) = surface(spec, **{used: one.model_copy(update={"rolling_friction": 0.1})})
+    assert "slopes of up to 59 degrees" in line
+
+
+def test_the_register_names_the_pair_of_materials_that_meets() -> None:
+    spec = world(
+        {
+            "brick": box(0.1, 0.1, 0.1, at=(0, 0, 0.05), motion="dynamic"),
+            "other": box(0.1, 0.1, 0.1, at=(1, 0, 0.05), motion="dynamic"),
+            "floor": ground(),
+        }
+    )
+    rough, smooth, base = (next(iter(spec.materials.values())).model_copy(update={"friction": f}) for f in (4.0, 0.1, 0.3))
+    used = {"rough": rough, "smooth": smooth, "base": base}
+    made = {"brick": "rough", "other": "smooth", "floor": "base"}
+    entities = {
+        n: e.model_copy(
+            update={"material": made[n], "parts": {k: p.model_copy(update={"material": None}) for k, p in e.parts.items()}}
+        )
+        for n, e in spec.entities.items()
+    }
+    stands = {"a": Interacts(kind="interacts", a="brick", b="floor"), "b": Interacts(kind="interacts", a="other", b="floor")}
+    spec = spec.model_copy(
+        update={"entities": entities, "materials": used, "graph": spec.graph.model_copy(update={"relations": stands})}
+    )
+    instance = next(iter(spec.simulation.rigid.values()))
+    assert _meeting(spec, instance, used) == [("base", "rough"), ("base", "smooth")]
+    apart = spec.model_copy(update={"graph": spec.graph.model_copy(update={"relations": {}})})
+    assert ("rough", "smooth") in _meeting(apart, instance, used)

@@ -112,9 +112,25 @@ def _bounces(spec: WorldSpec, instance: RigidInstance) -> bool:
     return lively > 1 or any((c.restitution or 0) > 0 for c in given)
 
 
+def _meeting(spec: WorldSpec, instance: RigidInstance, used: dict[str, Material]) -> list[tuple[str, str]]:
+    """Pairs of materials of which two members touch by the graph of the scene; of any two that can, where it says of none."""
+    made = {m: _touching(spec, m) & set(used) for m in instance.members}
+    said = [(r.a, r.b) for r in spec.graph.relations.values() if r.kind in ("supports", "interacts", "contains")]
+    able = [(a, b) for a, b in combinations(instance.members, 2) if not _still(spec, a, b)]
+    for members in ([p for p in said if p[0] in made and p[1] in made], able):
+        pairs = {(min(m, n), max(m, n)) for a, b in members for m in made[a] for n in made[b] if m != n}
+        if pairs:
+            return sorted(pairs)
+    return []
+
+
+def _still(spec: WorldSpec, a: str, b: str) -> bool:
+    return spec.entities[a].motion == spec.entities[b].motion == "static"
+
+
 def _mixed(spec: WorldSpec, name: str, instance: RigidInstance, used: dict[str, Material]) -> list[dict[str, str]]:
     """Line about the way contacts of different materials are combined, with the pair of materials that it changes most."""
-    pairs = list(combinations(used, 2))
+    pairs = _meeting(spec, instance, used)
     if not pairs:
         return []
     rough = max(pairs, key=lambda p: abs(used[p[0]].friction - used[p[1]].friction))

@@ -212,10 +212,10 @@ class _Steps:
             low[moving], high[moving] = np.minimum(*ends) - margin, np.maximum(*ends) + margin
         return _Frame(low - self.skins / 2, high + self.skins / 2, travel, met)
 
-    def worst(self, k: int) -> tuple[float, float, int, int] | None:
-        """Worst of the pairs that could meet up to frame k: travel by its bound [1], travel [m], thin part, fast part."""
+    def worst(self, k: int) -> tuple[float, float, int, int, int] | None:
+        """Worst of the pairs that could meet up to frame k: travel by its bound [1], travel [m], thin part, fast part, the other one."""
         parts, now = self.parts, self.frame(k)
-        best: tuple[float, float, int, int] | None = None
+        best: tuple[float, float, int, int, int] | None = None
         bound = THICKNESS_SHARE * parts.thick
         # The thin ones first: what no body's travel comes near cannot be the worst.
         for thin in np.argsort(bound, kind="stable").tolist():
@@ -229,8 +229,8 @@ class _Steps:
                 continue
             fast = np.maximum(now.travel[near], now.travel[thin])
             at = int(np.argmax(fast))
-            mover = int(near[at]) if now.travel[near[at]] >= now.travel[thin] else thin
-            found = (float(fast[at]) / max(bound[thin], 1e-300), float(fast[at]), thin, mover)
+            mover, other = (int(near[at]), thin) if now.travel[near[at]] >= now.travel[thin] else (thin, int(near[at]))
+            found = (float(fast[at]) / max(bound[thin], 1e-300), float(fast[at]), thin, mover, other)
             best = found if best is None or found[0] > best[0] else best
         return best
 
@@ -244,13 +244,13 @@ def step_travel(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     found = [(k, worst) for k in range(len(steps.record)) if (worst := steps.worst(k)) is not None]
     if not found:
         return Finding("pass", "no two colliders could meet", float(steps.record.max()), None, "m")
-    frame, (ratio, travel, thin, fast) = max(found, key=lambda f: f[1][0])
+    frame, (ratio, travel, thin, fast, other) = max(found, key=lambda f: f[1][0])
     first = next((k for k, worst in found if not worst[0] <= 1.0), None)
     parts = steps.parts
-    wall, mover = parts.entity[thin], parts.entity[fast]
+    wall, mover, met = (parts.entity[part] for part in (thin, fast, other))
     bound = THICKNESS_SHARE * float(parts.thick[thin])
-    text = (
-        f"{mover} travels {travel:.3g} m per step at frame {frame}, where it could meet {wall}, {parts.thick[thin]:.3g} m thick"
+    text = f"{mover} travels {travel:.3g} m per step at frame {frame}, where it could meet " + (
+        f"{met}, {parts.thick[thin]:.3g} m thick" if thin != fast else f"{met}; itself it is {parts.thick[thin]:.3g} m thick"
     )
     pointer = f"/simulation/solvers/{solver}/settings/step"
     step = candidate.spec.simulation.rigid[solver].settings.step

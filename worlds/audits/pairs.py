@@ -31,7 +31,7 @@ def surface_problems(spec: WorldSpec) -> Iterator[Problem]:
                 place,
                 f"contact {key!r} gives {pair.a!r} and {pair.b!r} a {field} of {value:g}, and their materials give {_span(low, high)}; allowed without a "
                 f"reason: {least:.3g} to {most:.3g}. Use a value there, or say in `reason` what lies between the two "
-                f"(an oil film, ice, glue): it is printed in the verdict; materials are held to what they are made of",
+                f"(an oil film, ice, glue): it is printed in the verdict",
                 replaced(place, min(max(value, least), most)),
             )
 

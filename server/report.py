@@ -6,7 +6,6 @@ import json
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from ..workflow.standing import is_about_present
 from ..worlds.folder import WorldFolder
 from ..worlds.quoting import markdown_inline
 from ..worlds.verdicts import asked_words, unusual_told, verdict_words
@@ -53,6 +52,8 @@ def world_report(folder: WorldFolder, ledger: Ledger | None) -> str:
             f"reason: {markdown_inline(w['reason'] or 'none given')}"
             for w in weakenings
         ]
+    from ..workflow.standing import is_about_present
+
     accepted = ledger.acceptance()
     lines += ["", "## Acceptance", ""]
     if accepted is None:

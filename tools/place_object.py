@@ -74,7 +74,7 @@ def place_object(
     change; after a failed row it needs a hypothesis, except the first one onto a support while nothing else fails.
     Returns: ids and poses, overlaps, what was left behind, what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch.
     Not for: declaring that something carries something (a `supports` relation in /graph/relations, by edit_spec).
-    Refused: while the audit fails (beats and claims may come later); a place that overlaps (`strict`); an entity that is not above `on`.
+    Refused: while the audit fails (beats and claims may be missing yet, not wrong); a place that overlaps (`strict`); an entity that is not above `on`.
     Next: probe_sim when static_passed, else mend the first open row; render_shot shows the scene.
     """
     from ..workflow.answers import call, rows_answer

@@ -213,6 +213,9 @@ def _joined(
         or _SENTENCE.search(_between(spec, spans, index, right[0]))
     ):
         return
+    joined = [folded(u.text) for u in units_of(_between(spec, spans, index, right[0]))]
+    if joined and joined[-1] in _AND:
+        return  # `drops after it and rolls`: the word speaks of a thing, and which event of that is meant is the agent's reading
     opens = (
         not left or bool(_SENTENCE.search(_between(spec, spans, left[-1], index))) or _opens_behind(spec, spans, left[-1], index)
     )

@@ -176,3 +176,13 @@ def _lowest_between_sides(**parameters: object) -> float:
 def test_small_things_roll_under_a_bookcase_only_where_its_base_is_open(frame: str) -> None:
     assert _lowest_between_sides(frame=frame, base="open") == pytest.approx(0.12)
     assert _lowest_between_sides(frame=frame) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_tin_rolls_on_exact_cylinders() -> None:
+    """Nothing of a tin reaches as far from its axis as its rims, which have no facets that would brake it."""
+    body = make("tin_can", {}, 3).bodies[""]
+    reach = {name: part.shape.radius for name, part in body.parts.items() if part.shape.kind == "cylinder"}
+    assert set(reach) == {"rim_foot", "rim_top"}
+    others = [part.shape for name, part in body.parts.items() if name not in reach]
+    assert all(shape.kind == "revolution" for shape in others)
+    assert max(r for shape in others for r, _ in shape.profile) < min(reach.values())

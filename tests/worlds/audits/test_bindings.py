@@ -53,6 +53,17 @@ def test_an_order_is_that_of_the_events_beside_its_word_in_its_direction(name: s
     assert "name the beats of these words, the first first, as (order roll fall)" in said(ORDERS[name] % "roll strike")
 
 
+def test_behind_a_thing_the_order_is_the_agents_reading() -> None:
+    """`Falls after it and rolls`: the word speaks of the thing, and what stands behind `and` is done by the subject before."""
+    for text in (
+        f"A [block](thing b1) is [struck](event strike); a {BLOCK} {FALLS} [after](order %s) it and {ROLLS}.",
+        f"A [block](thing b1) is [struck](event strike); a {BLOCK} {FALLS} [after](order %s) the {BALL}, and {ROLLS}.",
+    ):
+        assert "comes before" not in said(text % "strike fall")
+    both = f"A {BLOCK} {FALLS} [after](order %s) the [block](thing b1) and the {BALL} {ROLLS}."
+    assert ", the reverse: exchange the two, as (order roll fall)" in said(both % "fall roll")
+
+
 def test_events_that_one_subject_does_stand_together_and_other_words_are_read_by_the_agent() -> None:
     chain = f"A {BALL} {ROLLS} and [strikes](event strike) a [block](thing b1), [then](order %s) a {BLOCK} {FALLS}."
     assert "comes before" not in said(chain % "roll fall") + said(chain % "strike fall")

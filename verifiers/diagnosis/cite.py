@@ -261,7 +261,18 @@ def _operations(row: Row, rules: Sequence[PatchRule], names: Mapping[str, Any], 
         if wanted is None or wanted == present:
             return []
         found.append({"op": "replace" if pointer.rpartition("/")[2].isdigit() else "add", "path": pointer, "value": wanted})
+        found += _spun(document, pointer, present, wanted)
     return found
+
+
+def _spun(document: Any, pointer: str, present: Any, wanted: Any) -> list[dict[str, Any]]:
+    """The spin of what starts rolling, by the factor of its velocity: with another one it would slide at first."""
+    place, _, field = pointer.rpartition("/")
+    spin = _at(document, f"{place}/angular_velocity")
+    if field != "linear_velocity" or not isinstance(wanted, list) or not any(spin or ()) or not any(present or ()):
+        return []
+    factor = math.hypot(*wanted) / math.hypot(*present)
+    return [{"op": "add", "path": f"{place}/angular_velocity", "value": [round(factor * float(c), 6) for c in spin]}]
 
 
 def _at(document: Any, pointer: str) -> Any:

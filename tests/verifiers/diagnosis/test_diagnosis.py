@@ -130,9 +130,12 @@ def test_what_makes_the_story_easier_ranks_below_what_mends_the_world() -> None:
     after = diagnose(row, _spec())
     assert after.corrections[0].group == "initial_state"
     assert after.corrections[-1].group == "story"
-    (operation,) = after.corrections[0].patch
+    operation, spin = after.corrections[0].patch
     assert operation["path"] == "/entities/ball/physics/linear_velocity"
-    assert operation["value"][0] == pytest.approx(1.15 * 30 / 24)
+    factor, rolls = 1.15 * 30 / 24, _spec().entities["ball"].physics
+    assert operation["value"] == pytest.approx([factor * c for c in rolls.linear_velocity])  # type: ignore[union-attr]
+    assert spin["path"] == "/entities/ball/physics/angular_velocity", "what rolls would slide with another speed and its old spin"
+    assert spin["value"] == pytest.approx([factor * c for c in rolls.angular_velocity], rel=1e-5)  # type: ignore[union-attr]
 
 
 def test_a_driver_that_acts_too_late_is_moved_by_the_measured_time() -> None:

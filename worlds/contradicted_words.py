@@ -88,9 +88,7 @@ def _word_in(text: str, listed: str) -> str | None:
 
 def _can_burn(spec: WorldSpec) -> bool:
     """True of a world with a fire of gases, or with a light of flames that is a thing of its own."""
-    return any(d.kind == "ignition" for d in spec.simulation.drivers.values()) or any(
-        s.engine == "gas" for s in spec.simulation.solvers.values()
-    )
+    return any(d.kind == "ignition" for d in spec.simulation.drivers.values()) or bool(spec.simulation.gas)
 
 
 def _against(spec: WorldSpec, name: str, kind: str) -> str | None:

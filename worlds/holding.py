@@ -11,6 +11,9 @@ import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
+from .arrays import pose_of, rotation_matrix
 from .predicate_base import atoms_of, entities_of
 from .predicates.registry import PREDICATES
 from .quoting import listed
@@ -23,6 +26,8 @@ __all__ = ["holding_weakenings"]
 _MOST_NAMED = 4
 _PLACES = frozenset({"anchor", "parent_point", "child_point", "collide", "damping", "stiffness", "friction", "rest_length"})
 """Fields of a joint that say where it sits, or that are quantities of nature (`weakened.py`)."""
+_SAME_WAY = 1e-5
+"""[1] Poses and axes are written with six digits."""
 Asked = Mapping[str, Mapping[str, None]]
 """By entity: beats and requirements, in the order of the story."""
 
@@ -44,7 +49,7 @@ def holding_weakenings(before: WorldSpec, after: WorldSpec, bodies: Collection[s
         if other is None and joint.model_dump() not in kept:
             yield from _line(f"{place} ({joint.kind} of {_ends(joint)}) removed", _bodies(before, joint), moves)
         elif other is not None:
-            more, less = _room(joint, other)
+            more, less = _room(joint, other, turned=_turned_along(before, after, joint, other))
             sides = (moves if more else {}, stays if less else {})
             told = f"{place} ({joint.kind} of {_ends(joint)}) changed"
             yield from _line(told, {*_bodies(before, joint), *_bodies(after, other)}, *sides)
@@ -93,9 +98,21 @@ def _atoms(predicate: SpecModel, turned: bool) -> Iterator[tuple[Any, bool]]:
                 yield from _atoms(inner, denied)
 
 
-def _room(old: Joint, new: Joint) -> tuple[bool, bool]:
-    """(More, less): which room another joint leaves its bodies; both where it holds others, or along another axis."""
-    was, now = (j.model_dump(exclude=set(_PLACES)) for j in (old, new))
+def _turned_along(before: WorldSpec, after: WorldSpec, old: Joint, new: Joint) -> bool:
+    """True if the axis of a joint is where it was on its child: both were turned together."""
+    axes = []
+    for spec, joint in ((before, old), (after, new)):
+        child, axis = spec.entities.get(joint.child), getattr(joint, "axis", None)
+        if child is None or axis is None:
+            return False
+        axes.append(rotation_matrix(pose_of(child.pose).quaternion[None])[0].T @ np.array(axis, dtype=np.float64))
+    one, two = (axis / max(float(np.linalg.norm(axis)), 1e-300) for axis in axes)
+    return bool(np.abs(one - two).max() < _SAME_WAY)
+
+
+def _room(old: Joint, new: Joint, *, turned: bool) -> tuple[bool, bool]:
+    """(More, less): which room another joint leaves its bodies; both where it holds others, or along another axis on its child."""
+    was, now = (j.model_dump(exclude={*_PLACES, *(("axis",) if turned else ())}) for j in (old, new))
     changed = {k for k in {*was, *now} if was.get(k) != now.get(k)}
     if not changed:
         return False, False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -102,3 +103,17 @@ def test_a_push_that_owns_a_beat_may_be_tuned() -> None:
     assert not [line for line in weakenings(before, weaker) if "easier to meet" in line]
     calmer = apply_patch(before, [put("/simulation/drivers/wind/field/velocity", [1.0, 0.0, 0.0])])
     assert [line for line in weakenings(before, calmer) if "easier to meet" in line]
+
+
+def test_a_joint_that_turns_with_its_bodies_is_the_same() -> None:
+    """A quarter turn about the vertical of both bodies of a level hinge, with and without its axis."""
+    level = put("/simulation/joints/arm/axis", [1, 0, 0])
+    quarter = [put(f"/entities/{n}/pose/euler", [0, 0, math.pi / 2]) for n in ("crate", "lamp")]
+    before = apply_patch(asking(STAYS), [level])
+    along = apply_patch(before, [*quarter, put("/simulation/joints/arm/axis", [0, 1, 0])])
+    assert not [line for line in weakenings(before, along) if "easier to meet" in line]
+    left = apply_patch(before, quarter)
+    assert [
+        line for line in weakenings(before, apply_patch(before, [put("/simulation/joints/arm/axis", [0, 1, 0])])) if "arm" in line
+    ]
+    assert not [line for line in weakenings(before, left) if "arm" in line], "the joint is as written; its bodies turned"

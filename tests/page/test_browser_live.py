@@ -122,7 +122,7 @@ def test_a_real_probe_is_watched_from_its_first_frame_to_its_rows(made: Made, ta
     assert stages(tab) == ["specified", "audited"]
     followed(made, tab, str(probe_sim(made.context, world="w", wait_s=0).data["job_id"]))
     page.locator(".stages .is-done .name", has_text="frozen").wait_for()
-    page.get_by_role("img", name="Contact sheet of the probe").wait_for()
+    page.get_by_role("link", name="Contact sheet of the probe").wait_for()
 
 
 @pytest.mark.slow
@@ -134,4 +134,4 @@ def test_a_real_bake_is_watched_after_its_probe(made: Made, tab: Tab) -> None:
     assert stages(tab) == ["specified", "audited", "probed", "frozen"]
     followed(made, tab, str(bake_sim(made.context, world="w", wait_s=0).data["job_id"]))
     page.locator(".stages .is-done .name", has_text="baked").wait_for()
-    page.get_by_role("img", name="Contact sheet of the bake").wait_for()
+    page.get_by_role("link", name="Contact sheet of the bake").wait_for()

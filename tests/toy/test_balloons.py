@@ -18,7 +18,7 @@ COPIED = (
     *("server", "testing", "skills", "tests/toy", "tests/stories", "tests/simulation", "tests/rendering/categories"),
     *("tests/worlds/categories", "tests/verifiers/categories", "tests/physics"),
 )
-FILES = ("__init__.py", "pyproject.toml", "tests/conftest.py")
+FILES = ("__init__.py", "pyproject.toml", "tests/conftest.py", "tests/collected.py")
 REGISTRY_TESTS = (
     "tests/worlds/categories/test_registry.py",
     "tests/simulation/test_engines.py",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from ...worlds.row_words import FRICTION_FACTOR, RESTITUTION_ROOM
 if TYPE_CHECKING:
     from ...worlds.spec import Entity, WorldSpec
 
-__all__ = ["surface_lines"]
+__all__ = ["friction_lines"]
 
 STEEP = 0.2
 """[1] Own choice: rolling resistance over radius, the tangent of the slope on which a ball stays; a tyre in loose sand has so much."""
@@ -34,8 +34,13 @@ def _range_of(substance: str, field: str) -> tuple[float, float] | None:
     return min(f[0] for f in figures), max(f[2] for f in figures)
 
 
-def surface_lines(spec: WorldSpec) -> Iterator[str]:
-    """Sentences about materials far from their substance, and about what stays on a slope on which it should roll."""
+def friction_lines(spec: WorldSpec, bouncing: Collection[str] = ()) -> Iterator[str]:
+    """Sentences about materials far from their substance, and about what stays on a slope on which it should roll.
+
+    Args:
+        spec: of the world.
+        bouncing: materials of whose restitution another sentence tells.
+    """
     used = {n for e in spec.entities.values() for n in _materials(e)}
     for name, material in spec.materials.items():
         if name not in used or material.of is not None or material.substance == "other":
@@ -47,7 +52,7 @@ def surface_lines(spec: WorldSpec) -> Iterator[str]:
                 f"material {name!r} of {material.substance} has a friction of {material.friction:g}, and {material.substance} in the table of materials "
                 f"{friction[0]:g} to {friction[1]:g}{why}"
             )
-        if bounce is not None and material.restitution > bounce[1] + RESTITUTION_ROOM:
+        if name not in bouncing and bounce is not None and material.restitution > bounce[1] + RESTITUTION_ROOM:
             yield f"material {name!r} of {material.substance} has a restitution of {material.restitution:g}, where {bounce[1]:g} is much for {material.substance}{why}"
     yield from _stuck(spec)
 

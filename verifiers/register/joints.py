@@ -16,7 +16,6 @@ __all__ = ["joint_lines"]
 
 NAMED = 4
 """Joints that a line names, the strongest first."""
-TURNING, SLIDING = "N m", "N"
 
 
 def joint_lines(spec: WorldSpec) -> list[dict[str, str]]:
@@ -66,7 +65,7 @@ def _group(spec: WorldSpec, noun: str, values: dict[str, float], per: str, effec
 
 def _unit(spec: WorldSpec, name: str, per: str) -> str:
     slides = spec.simulation.joints[name].kind == "slide"
-    unit, way = (SLIDING, "m") if slides else (TURNING, "rad")
+    unit, way = ("N", "m") if slides else ("N m", "rad")
     return {"": unit, "per": f"{unit}/{way}", "speed": f"{unit} s/{way}"}[per]
 
 

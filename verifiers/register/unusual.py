@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 from ...worlds.materials import material_table
 from ...worlds.predicates import Contact, atoms_of
-from .frictions import surface_lines
+from .frictions import friction_lines
 from .scene import gravity_lines, pusher_lines
 
 if TYPE_CHECKING:
@@ -25,16 +25,14 @@ def unusual(candidate: Candidate) -> list[str]:
     """Sentences about gravity, restitution, friction, contacts of any strength and bodies on paths that push others."""
     spec = candidate.spec
     found = [f"{what}: {effect}" for what, effect in gravity_lines(spec)]
-    lively = list(_lively(candidate))
-    told = {line.split("'")[1] for line in lively}
-    found += [*lively, *(s for s in surface_lines(spec) if "restitution" not in s or s.split("'")[1] not in told), *_faint(spec)]
+    lively = _lively_materials(candidate)
+    found += [*_lively(spec, lively), *friction_lines(spec, bouncing={n for pair in lively for n in pair}), *_faint(spec)]
     return [*found, *(f"{what}: {effect}" for what, effect in pusher_lines(candidate))]
 
 
-def _lively(candidate: Candidate) -> Iterator[str]:
-    """Materials and bodies that lose next to nothing when they bounce off each other."""
-    spec = candidate.spec
-    for one, other in sorted(_lively_materials(candidate)):
+def _lively(spec: WorldSpec, materials: Collection[tuple[str, str]]) -> Iterator[str]:
+    """Sentences about pairs of materials, and of bodies, that lose next to nothing when they bounce off each other."""
+    for one, other in sorted(materials):
         value = min(spec.materials[n].restitution for n in (one, other))
         whose = f"material {one!r} has" if one == other else f"materials {one!r} and {other!r} have together"
         yield f"{whose} a restitution of {value:g}: two bodies of {'it' if one == other else 'them'} bounce off each other almost for ever"

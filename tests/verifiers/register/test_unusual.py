@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import MATERIALS, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.categories.rigid.register import _meeting
-from worldagent.verifiers.register.frictions import surface_lines
+from worldagent.verifiers.register.frictions import friction_lines
 from worldagent.verifiers.register.unusual import unusual
 from worldagent.worlds.materials import material_table
 from worldagent.worlds.predicates import Contact
@@ -125,7 +125,7 @@ def test_a_body_on_a_path_that_pushes_another_is_unusual(tmp_path: Path) -> None
 
 
 def surface(spec: WorldSpec, **materials: Any) -> list[str]:
-    return list(surface_lines(spec.model_copy(update={"materials": {**spec.materials, **materials}})))
+    return list(friction_lines(spec.model_copy(update={"materials": {**spec.materials, **materials}})))
 
 
 @pytest.mark.parametrize(

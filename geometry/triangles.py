@@ -8,7 +8,7 @@ import numpy as np
 
 from ..worlds.arrays import F64, cross, dot
 
-__all__ = ["Nearest", "nearest_on_triangles", "segment_points", "triangle_pair", "triangle_pair_segments"]
+__all__ = ["Nearest", "nearest_on_triangles", "ray_hits", "segment_points", "triangle_pair", "triangle_pair_segments"]
 
 
 class Nearest(NamedTuple):
@@ -107,3 +107,27 @@ def triangle_pair_segments(a: F64, b: F64) -> F64:
                 inside = inside & (np.einsum("ni,ni->n", cross(normal, along), point - other[:, j]) >= 0.0)
             found.append(np.where(inside[:, None], point, np.nan))
     return np.stack(found, axis=1)
+
+
+def ray_hits(triangles: F64, origin: F64, direction: F64) -> F64:
+    """Where rays meet triangles, in lengths of their directions, shape (n, m); infinite where one is not hit.
+
+    Moeller and Trumbore (1997), doi:10.1080/10867651.1997.10487468.
+
+    Args:
+        triangles: corners [m], shape (m, 3, 3).
+        origin: of each ray [m], shape (n, 3).
+        direction: of each ray, shape (n, 3).
+    """
+    a = triangles[:, 0]
+    e1, e2 = triangles[:, 1] - a, triangles[:, 2] - a
+    determinant = direction @ cross(e2, e1).T
+    usable = determinant != 0.0
+    inverse = 1.0 / np.where(usable, determinant, 1.0)
+    s = origin[:, None] - a
+    q, p = cross(s, np.broadcast_to(e1, s.shape)), cross(direction[:, None], e2[None])
+    u = np.einsum("rni,rni->rn", s, p) * inverse
+    v = np.einsum("rni,ri->rn", q, direction) * inverse
+    t = np.einsum("rni,ni->rn", q, e2) * inverse
+    hit = usable & (u >= -1e-12) & (v >= -1e-12) & (u + v <= 1.0 + 1e-12) & (t > 0.0)
+    return np.asarray(np.where(hit, t, np.inf))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..worlds.arrays import F64
 from .inside import distance_to_surface
+from .triangles import ray_hits
 
 if TYPE_CHECKING:
     from .solids import Solid
@@ -61,7 +62,9 @@ def cut_thickness(pieces: Sequence[Solid]) -> list[float]:
         middles = (origin + 0.5 * own[:, None] * inward)[np.isfinite(own)]
         deepest.append(2.0 * float(distance_to_surface(solid, middles).distance.max()) if len(middles) else solid.size)
         # Right outside a place where pieces abut lies another face.
-        outer = np.array([(_hits(triangles, o[None], -i[None]) <= joint).sum() < 2 for o, i in zip(origin, inward, strict=True)])
+        outer = np.array(
+            [(ray_hits(triangles, o[None], -i[None]) <= joint).sum() < 2 for o, i in zip(origin, inward, strict=True)]
+        )
         chords.append(_ways_out(triangles, origin[outer], inward[outer], joint))
     known = np.concatenate(chords)
     known = known[np.isfinite(known)]
@@ -89,7 +92,7 @@ def _ways_out(triangles: F64, origin: F64, direction: F64, joint: float) -> F64:
     """Length of each ray, shape (n, 3), from inside up to where it leaves all solids for more than `joint` [m], shape (n,)."""
     found = np.full(len(origin), np.inf)
     for ray, (start, along) in enumerate(zip(origin, direction, strict=True)):
-        hits = _hits(triangles, start[None], along[None])[0]
+        hits = ray_hits(triangles, start[None], along[None])[0]
         met = np.flatnonzero(np.isfinite(hits))
         leaves = np.einsum("ij,j->i", _normals(triangles[met]), along) > 0.0
         # Where two pieces abut, the one is entered before the other is left.
@@ -109,26 +112,5 @@ def _exits(triangles: F64, origin: F64, direction: F64) -> F64:
     """Distance along each ray, shape (n, 3), to the first triangle [m], shape (n,); infinite where none is hit."""
     step = max(1, PAIRS // len(triangles))
     return np.concatenate(
-        [_hits(triangles, origin[k : k + step], direction[k : k + step]).min(axis=1) for k in range(0, len(origin), step)]
+        [ray_hits(triangles, origin[k : k + step], direction[k : k + step]).min(axis=1) for k in range(0, len(origin), step)]
     )
-
-
-def _hits(triangles: F64, origin: F64, direction: F64) -> F64:
-    """Distance along each ray, shape (n, 3), to each triangle [m], shape (n, m); infinite where it is not hit.
-
-    Moeller and Trumbore (1997), doi:10.1080/10867651.1997.10487468.
-    """
-    a = triangles[:, 0]
-    e1, e2 = triangles[:, 1] - a, triangles[:, 2] - a
-    normal = np.cross(e2, e1)
-    determinant = direction @ normal.T
-    usable = determinant != 0.0
-    inverse = 1.0 / np.where(usable, determinant, 1.0)
-    s = origin[:, None] - a
-    q = np.cross(s, e1)
-    p = np.cross(direction[:, None], e2)
-    u = np.einsum("rni,rni->rn", s, p) * inverse
-    v = np.einsum("rni,ri->rn", q, direction) * inverse
-    t = np.einsum("rni,ni->rn", q, e2) * inverse
-    hit = usable & (u >= -1e-12) & (v >= -1e-12) & (u + v <= 1.0 + 1e-12) & (t > 0.0)
-    return np.asarray(np.where(hit, t, np.inf))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...geometry.inside import contains
 from ...geometry.solids import Solid
+from ...geometry.triangles import ray_hits
 from ...worlds.arrays import F64, cross
 from ...worlds.built import TriangleMesh
 from .bounds import ESCAPES, SIGHT_LINES, SIGHT_PLACES
@@ -89,7 +90,7 @@ def _open(around: Sequence[Solid], starts: F64, ways: F64) -> NDArray[np.bool_]:
         step = max(1, BLOCK // len(solid.faces))
         for i in range(0, len(left), step):
             here = left[i : i + step]
-            free[here] = ~_hit(solid.triangles, starts[here], ways[here])
+            free[here] = np.isinf(ray_hits(solid.triangles, starts[here], ways[here])).all(axis=1)
     return free
 
 
@@ -109,17 +110,3 @@ def _sight_lines(solid: Solid) -> tuple[F64, F64]:
     faces, lines = np.nonzero(normals @ ways.T > 0.0)
     starts = solid.centroids[chosen] + 1e-6 * solid.size * normals
     return starts[faces], ways[lines]
-
-
-def _hit(triangles: F64, starts: F64, ways: F64) -> NDArray[np.bool_]:
-    """Which lines meet a triangle on their way, by Moller and Trumbore (1997, doi:10.1080/10867651.1997.10487468)."""
-    one, two = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        p = cross(ways[:, None], two[None])
-        scale = 1.0 / np.einsum("rfi,fi->rf", p, one)
-        offset = starts[:, None] - triangles[None, :, 0]
-        u = np.einsum("rfi,rfi->rf", offset, p) * scale
-        q = cross(offset, np.broadcast_to(one[None], offset.shape))
-        v = np.einsum("rfi,ri->rf", q, ways) * scale
-        t = np.einsum("rfi,fi->rf", q, two) * scale
-        return np.asarray(((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 0.0)).any(axis=1))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...geometry import Camera, contains, distance_to_surface
+from ...geometry.triangles import ray_hits
 from ...worlds.arrays import F64, rotation_matrix
 from ..categories.registry import judge_of
 from ..rows.corrections import correction
@@ -115,21 +116,10 @@ def _near_reach(camera: Camera) -> float:
 
 
 def _crosses(start: F64, end: F64, triangles: F64) -> bool:
-    """True if a segment meets any of the triangles. Moeller and Trumbore (1997), doi:10.1080/10867651.1997.10487468."""
-    way = end - start
+    """True if a segment meets any of the triangles."""
     low, high = np.minimum(start, end), np.maximum(start, end)
     triangles = triangles[((triangles.min(axis=1) <= high) & (triangles.max(axis=1) >= low)).all(axis=1)]
-    one, two = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    normal = np.cross(way, two)
-    volume = np.einsum("ni,ni->n", one, normal)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        away = start - triangles[:, 0]
-        u = np.einsum("ni,ni->n", away, normal) / volume
-        across = np.cross(away, one)
-        v = across @ way / volume
-        t = np.einsum("ni,ni->n", two, across) / volume
-        hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t >= 0.0) & (t <= 1.0)
-    return bool(hit.any())
+    return bool((ray_hits(triangles, start[None], (end - start)[None]) <= 1.0).any())
 
 
 class _Step(NamedTuple):

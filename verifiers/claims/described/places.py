@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....geometry.triangles import ray_hits
 from ....worlds.claim_targets import named_in
 from ....worlds.errors import EvidenceError, InputError
 from ....worlds.predicates import Reaches
@@ -252,13 +253,5 @@ def _triangles(candidate: Candidate, body: str) -> F64:
 
 
 def _meets(corner: F64, origin: F64, way: F64) -> bool:
-    """True where a ray meets a triangle: Moeller, T. and Trumbore, B. (1997), Fast, minimum storage ray/triangle intersection."""
-    a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    p = np.cross(way, b)
-    det = (a * p).sum(axis=1)
-    inverse = 1.0 / np.where(np.abs(det) < 1e-12, np.inf, det)
-    s = origin - corner[:, 0]
-    u = (s * p).sum(axis=1) * inverse
-    q = np.cross(s, a)
-    v, t = q @ way * inverse, (b * q).sum(axis=1) * inverse
-    return bool(((np.abs(det) >= 1e-12) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 1e-6)).any())
+    """True where a ray meets a triangle."""
+    return bool(np.isfinite(ray_hits(corner, origin[None], way[None])).any())

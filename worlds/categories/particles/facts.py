@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["grain_step", "particle_estimate", "particle_seconds", "rest_way"]
 
-PARTICLE_STEPS = {"dem": 1.0e6, "ballistic": 1.0e6}
+PARTICLE_STEPS = {"dem": 1.7e6, "ballistic": 1.0e6}
 """Particles times steps a second by engine, once they run: usual rates. Own measurement."""
 
 

@@ -221,6 +221,7 @@ class Flip(CutCells):
         share = self.settings.volume_correction
         state = [run.array("cell", rows, wp.int32), *self._of(grid, "density", "spread"), airy, int(self.solids.count > 0)]
         run(cells.rate_density, rows, [*state, *self._of(grid, "solid"), share, right, excess])
+        self.gaps.quiet(grid, solver.levels[0].row, right, excess)
         found, inner = run.read(excess, rows), run.read(airy, rows) == 0
         bounds = (float(found[inner].mean()) if inner.any() else 0.0, float(found.max(initial=0.0)))
         if share == 0.0:

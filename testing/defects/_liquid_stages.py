@@ -26,7 +26,7 @@ def _holding(flow: Flow, name: str, **more: object) -> Flow:
 def overfilled(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """A tap runs though the water over its gauge, its own jet, stands `magnitude` [m] above the level that it is to hold."""
     height = 0.8
-    flow = stream(speed=float(rng.uniform(0.8, 2.0)), height=height)
+    flow = stream(speed=float(rng.uniform(2.0, 3.0)), height=height)
     return World(_holding(flow, "tap", level=height - magnitude).candidate(folder), ("water",))
 
 

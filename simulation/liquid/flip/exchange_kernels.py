@@ -37,7 +37,7 @@ class Shut:
     gaps: wp.int32
     """1 where there are gaps thinner than a cell (`gap_kernels.py`)."""
     part: wp.array(dtype=wp.vec3)
-    """Of what is closed of a face that two solids share, the part of `one`, the rest being `other`'s; negative elsewhere."""
+    """Share of `one` in what is closed of a face, the rest being `other`'s; negative where a single solid closes it."""
     one: wp.array(dtype=wp.vec3i)
     other: wp.array(dtype=wp.vec3i)
 

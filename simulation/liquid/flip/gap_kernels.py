@@ -159,7 +159,9 @@ def find_gaps(
 
 
 @wp.kernel
-def list_gaps(first: wp.int32, flag: wp.array(dtype=wp.int32), before: wp.array(dtype=wp.int32), listed: wp.array(dtype=wp.int32)):
+def list_gaps(
+    first: wp.int32, flag: wp.array(dtype=wp.int32), before: wp.array(dtype=wp.int32), listed: wp.array(dtype=wp.int32)
+):
     """Marked cells, one after the other."""
     c = first + wp.tid()
     if flag[c] == 1:

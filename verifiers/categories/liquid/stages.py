@@ -19,11 +19,11 @@ __all__ = ["holds_back"]
 COLUMN = 2.0
 """[spacings] Half width of the column, as of `liquid_level_at`."""
 OFF = 1.0
-"""[spacings] Own choice: the surface counts as higher, or lower, than a level when the layer from here to one spacing farther off says so."""
+"""[spacings] Own choice: the surface counts as higher, or lower, than a level when the layer from here on says so."""
 FULL = 0.5
-"""[1] Own choice: share of what a layer deep under the level holds with which one above it counts as liquid."""
+"""[1] Own choice: share of what two spacings deep under the level hold with which as much above it counts as liquid."""
 EMPTY = 0.1
-"""[1] Own choice: share of a layer's room with which one below the level counts as empty."""
+"""[1] Own choice: share of its room with which a layer of one spacing below the level counts as empty."""
 
 
 def holds_back(step: Step, name: str) -> bool:
@@ -41,10 +41,10 @@ def _passed(liquid: Liquid, frame: Frame, gauge: tuple[float, float], level: flo
     near = (np.abs(frame.position[:, :2] - np.array(gauge)) <= COLUMN * s).all(axis=1)
     height, volume = frame.position[near, 2] - level, frame.volume[near]
 
-    def held(low: float) -> float:
-        return float(volume[(height > low * s) & (height <= (low + 1.0) * s)].sum())
+    def held(low: float, high: float) -> float:
+        return float(volume[(height > low * s) & (height <= high * s)].sum())
 
     if above:
-        deep = held(-OFF - 2.0)
-        return deep > 0.0 and held(OFF) >= FULL * deep
-    return held(-OFF - 1.0) <= EMPTY * (2.0 * COLUMN) ** 2 * s**3
+        deep = held(-OFF - 2.0, -OFF)
+        return deep > 0.0 and held(OFF, OFF + 2.0) >= FULL * deep
+    return held(-OFF - 1.0, -OFF) <= EMPTY * (2.0 * COLUMN) ** 2 * s**3

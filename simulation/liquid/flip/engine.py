@@ -89,6 +89,7 @@ class Flip(CutCells):
         self._speed = max(self._speed, fast)
         dt = limit / max(1, math.ceil(limit / self.stable_dt() - 1e-6))
         self.solids.update(bodies)
+        self.sources.look(self.markers, dt)
         if self.markers.live == 0:
             self.markers.total = self.markers.dead = 0
             return self._close(dt, np.zeros((self.solids.count, 6)), np.zeros((self.solids.count, 6)), (0, 0), 0, (0.0, 0.0))
@@ -290,7 +291,8 @@ class Flip(CutCells):
         travel = np.array([[mouth.travel, mouth.layers] for mouth in self.sources.mouths]).reshape(-1, 2)
         inflows = np.array([mouth.inflow.name for mouth in self.sources.mouths], dtype=str)
         clock = np.array([self.time, self._speed, self.volume])
-        return to_bytes({**self.markers.dump(), "clock": clock, "travel": travel, "inflows": inflows})
+        held = self.sources.stages.held
+        return to_bytes({**self.markers.dump(), "clock": clock, "travel": travel, "inflows": inflows, "stage": held})
 
     def restore(self, state: bytes) -> None:
         """Continue from a checkpoint of the same liquid, or with inflows that this one lacks: they give nothing more.
@@ -299,8 +301,9 @@ class Flip(CutCells):
             EngineError: the bytes are no checkpoint of this engine.
             ValueError: it is of another liquid.
         """
-        found = from_bytes(state, ("position", "clock", "travel", "inflows"))
+        found = from_bytes(state, ("position", "clock", "travel", "inflows", "stage"))
         travels = by_inflow(found["inflows"], found["travel"], self.setup.inflows)
+        self.sources.stages.held[:] = by_inflow(found["inflows"], found["stage"], self.setup.inflows)
         self.markers.load(found)
         self.time, self._speed, self.volume = (float(value) for value in found["clock"])
         for mouth, (travel, layers) in zip(self.sources.mouths, travels, strict=True):

@@ -111,7 +111,7 @@ class InflowDriver(TimedDriver):
     end: Positive | None = Field(default=None, description="[s]; default: to the end")
     level: Finite | None = Field(
         default=None,
-        description="world z [m] at which it holds the surface: it gives all while that is lower, less within half a cell of it, nothing above; engine flip",
+        description="world z [m] at which it holds the surface: it gives what that takes, at most speed or rate, and nothing while it is a cell higher; engine flip",
     )
     gauge: tuple[Finite, Finite] | None = Field(
         default=None, description="x, y where the surface is read [m]; default: the middle of the opening"

@@ -180,7 +180,7 @@ class Flip(CutCells):
     def _build_grid(self) -> Grid:
         """Sort the particles by column and lay columns of cells around them."""
         head = self.markers.sort(*self._shape[:2])
-        return build(self.run, head, self.markers.position, self._shape, self._reach)
+        return build(self.run, head, self.markers.position, self._shape, self._reach, self.solids.moving, self.gaps.free)
 
     def _to_faces(self, grid: Grid, dt: float) -> None:
         """Velocities of faces and densities of cells from the particles, after gravity."""

@@ -33,7 +33,7 @@ class Gaps:
         self.run, self.solids = run, solids
         free = [int(b.motion == "dynamic") for b in solids.setup.boundaries]
         self._any = any(free)
-        self._free = run.upload("gap/free", np.array([*free, 0], np.int32), warp().int32)
+        self.free = run.upload("gap/free", np.array([*free, 0], np.int32), warp().int32)
         self.count = 0
         """Cells at gaps."""
 
@@ -60,7 +60,7 @@ class Gaps:
         at.mover = run.array("mover", total, wp.vec4i)
         at.lower, at.upper = walls
         gap, held, flag = (self._of(grid, name, wp.int32) for name in ("mark", "held", "flag"))
-        run(kernels.find_gaps, total, [at, self._free, gap, held, flag])
+        run(kernels.find_gaps, total, [at, self.free, gap, held, flag])
         flag[total : total + 1].zero_()
         before = self._of(grid, "before", wp.int32)
         self.count = run.scan(flag, before, total + 1)
@@ -70,7 +70,7 @@ class Gaps:
         run(kernels.open_gaps, total, [at, gap, held, opening, thin])
         fixed_halves = self._of(grid, "halves", cuts.vec6)
         run(kernels.cut_fixed, total, [at, fixed_halves], grain=1024)
-        state = [at, self._free, run.array("halves", total, cuts.vec6), fixed_halves, gap, held, opening]
+        state = [at, self.free, run.array("halves", total, cuts.vec6), fixed_halves, gap, held, opening]
         run(kernels.split_faces, total, [*state, *self.parts(grid)])
 
     def flood(self, grid: Grid, opening: Any, solid: Any, phi: Any, wet: Any, red: Any, inside: Any) -> None:

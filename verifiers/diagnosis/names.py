@@ -40,6 +40,11 @@ def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
         "beat": tail if row.check == "beat" else None,
         "shot": tail if row.check == "shots" else None,
     }
+    begun, ended = (row.evidence.get(n) for n in ("onset", "until"))
+    if isinstance(begun, int) and isinstance(
+        ended, int
+    ):  # a row that fails at the end of its interval may tell when it came nearest
+        found |= {"first": max(0, begun - AROUND), "last": ended + AROUND}
     if _under_way(row):
         found["ends"] = row.frames[1] if row.frames else frame
     if spec is not None:

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "508c398ae96b70337fadc5516690d3b82fd2a68f3206ed91a8c17bc402217385"
+SCHEMA = "0c6643e10cf6213417826cbd58954e71b33b0cdfba77df458f7f2d5b21953cd1"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

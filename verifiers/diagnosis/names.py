@@ -25,7 +25,7 @@ LEVEL = 0.3
 """[1] Own choice: sine of the slope of an axis about which something still rolls, 17 degrees."""
 SLENDER = 1.5
 """Height over least level width from which a body stands upright and may be knocked over, as dominoes do."""
-BREAKS = frozenset({"broken", "breach", "debris"})
+BREAKS = frozenset({"broken", "breach", "debris", "breaks", "cracks"})
 """Kinds of predicates that friction has no part in."""
 
 

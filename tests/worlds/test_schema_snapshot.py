@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "0c6643e10cf6213417826cbd58954e71b33b0cdfba77df458f7f2d5b21953cd1"
+SCHEMA = "1a189e2e8af0ac5d6203776dea2f4b78088ab594891418ca9466b590cc09ef59"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

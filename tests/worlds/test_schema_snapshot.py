@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "89015160ff0dd5745db0f6108f5d5b999930b74a662d1587692c703773a1131a"
+SCHEMA = "1a189e2e8af0ac5d6203776dea2f4b78088ab594891418ca9466b590cc09ef59"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

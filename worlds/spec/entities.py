@@ -132,6 +132,9 @@ class Asset(SpecModel):
     positions: dict[Id, Finite] = Field(
         default={}, description="of its joints at frame 0, from where they are made: [rad] or [m]"
     )
+    fixed: bool = Field(
+        default=False, description="its leaves, drawers and lids are static where `positions` puts them: a door that stays shut"
+    )
     bodies: Annotated[list[EntityRef], Field(max_length=500)] = Field(default=[], description="its further entities")
 
 

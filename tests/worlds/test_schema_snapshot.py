@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "1a189e2e8af0ac5d6203776dea2f4b78088ab594891418ca9466b590cc09ef59"
+SCHEMA = "af5d85ba00002990fc3e88100a591d46bef5958072ee6842f6def589111059b8"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -103,7 +103,7 @@ class Gaps:
         run(kernels.settle, self.count, [hidden, listed, grid.columns, *marks, *found, phi, wet, red, inside])
 
     def parts(self, grid: Grid) -> list[Any]:
-        """What closes each face: share of the first owner, -1 where there is one owner only, and both owners."""
+        """Closure of each face: share of the first owner, -1 where there is one owner only, and both owners."""
         wp = warp()
         return [self._of(grid, "part", wp.vec3), *(self._of(grid, name, wp.vec3i) for name in ("one", "other"))]
 

@@ -10,7 +10,7 @@ from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.worlds.arrays import RigidPose, compose
 
 PROMPT = "A jar stands on a table beside a chair."
-FLOOR = {
+FLOOR: dict[str, Any] = {
     "role": "floor",
     "motion": "static",
     "material": "oak",

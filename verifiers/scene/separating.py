@@ -89,12 +89,24 @@ def clear_of(surfaces: Surfaces, rows: Sequence[int], other: str, frame: int, of
             if apart(solids[0], moved, solids[1], there, gap=margin):
                 continue
             noise = surfaces.noise(one.entity, other)
-            now = float(signed_clearance(solids[0], here, solids[1], there).distance)
+            now = _now(surfaces, i, j, frame)
             if not -noise <= now < margin or not offset.any():
                 return False
             if float(signed_clearance(solids[0], moved, solids[1], there).distance) < -noise:
                 return False
     return True
+
+
+def _now(surfaces: Surfaces, i: int, j: int, frame: int) -> float:
+    """Signed clearance of two parts where they are [m]; kept, since the search for a move asks for it at every length."""
+
+    def measured() -> float:
+        one, two = surfaces.parts[i], surfaces.parts[j]
+        poses = (surfaces.track(p.entity, p.body).at(frame) for p in (one, two))
+        here, there = poses
+        return float(signed_clearance(surfaces.shapes.solid(i, frame), here, surfaces.shapes.solid(j, frame), there).distance)
+
+    return surfaces.candidate.memo(("clearance of parts", i, j, frame), measured)
 
 
 def _middle(surfaces: Surfaces, rows: Sequence[int]) -> F64:

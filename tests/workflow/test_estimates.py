@@ -55,6 +55,18 @@ def test_cells_of_an_elastic_body_follow_its_size_and_resolution() -> None:
     assert cell_count(finer) == pytest.approx(8 * cell_count(fine), rel=0.3)
 
 
+def test_bodies_of_many_pieces_take_longer_and_are_named() -> None:
+    spec = _spec("rigid-bodies/scree")
+    name, entity = next((n, e) for n, e in spec.entities.items() if e.motion == "dynamic")
+    part = next(iter(entity.parts.values()))
+    heavy = entity.model_copy(update={"parts": {f"p{k}": part for k in range(400)}})
+    crowded = spec.model_copy(update={"entities": {**spec.entities, name: heavy}})
+    plain, found = (usual_seconds(s, s.simulation.frames) for s in (spec, crowded))
+    assert found.simulation > 3 * plain.simulation
+    assert f"most collision pieces: {name} 400" in found.told
+    assert "pieces" not in plain.told
+
+
 @dataclass
 class _Job:
     payload: dict[str, Any]

@@ -79,6 +79,7 @@ def place_object(
     Next: probe_sim when static_passed, else mend the first open row; render_shot shows the scene.
     """
     from ..workflow.answers import call, rows_answer
+    from ..workflow.early_words import unmet_at_start
     from ..workflow.job_kinds import ENTRIES
     from ..workflow.placement import place
     from ..workflow.places_asked import Asked
@@ -127,6 +128,7 @@ def place_object(
         "static_passed": passed,
         "changed_rows": len(changed),
         **summary(rows, static=True),
+        "warnings": [*outcome.get("warnings", ()), *unmet_at_start(session)],
     }
     moved = "" if entity is None else _said(entity, outcome)
     found = data["counts"]

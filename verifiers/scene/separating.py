@@ -23,7 +23,7 @@ class Barred(NamedTuple):
     offset: F64
     """[m], shape (3,)."""
     part: str
-    """Of the other entity, which stands in that way."""
+    """Name of the part of the other entity that stands in that way."""
 
 
 HALVINGS = 16

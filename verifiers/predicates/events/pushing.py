@@ -127,7 +127,7 @@ class Knock(NamedTuple):
     lasted_s: float
     """[s]"""
     way: float
-    """Of the pushed one [m]."""
+    """Way of the pushed one [m]."""
     given: float
     """Impulse in its first interval [N s]."""
     pusher_speed: float

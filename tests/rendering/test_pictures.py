@@ -241,3 +241,16 @@ def test_glass_throws_back_the_sky_where_one_looks_along_it(tmp_path):
     grazing = preview(candidate, 0, camera=along).astype(int)
     mirrored = grazing[60:120, 100:140].reshape(-1, 3).mean(axis=0)
     assert mirrored[2] > across[60:70, 85:95].reshape(-1, 3).mean(axis=0)[2] + 30
+
+
+def test_tiles_show_joints_on_the_face_one_sees_and_tones_between_them():
+    """Points on a floor, 1 mm apart: dark at whole tiles of 0.1 m, along both ways, and even inside."""
+    x, y = np.meshgrid(np.arange(0.0005, 0.3, 0.001), np.arange(0.0005, 0.3, 0.001), indexing="ij")
+    points = np.stack([x.ravel(), y.ravel(), np.full(x.size, 0.02)], axis=1)
+    up = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    shade = pattern_shade("tiles", points, up, scale=0.1, extent=np.ones(3)).reshape(x.shape)
+    assert (shade[[0, 100, 199]] < 0.5).all()
+    assert (shade[:, [0, 100, 299]] < 0.5).all()
+    inside = [shade[10 + 100 * i : 90 + 100 * i, 10 + 100 * j : 90 + 100 * j] for i in range(3) for j in range(3)]
+    assert all(np.ptp(cell) == 0 and cell.min() > 0.9 for cell in inside)
+    assert len({float(cell[0, 0]) for cell in inside}) == 9

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "1a189e2e8af0ac5d6203776dea2f4b78088ab594891418ca9466b590cc09ef59"
+SCHEMA = "114d10b97f8342044803d5aa16fe9e899f4ad7b5509a8c9ebcf680dee1f4ac92"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

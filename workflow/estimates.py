@@ -88,7 +88,7 @@ class Usual(NamedTuple):
 
     @property
     def told(self) -> str:
-        """What the parts are, for a reply."""
+        """Parts in words, for a reply."""
         again = f", {self.reruns:.0f} s runs without causes" if self.reruns >= 1 else ""
         return f"the whole probe (simulation {self.simulation:.0f} s{again}, checks {self.checks:.0f} s)"
 

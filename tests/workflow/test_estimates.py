@@ -1,4 +1,4 @@
-"""What a probe is told to take beforehand: the rates of what moves, its runs without causes, and the pace of the probes before it."""
+"""Time that a probe is told to take beforehand: the rates of what moves, its runs without causes, and the pace of the probes before it."""
 
 from __future__ import annotations
 

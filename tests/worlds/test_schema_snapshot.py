@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "114d10b97f8342044803d5aa16fe9e899f4ad7b5509a8c9ebcf680dee1f4ac92"
+SCHEMA = "48d8481f8d41484518ed5a3d9259d27ac5c72c7c0ebf30cb667b18ad40c9b622"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

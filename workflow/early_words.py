@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..worlds.spec import ClaimType
     from .session import Session
 
 __all__ = ["unmet_at_start"]
 
+PLACES: tuple[ClaimType, ...] = ("place",)
 NAMED = 4
 """Words that a reply names."""
 
@@ -22,7 +24,7 @@ def unmet_at_start(session: Session) -> list[str]:
     if not session.audit().passed:
         return []
     built, _ = build_world(session.folder, session.spec)
-    rows = check(Candidate(session.folder.root, session.spec, built, "static"), ("place",))
+    rows = check(Candidate(session.folder.root, session.spec, built, "static"), PLACES)
     failing = [r for r in rows if r.status == "fail"]
     told = [
         f"not so at frame 0: {r.id}: {r.evidence['explanation']}; mend it now, unless it comes to be so later"

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "af5d85ba00002990fc3e88100a591d46bef5958072ee6842f6def589111059b8"
+SCHEMA = "48d8481f8d41484518ed5a3d9259d27ac5c72c7c0ebf30cb667b18ad40c9b622"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -202,7 +202,7 @@ def _by_kernels(forest: Forest, asked: _Queries, device: str, tolerance: float) 
         distance = np.where(found, distance, np.maximum(distance, np.nextafter(some.skip_above, np.inf)))
         both_convex = np.array([solids[i].convex and solids[j].convex for i, j in pairs[rows]], dtype=bool)
         rough = rows[~both_convex]
-        depth = depths(wood, pairs, poses, touch, rough, device, tolerance=tolerance, enough=some.enough, idle=some.idle)
+        depth = depths(wood, pairs, poses, touch, rough, device, care=Care(tolerance, some.enough, some.idle))
         distance[rough[depth > 0.0]] = -depth[depth > 0.0]
         settled = (depth == SHALLOW) & _settled(solids, size, pairs[rough])
         distance[rough[settled]] = -some.idle[rough[settled]]
@@ -233,11 +233,9 @@ def depths(
     rows: NDArray[np.intp],
     device: str,
     *,
-    tolerance: float = 0.0,
-    enough: F64 | None = None,
-    idle: F64 | None = None,
+    care: Care = EXACT,
 ) -> F64:
-    """Depth [m] of the queries in `rows`, which touch or overlap; -1 where `clearance` must tell, `SHALLOW` where it is not over `idle`."""
+    """Depth [m] of the queries in `rows`, which touch or overlap; -1 where `clearance` must tell, `SHALLOW` where it is not over `care.idle`."""
     if len(rows) == 0:
         return np.empty(0)
     from .depth_kernels import deepest
@@ -247,10 +245,12 @@ def depths(
     query = [
         *_sent(pairs, poses, device),
         _put(noise, wp.float64, device),
-        tolerance,
+        care.tolerance,
         PRECISION,
-        _put(np.full(len(pairs), np.inf) if enough is None else enough, wp.float64, device),
-        _put(np.zeros(len(pairs)) if idle is None else idle, wp.float64, device),
+        *(
+            _put(np.broadcast_to(np.asarray(v, dtype=np.float64), len(pairs)), wp.float64, device)
+            for v in (care.enough, care.idle)
+        ),
         _put(rows.astype(np.int32), wp.int32, device),
     ]
     launch(deepest, len(rows), [wood, *query, depth], device=device, slice_size=DEPTH_SLICE)

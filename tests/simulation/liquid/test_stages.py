@@ -37,7 +37,8 @@ def shares(depth: float, *, x: float = 0.5, low: float = 0.0) -> tuple[float, fl
 
 
 @pytest.mark.parametrize(
-    ("high", "inflow", "outflow"), [(-3.0, 0.875, 0.0), (-0.25, 0.5625, 0.25), (0.0, 0.5, 0.5), (0.25, 0.4375, 0.75), (1.0, 0.0, 1.0)]
+    ("high", "inflow", "outflow"),
+    [(-3.0, 0.875, 0.0), (-0.25, 0.5625, 0.25), (0.0, 0.5, 0.5), (0.25, 0.4375, 0.75), (1.0, 0.0, 1.0)],
 )
 def test_an_inflow_gives_more_the_lower_the_surface_and_an_outflow_takes_more_the_higher(
     high: float, inflow: float, outflow: float

@@ -65,7 +65,7 @@ def inspect_world(
     pointer: Annotated[
         str,
         Field(
-            description="spec: JSON pointer, e.g. /entities/ball. schema: a type (Entity, Shape, Predicate, ...), a pointer, or 'example' "
+            description="spec: JSON pointer, e.g. /entities/ball. schema: types (Entity, Shape, Predicate, ...; several with commas), a pointer, or 'example' "
             "for a whole small world; empty for the index. guide: a file, e.g. world-building/SKILL.md; empty for the list"
         ),
     ] = "",

@@ -14,7 +14,7 @@ from ..worlds.ablation import ABLATED
 from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
 from ..worlds.verdicts import asked_words, prompt_told, unusual_told, verdict_words
-from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
+from .answers import MAX_CHARACTERS, PAGE_CHARACTERS, answer, call, paged, size_of
 from .joint_repairs import said_of
 from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, ranked, why_line
@@ -40,6 +40,8 @@ SKILLS = Path(__file__).resolve().parent.parent / "skills"
 EXAMPLE = SKILLS / "world-building" / "examples" / "two_blocks.json"
 PROMPT_CHARACTERS = 1500
 GUIDE_CHARACTERS = 8000
+SPARE = 500
+"""Characters of a reply beside the parts of the schema that it tells."""
 OPEN = ("fail", "unverified")
 _DESCRIPTION = re.compile(r"^description:\s*(.+?)\s*$", re.MULTILINE)
 
@@ -77,16 +79,33 @@ def schema(pointer: str) -> dict[str, Any]:
             "a whole small world that is accepted: pass prompt, claims and spec to edit_spec",
             "edit_spec(world=..., prompt=..., spec=..., claims=...) with your own",
         )
+    if "," in pointer:
+        return _schemas([p.strip() for p in pointer.split(",") if p.strip()])
     found = described(pointer)
     if pointer in ("", "/", "World"):
-        then = "inspect_world(part='schema', pointer='Entity'), then 'Shape', 'Predicate', 'SimulationPlan', 'Shot'; pointer='example'"
+        then = "inspect_world(part='schema', pointer='Entity, Driver, Relation'), any names at once; pointer='example'"
         return answer({"part": "schema", **found}, "the top level of a specification; capitals name parts to ask for", then)
     about = found.get("type") or f"{found['union']}: one of these, told apart by its kind"
     return answer(
         {"part": "schema", "pointer": pointer, **found},
         f"{about}; [3 x number] is a list of three, {{id: X}} an object of X by id",
-        "inspect_world(part='schema', pointer=NAME) for any name in capitals",
+        "inspect_world(part='schema', pointer='NAME, NAME, ...') for any names in capitals",
     )
+
+
+def _schemas(pointers: Sequence[str]) -> dict[str, Any]:
+    """Several parts of the schema in one reply, as many as fit it."""
+    from ..worlds.schema_words import described
+
+    parts: dict[str, Any] = {}
+    left = list(dict.fromkeys(pointers))
+    while left and (not parts or size_of([parts, left, described(left[0])]) < MAX_CHARACTERS - SPARE):
+        parts |= {(name := left.pop(0)): described(name)}
+    rest = (
+        f"inspect_world(part='schema', pointer='{', '.join(left)}')" if left else "edit_spec(world=..., ...) with what they say"
+    )
+    about = f"{len(parts)} parts of the schema" + (f"; {len(left)} more do not fit one reply" if left else "")
+    return answer({"part": "schema", "parts": parts}, about, rest)
 
 
 def guide(path: str, *, offset: int) -> dict[str, Any]:

@@ -90,7 +90,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/materials/*", "substance", "material", "repair", "what it is, and the range of densities that is allowed", physical=True),
     *parameters("/materials/*", "density", "material", "repair", "held by its substance; of substance other by nothing", physical=True),
     *parameters("/materials/*", "of departs", "material", "repair", "which row of the table it is; the audit asks for a reason, which is printed"),
-    *parameters("/materials/*", "friction rolling_friction restitution", "material", "repair", _RUBS, physical=True),
+    *parameters("/materials/*", "friction static_friction rolling_friction restitution", "material", "repair", _RUBS, physical=True),
     *parameters("/materials/*/flammable", ". fuel ignition gasification char conductivity heat_capacity", "material", "repair", "when it burns, and how much; rows hold its mass and heat", physical=True),
     *parameters("/materials/*/appearance", ". color roughness metallic transmission pattern pattern_scale drying", "look", "none", _LOOK),
     # interiors and landscapes
@@ -134,7 +134,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/simulation/joints/*", "friction stiffness", "joints", "repair", "how hard it is to turn or stretch", physical=True),
     *parameters("/simulation/contacts", ". *", "contact", "repair", "pairs that rub as their materials do not; their fields are compared"),
     *parameters("/simulation/contacts/*", "a b reason", "contact", "repair", "which bodies; the audit asks for a reason, which is printed"),
-    *parameters("/simulation/contacts/*", "friction restitution", "contact", "repair", _RUBS, physical=True),
+    *parameters("/simulation/contacts/*", "friction static_friction restitution", "contact", "repair", _RUBS, physical=True),
     *parameters("/simulation/solvers", ". *", "step", "repair", "who moves what; ownership is audited"),
     *parameters("/simulation/solvers/*", "engine", "step", "repair", "who moves what; ownership is audited"),
     *parameters("/simulation/solvers/*", "members", "shape", "repair", "who moves what; ownership is audited"),

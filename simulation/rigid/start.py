@@ -108,6 +108,11 @@ def _start_on_joints(entity: str, model: Any, data: Any, own: list[int], bodies:
         f"the joints of entity {entity!r} do not let it start with linear_velocity {_text(linear)} m/s (of its centre of mass, at "
         f"{_text(center)}) and angular_velocity {_text(angular)} rad/s: that is {off:.3g} m/s from the nearest that they allow. Declare that "
         f"one, linear_velocity {_text(near_linear)} and angular_velocity {_text(near_angular)}, or move it by a motor or a force"
+        + (
+            "; if it is to start at rest, what it hangs on moves at frame 0: brake or hold that in the preroll"
+            if speed <= STILL
+            else ""
+        )
     )
 
 

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "508c398ae96b70337fadc5516690d3b82fd2a68f3206ed91a8c17bc402217385"
+SCHEMA = "89015160ff0dd5745db0f6108f5d5b999930b74a662d1587692c703773a1131a"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..categories.category import declares
 from ..categories.registry import CATEGORIES
-from ..materials import DENSITY_RANGES, ROUNDING, material_table
+from ..materials import DENSITY_RANGES, ROUNDING, MaterialRow, material_table
 from ..problems import Problem
 from ..row_words import beyond_row
 
@@ -25,6 +25,12 @@ def mass_problems(spec: WorldSpec) -> Iterator[Problem]:
         for category in CATEGORIES.values():
             if declares(category, entity):
                 yield from category.masses(spec, name)
+
+
+def _of_grains(spec: WorldSpec, material: str, row: MaterialRow) -> bool:
+    """Whether only grains are of a material, whose row tells what a single one weighs."""
+    users = [e for e in spec.entities.values() if material in {e.material, *(p.material for p in e.parts.values())}]
+    return "grain_density" in row.figures and bool(users) and all(e.physics.shape == "loose" for e in users)
 
 
 def _called_otherwise(spec: WorldSpec) -> Iterator[Problem]:
@@ -44,6 +50,8 @@ def _called_otherwise(spec: WorldSpec) -> Iterator[Problem]:
             for field, value, least, most in beyond_row(material, row, math.inf):
                 text = f"material {name!r} is called {word} and has a {field} of {value:g}, {word} {least:g} to {most:g}: use a value near that, or {ways}"
                 yield Problem(f"/materials/{name}/{field}", text)
+        if row is not None and _of_grains(spec, name, row) and row.figures["grain_density"].holds(material.density):
+            continue
         if word != "other" and not low <= material.density <= high:
             yield Problem(
                 f"/materials/{name}/density",

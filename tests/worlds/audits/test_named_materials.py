@@ -12,6 +12,7 @@ from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.verifiers.register.scene import _materials
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.canonical import spec_digest
+from worldagent.worlds.categories.particles.models import ParticlePhysics
 from worldagent.worlds.errors import SpecError
 from worldagent.worlds.materials import material_table
 from worldagent.worlds.named_materials import departures
@@ -120,6 +121,17 @@ def test_a_material_that_is_called_like_a_row_weighs_what_it_does_or_says_why() 
     assert "is called oak and weighs 300" in _problems(_edited(dark_oak=light))
     assert _problems(_edited(dark_oak={**light, "departs": "eaten hollow by worms"})) == ""
     assert _problems(_edited(gold={"density": 600.0, "substance": "wood"})) == "", "of another substance it is a colour"
+
+
+def test_grains_weigh_what_one_of_them_does_and_a_body_what_a_heap_does() -> None:
+    stone = {"density": 2500.0, "substance": "stone"}
+    spec = _edited(gravel=stone)
+    assert "is called gravel and weighs 2500" in _problems(spec), "no grain is of it"
+    bed = spec.entities["b1"].model_copy(update={"material": "gravel", "physics": ParticlePhysics(radius=0.01)})
+    assert "is called gravel" not in _problems(spec.model_copy(update={"entities": {**spec.entities, "bed": bed}}))
+    body = spec.entities["b1"].model_copy(update={"material": "gravel"})
+    both = spec.model_copy(update={"entities": {**spec.entities, "bed": bed, "body": body}})
+    assert "is called gravel and weighs 2500" in _problems(both)
 
 
 def test_friction_of_a_pair_that_the_table_has_needs_no_reason() -> None:

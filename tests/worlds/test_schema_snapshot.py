@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "89015160ff0dd5745db0f6108f5d5b999930b74a662d1587692c703773a1131a"
+SCHEMA = "4d53c11a42dc827756dca123d3711ebefe4b6b9a025a473353ec93cd6f2505a1"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -265,6 +265,8 @@ class Flip(CutCells):
         state += [*self._faces(grid, "opening"), self._owners(grid), exchange.walls]
         state += [*self._faces(grid, "old"), ratio, int(viscous), self.viscosity.friction]
         run(walls.constrain, total, [*state, *self._faces(grid, "new", "drift", "new2", "drift2", "given")])
+        (was,), moved = self._faces(grid, "old"), self._faces(grid, "new2", "drift2", "given")
+        self.gaps.seal(grid, self._owners(grid), exchange.walls, was, ratio, moved)
         run.swap("new", "new2")
         run.swap("drift", "drift2")
         return np.asarray(change)

@@ -11,12 +11,24 @@ import warp as wp
 
 from ...grids.columns import Columns, place_of, vec6i
 from .cut_kernels import halves_of, lattice, vec6
-from .distance_kernels import REACH, vec8
-from .solid_kernels import LEAST
+from .distance_kernels import REACH, Walls, vec8, wall_speed
+from .solid_kernels import LEAST, face_center
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})
 
-__all__ = ["Near", "close_gaps", "cut_fixed", "find_gaps", "flood", "list_gaps", "open_gaps", "quiet", "settle", "split_faces"]
+__all__ = [
+    "Near",
+    "close_gaps",
+    "cut_fixed",
+    "find_gaps",
+    "flood",
+    "list_gaps",
+    "open_gaps",
+    "quiet",
+    "seal",
+    "settle",
+    "split_faces",
+]
 
 LEAST_GAP = wp.constant(0.1)
 """Least open share of faces of gaps: what touches counts as wetted."""
@@ -26,6 +38,10 @@ DEEPER = wp.constant(0.1)
 """By how much a solid is deeper half a cell away from its gap: a wall's edge, which the gap does not face, is not."""
 NARROW = wp.constant(64)
 """Mark of a cell whose centre is in a gap; of others, bits 0 to 5 tell sides at a gap, 8 to 13 those that lead deeper into a solid."""
+THIN = wp.constant(1 << 14)
+"""Mark of a cell in a solid whose other side is nearer than its gap: what lies there is cut off."""
+PASSED = wp.constant(0.25)
+"""Least width of a gap that particles pass."""
 UNKNOWN = wp.constant(9.0)
 """As `grid_kernels.BURIED`."""
 
@@ -78,7 +94,7 @@ def depth_at(at: Near, c: int):
 
 @wp.func
 def who_inside(at: Near, c: int, side: int):
-    """Owner of the solid that a cell's centre lies in, -2 if in none, and 1 if that is deeper half a cell away from `side`."""
+    """Owner of the solid that a cell's centre lies in, -2 if in none; half a cell away from `side`, 1 if that is deeper, -1 if less deep."""
     axis = side // 2
     x = middle(place_of(at.grid, c))
     out = beyond(x, at.lower, at.upper)
@@ -100,8 +116,11 @@ def who_inside(at: Near, c: int, side: int):
             who = at.mover[f][1 + axis]
         else:
             who = at.fixed_owner[f][1 + axis]
-        if wp.min(at.points[f][face_point(axis)], beyond(y, at.lower, at.upper)) < d - DEEPER:
+        far = wp.min(at.points[f][face_point(axis)], beyond(y, at.lower, at.upper))
+        if far < d - DEEPER:
             deep = 1
+        if far > d + DEEPER:
+            deep = -1
     return wp.vec2i(who, deep)
 
 
@@ -116,12 +135,13 @@ def is_free(free: wp.array(dtype=wp.int32), who: int):
 
 @wp.kernel
 def find_gaps(
-    first: wp.int32, at: Near, free: wp.array(dtype=wp.int32), gap: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32),
-    flag: wp.array(dtype=wp.int32),
+    first: wp.int32, at: Near, free: wp.array(dtype=wp.int32), opening: wp.array(dtype=wp.vec3), thin: wp.array(dtype=wp.vec3),
+    gap: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32), width: wp.array(dtype=float), flag: wp.array(dtype=wp.int32),
 ):  # fmt: skip
-    """Marks of cells at gaps: sides at which one is, or NARROW; who holds a cell's centre, -2 for nobody."""
+    """Marks of cells at gaps: sides at which one is, or NARROW; who holds a cell's centre, -2 for nobody; width of the gap."""
     c = first + wp.tid()
     mark = int(0)
+    wide = float(0.0)
     mine = int(-2)
     d = depth_at(at, c)
     if d < 0.0:
@@ -138,8 +158,17 @@ def find_gaps(
                             if is_free(free, a[0]) + is_free(free, b[0]) > 0:
                                 mark = mark | (1 << side)
                                 mine = a[0]
+                                face = int(c)
+                                if side % 2 == 1:
+                                    face = o
+                                share = wp.max(opening[face][side // 2], thin[face][side // 2])
+                                if a[0] == -1 or b[0] == -1:
+                                    share = 1.0 + d + other
+                                wide = wp.max(wide, share)
                                 if a[1] == 1:
                                     mark = mark | (1 << (8 + opposite))
+                                if a[1] == -1:
+                                    mark = mark | THIN
     elif d < 0.5:
         for axis in range(3):
             m = at.near[c][2 * axis]
@@ -155,7 +184,19 @@ def find_gaps(
                             mark = NARROW
     gap[c] = mark
     held[c] = mine
+    width[c] = wide
     flag[c] = int(mark > 0)
+
+
+@wp.func
+def within(mark: int, width: float):
+    """2 for a cell in a gap too narrow for particles, 1 at the edge of one, 0 elsewhere."""
+    n = int(0)
+    if mark > 0 and mark != NARROW and width < PASSED:
+        n = 1
+        if mark >= 256:
+            n = 2
+    return n
 
 
 @wp.kernel
@@ -186,9 +227,28 @@ def lies_along(mark: int, axis: int):
     return mark == NARROW or ((mark >> (2 * axis)) & 3) == 0
 
 
+@wp.func
+def only_beside(at: Near, free: wp.array(dtype=wp.int32), c: int, o: int, axis: int):
+    """1 where a face was taken for a thin wall's because a free body is beside it: one cell is open, the other in thick fixed ground."""
+    hidden = int(o)
+    open_cell = int(c)
+    side = 2 * axis + 1
+    if depth_at(at, c) < 0.0:
+        hidden = c
+        open_cell = o
+        side = 2 * axis
+    found = int(0)
+    if depth_at(at, hidden) < 0.0 and depth_at(at, open_cell) >= 0.0 and at.fixed[hidden][7] <= at.points[hidden][7]:
+        if at.points[open_cell][7] < at.fixed[open_cell][7] and is_free(free, at.mover[open_cell][0]) == 1:
+            w = who_inside(at, hidden, side)
+            if w[1] == 1:
+                found = 1
+    return found
+
+
 @wp.kernel
 def open_gaps(
-    first: wp.int32, at: Near, gap: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32), opening: wp.array(dtype=wp.vec3),
+    first: wp.int32, at: Near, free: wp.array(dtype=wp.int32), gap: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32), opening: wp.array(dtype=wp.vec3),
     thin: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """Open the faces of gaps, close those that lead away from them into the solids."""
@@ -201,7 +261,10 @@ def open_gaps(
             g = gap[c]
             h = gap[o]
             if g > 0 or h > 0:
-                if turns_away(g, 2 * axis) or turns_away(h, 2 * axis + 1):
+                shut = turns_away(g, 2 * axis) or turns_away(h, 2 * axis + 1)
+                if ((g & THIN) > 0 and h == 0) or ((h & THIN) > 0 and g == 0):
+                    shut = True
+                if shut:
                     share[axis] = 0.0
                     mark[axis] = 0.0
                 elif faces_gap(g, 2 * axis) and faces_gap(h, 2 * axis + 1):
@@ -216,6 +279,9 @@ def open_gaps(
                     else:
                         share[axis] = wp.max(share[axis], mark[axis])
                     mark[axis] = 0.0
+            elif mark[axis] > 0.0 and only_beside(at, free, c, o, axis) == 1:
+                share[axis] = mark[axis]
+                mark[axis] = 0.0
     opening[c] = share
     thin[c] = mark
 
@@ -364,6 +430,40 @@ def close_gaps(
             if (g == 1 or h == 1) and wet[c] * wet[o] == 0:
                 share[axis] = 0.0
     opening[c] = share
+
+
+@wp.kernel
+def seal(
+    first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), gap: wp.array(dtype=wp.int32), width: wp.array(dtype=float),
+    face_owner: wp.array(dtype=wp.vec3i), part: wp.array(dtype=wp.vec3), one: wp.array(dtype=wp.vec3i),
+    other: wp.array(dtype=wp.vec3i), walls: Walls, was: wp.array(dtype=wp.vec3), ratio: float, now: wp.array(dtype=wp.vec3),
+    drift: wp.array(dtype=wp.vec3), given: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """Particles find gaps closed that are too narrow for them: their faces move as the solids do.
+
+    Outputs are those of `solid_kernels.constrain`. A cell whose side is nearer than its gap, at a body's edge, stays open outwards.
+    """
+    c = first + wp.tid()
+    u = now[c]
+    d = drift[c]
+    g = given[c]
+    for axis in range(3):
+        o = near[c][2 * axis]
+        if o >= 0:
+            mine = within(gap[c], width[c])
+            its = within(gap[o], width[o])
+            if mine + its >= 2:
+                x = face_center(place_of(grid, c), axis)
+                w = part[c][axis]
+                v = wall_speed(walls, face_owner[c][axis], x)[axis]
+                if w >= 0.0:
+                    v = w * wall_speed(walls, one[c][axis], x)[axis] + (1.0 - w) * wall_speed(walls, other[c][axis], x)[axis]
+                u[axis] = v
+                d[axis] = v
+                g[axis] = v - ratio * was[c][axis]
+    now[c] = u
+    drift[c] = d
+    given[c] = g
 
 
 @wp.kernel

@@ -60,14 +60,15 @@ class Gaps:
         at.mover = run.array("mover", total, wp.vec4i)
         at.lower, at.upper = walls
         gap, held, flag = (self._of(grid, name, wp.int32) for name in ("mark", "held", "flag"))
-        run(kernels.find_gaps, total, [at, self.free, gap, held, flag])
+        width = self._of(grid, "width", wp.float32)
+        run(kernels.find_gaps, total, [at, self.free, opening, thin, gap, held, width, flag])
         flag[total : total + 1].zero_()
         before = self._of(grid, "before", wp.int32)
         self.count = run.scan(flag, before, total + 1)
         if not self.count:
             return
         run(kernels.list_gaps, total, [flag, before, run.array("gap/listed", self.count, wp.int32)])
-        run(kernels.open_gaps, total, [at, gap, held, opening, thin])
+        run(kernels.open_gaps, total, [at, self.free, gap, held, opening, thin])
         fixed_halves = self._of(grid, "halves", cuts.vec6)
         run(kernels.cut_fixed, total, [at, fixed_halves], grain=1024)
         state = [at, self.free, run.array("halves", total, cuts.vec6), fixed_halves, gap, held, opening]
@@ -106,6 +107,13 @@ class Gaps:
         """What closes each face: share of the first owner, -1 where there is one owner only, and both owners."""
         wp = warp()
         return [self._of(grid, "part", wp.vec3), *(self._of(grid, name, wp.vec3i) for name in ("one", "other"))]
+
+    def seal(self, grid: Grid, face_owner: Any, walls: Any, was: Any, ratio: float, faces: list[Any]) -> None:
+        """Close gaps that are too narrow for particles to them; `faces` of `solid_kernels.constrain`, changed."""
+        if self.count:
+            wp = warp()
+            state = [grid.columns, grid.near, self._of(grid, "mark", wp.int32), self._of(grid, "width", wp.float32)]
+            self.run(kernels.seal, grid.cells, [*state, face_owner, *self.parts(grid), walls, was, ratio, *faces])
 
     def quiet(self, grid: Grid, row: Any, right: Any, excess: Any) -> None:
         """Take cells of gaps with their centre in a solid out of the correction of density."""

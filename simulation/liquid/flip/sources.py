@@ -40,7 +40,7 @@ class _Mouth:
         self.travel = 0.0
         """Way of the flow since the last layer [m]."""
         self.share = 1.0
-        """Of its speed, at which it flows in this step."""
+        """Share of its speed at which it flows in this step."""
         self.layers = 0
 
     def world(self, points: F64, ahead: float | F64) -> F64:
@@ -50,7 +50,7 @@ class _Mouth:
 
     @property
     def speed(self) -> float:
-        """Of the flow in this step [m/s]."""
+        """Speed of the flow in this step [m/s]."""
         return self.share * self.inflow.speed
 
     def active(self, time: float, dt: float) -> float:

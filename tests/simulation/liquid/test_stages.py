@@ -30,7 +30,7 @@ def of(level: float, *, x: float = 0.5) -> Stages:
 
 
 def shares(depth: float, *, x: float = 0.5, low: float = 0.0) -> tuple[float, float]:
-    """Of both, at the first look at water of a depth from x = `low` on, for a level of 0.5 m."""
+    """Open shares of both, at the first look at water of a depth from x = `low` on, for a level of 0.5 m."""
     water, stages = block((low, 0, 0), (1.0, 1.0, depth), CELL / 4), of(0.5, x=x)
     stages.look(water, np.full(len(water), (CELL / 4) ** 3), 0.0)
     return float(stages.inflow[0]), float(stages.outflow[0])

@@ -1,12 +1,13 @@
 """The nursery: a process of a workspace that has loaded the engines and forks warm workers on request.
 
-    python -P -m worldagent.execution.nursery WORKSPACE MODULE
+    python -P -m worldagent.execution.nursery WORKSPACE MODULE [PROCESS]
 
 It imports MODULE and the modules that MODULE names in its tuple `WARM`, and nothing else: no engine is initialised,
 there is no thread, no GPU context, no compiler. It makes sure of that before it serves, and ends where it is not so.
 Requests come over a Unix socket from processes of the same user. It serves only processes with surroundings like its
-own (`fingerprint.py`), ends when source changed, when nobody asked for IDLE_S, or when the workspace is gone; one per
-workspace, by a lock. A job needs no nursery: whoever gets no answer starts a cold worker.
+own (`fingerprint.py`), ends when source changed, when nobody asked for IDLE_S, when the workspace is gone, or when the last
+of those who asked has ended, killed or not: PROCESS, which started it, and whoever sent a request. One per workspace, by a
+lock. Workers that it forked go on: a job outlives its server. A job needs no nursery: whoever gets no answer starts a cold worker.
 """
 
 from __future__ import annotations
@@ -98,10 +99,13 @@ def make_sure() -> None:
 class Nursery:
     """Serves requests one after another until it should end."""
 
-    def __init__(self, workspace: Path, module: str, lock: IO[bytes]) -> None:
+    def __init__(self, workspace: Path, module: str, lock: IO[bytes], owner: int = 0) -> None:
         self._workspace, self._module, self._lock = workspace, module, lock
         self._stamp = source_stamp()
         self._surroundings = surroundings()
+        self._owners: dict[int, int] = {}
+        """By process that asked: a descriptor that is readable once it has ended."""
+        self._owned = self._own(owner)
         missing = load(module)
         make_sure()
         self._listening = listening_socket(workspace)
@@ -111,8 +115,11 @@ class Nursery:
     def run(self) -> str:
         """Serve; why it ended."""
         while True:
-            ready = select.select([self._listening], [], [], LOOK_S)[0]
-            if ready:
+            watched: list[Any] = [self._listening, *self._owners.values()]
+            ready = select.select(watched, [], [], LOOK_S)[0]
+            if not self._owner_lives():
+                return "all who asked have ended"
+            if self._listening in ready:
                 line, _ = self._listening.accept()
                 with line:
                     self._answer(line)
@@ -122,6 +129,25 @@ class Nursery:
                 return "the workspace is gone"
             if time.monotonic() - self._idle_since > IDLE_S:
                 return f"idle for {IDLE_S:.0f} s"
+
+    def _own(self, process: int) -> bool:
+        """Count a process among those that asked, until it ends; False where it cannot be watched."""
+        if process <= 0 or process == os.getpid() or process in self._owners:
+            return process in self._owners
+        try:
+            self._owners[process] = os.pidfd_open(process)
+        except ProcessLookupError:  # it has ended already
+            return True
+        except OSError:
+            return False
+        return True
+
+    def _owner_lives(self) -> bool:
+        """False once there were processes that asked, and all have ended."""
+        for process, descriptor in list(self._owners.items()):
+            if select.select([descriptor], [], [], 0.0)[0]:
+                os.close(self._owners.pop(process))
+        return bool(self._owners) or not self._owned
 
     def close(self) -> None:
         """Take the socket away."""
@@ -138,7 +164,7 @@ class Nursery:
     def _answer(self, line: socket.socket) -> None:
         with contextlib.suppress(OSError, ValueError, KeyError, TypeError):  # whoever asks badly gets no answer, and starts cold
             line.settimeout(READ_S)
-            _, user, _ = struct.unpack("3i", line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, struct.calcsize("3i")))
+            process, user, _ = struct.unpack("3i", line.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, struct.calcsize("3i")))
             if user != os.getuid():
                 return
             request = json.loads(_read(line))
@@ -146,6 +172,7 @@ class Nursery:
             if reason is None and request["do"] == "start":
                 self._fork(request, line)
             self._idle_since = time.monotonic()
+            self._owned |= reason is None and self._own(process)
             line.sendall(json.dumps({"served": reason is None, "reason": reason}).encode())
 
     def _objection(self, request: dict[str, Any]) -> str | None:
@@ -168,6 +195,8 @@ class Nursery:
         try:
             self._listening.close()
             self._lock.close()  # a worker must not hold the lock of a nursery that ended
+            for descriptor in self._owners.values():
+                os.close(descriptor)
             os.environ.clear()
             os.environ.update(request["environment"])
             for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -208,7 +237,7 @@ def _is_first(lock: IO[bytes]) -> bool:
 
 def main(arguments: list[str]) -> None:
     """Detach, take the lock, load, serve."""
-    workspace, module = Path(arguments[0]), arguments[1]
+    workspace, module, owner = Path(arguments[0]), arguments[1], int(arguments[2]) if len(arguments) > 2 else 0
     if os.fork() != 0:
         os._exit(0)
     os.setsid()
@@ -218,7 +247,7 @@ def main(arguments: list[str]) -> None:
         return
     (workspace / FOLDER / LOG).open("w").close()
     try:
-        nursery = Nursery(workspace, module, lock)
+        nursery = Nursery(workspace, module, lock, owner)
     except Unfit as reason:
         _say(f"jobs start cold: {reason}")
         return

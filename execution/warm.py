@@ -95,6 +95,6 @@ def is_there(workspace: Path) -> bool:
 
 def start_nursery(workspace: Path, module: str) -> subprocess.Popen[bytes]:
     """Start one; the process that forks it and ends at once. Of several that start only one stays."""
-    command = [sys.executable, "-P", "-m", f"{__package__}.nursery", str(workspace), module]
+    command = [sys.executable, "-P", "-m", f"{__package__}.nursery", str(workspace), module, str(os.getpid())]
     with (workspace / FOLDER / LOG).open("ab") as log:
         return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, cwd=workspace, start_new_session=True)

@@ -37,6 +37,10 @@ PORTION = 16
 """Queries of one pair measured before the overlaps are counted again."""
 DEPTH_SLICE = 8
 """Depths of one slice on the CPU: each takes some milliseconds."""
+SHALLOW = -2.0
+"""Told in place of a depth that is not over what is of interest."""
+ALIKE = 1e-3
+"""[1] Own choice: bodies whose sizes differ by more of the greater are not in one place; such that are differ by rounding."""
 CHUNK = 65_536
 """Queries held at once: about 30 MB of poses and results."""
 
@@ -198,15 +202,27 @@ def _by_kernels(forest: Forest, asked: _Queries, device: str, tolerance: float) 
         distance = np.where(found, distance, np.maximum(distance, np.nextafter(some.skip_above, np.inf)))
         both_convex = np.array([solids[i].convex and solids[j].convex for i, j in pairs[rows]], dtype=bool)
         rough = rows[~both_convex]
-        depth = depths(wood, pairs, poses, touch, rough, device, tolerance=tolerance, enough=some.enough)
+        depth = depths(wood, pairs, poses, touch, rough, device, tolerance=tolerance, enough=some.enough, idle=some.idle)
         distance[rough[depth > 0.0]] = -depth[depth > 0.0]
-        left = np.concatenate([rows[both_convex], rough[depth < 0.0]])
+        settled = (depth == SHALLOW) & _settled(solids, size, pairs[rough])
+        distance[rough[settled]] = -some.idle[rough[settled]]
+        left = np.concatenate([rows[both_convex], rough[(depth < 0.0) & ~settled]])
         for (i, j), same in _by_pair(pairs, left):
             care = Care(tolerance, some.enough[same], some.idle[same])
             distance[same] = measure(solids[i], solids[j], poses.take(same), care=care)
         value[part] = distance
         exact += len(left)
     return value, exact
+
+
+def _settled(solids: Sequence[Solid], size: F64, pairs: I32) -> NDArray[np.bool_]:
+    """True for pairs of which nothing more is asked where no depth is over what is of interest: they are not in one place, nor both open.
+
+    Bodies in one place overlap fully without a point of either inside the other; only such of one size can be.
+    """
+    closed = np.array([(solids[i].closed, solids[j].closed) for i, j in pairs], dtype=bool).reshape(-1, 2)
+    alike = np.abs(size[pairs[:, 0]] - size[pairs[:, 1]]) <= ALIKE * size[pairs].max(axis=1, initial=0.0)
+    return np.asarray(closed.any(axis=1) & ~(closed.all(axis=1) & alike))
 
 
 def depths(
@@ -219,8 +235,9 @@ def depths(
     *,
     tolerance: float = 0.0,
     enough: F64 | None = None,
+    idle: F64 | None = None,
 ) -> F64:
-    """Depth [m] of the queries in `rows`, which touch or overlap; -1 where `clearance` must tell."""
+    """Depth [m] of the queries in `rows`, which touch or overlap; -1 where `clearance` must tell, `SHALLOW` where it is not over `idle`."""
     if len(rows) == 0:
         return np.empty(0)
     from .depth_kernels import deepest
@@ -233,6 +250,7 @@ def depths(
         tolerance,
         PRECISION,
         _put(np.full(len(pairs), np.inf) if enough is None else enough, wp.float64, device),
+        _put(np.zeros(len(pairs)) if idle is None else idle, wp.float64, device),
         _put(rows.astype(np.int32), wp.int32, device),
     ]
     launch(deepest, len(rows), [wood, *query, depth], device=device, slice_size=DEPTH_SLICE)

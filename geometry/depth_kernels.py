@@ -163,7 +163,7 @@ def one_way(
             top = top - 1
             piece = stack[top]
             pieces = pieces + 1
-            if pieces > PATIENCE or (pieces > DOUBT and best <= noise) or top + 4 > PIECES:
+            if pieces > PATIENCE or (pieces > DOUBT and best <= wp.max(noise, known)) or top + 4 > PIECES:
                 return wp.float64(-1.0)
             a = corner(piece, 0)
             b = corner(piece, 1)
@@ -211,21 +211,29 @@ def deepest(
     tolerance: wp.float64,
     precision: wp.float64,
     enough: wp.array(dtype=wp.float64),
+    idle: wp.array(dtype=wp.float64),
     query: wp.array(dtype=wp.int32),
     depth: wp.array(dtype=wp.float64),
 ):
-    """Depth of two bodies that touch or overlap [m]; -1 where it is not above `noise` or patience ended."""
+    """Depth of two bodies that touch or overlap [m]; -1 where it is not above `noise` or patience ended, -2 where it is not above `idle`.
+
+    Depths up to `idle` are of no interest, and so no piece is halved for them.
+    """
     i = query[first + wp.tid()]
     a = solid_a[i]
     b = solid_b[i]
     turn = rotation[i]
     shift = translation[i]
     best = ZERO
+    if idle[i] > noise[i]:
+        best = idle[i]
     if wood.volume[b] > 0:
         best = one_way(wood, a, b, turn, shift, best, noise[i], tolerance, precision, enough[i])
     if best >= ZERO and best < enough[i] and wood.volume[a] > 0:
         back = wp.transpose(turn)
         best = one_way(wood, b, a, back, -(back * shift), best, noise[i], tolerance, precision, enough[i])
-    if best <= noise[i]:
+    if best >= ZERO and idle[i] > noise[i] and best <= idle[i]:
+        best = wp.float64(-2.0)
+    elif best <= noise[i]:
         best = wp.float64(-1.0)
     depth[first + wp.tid()] = best

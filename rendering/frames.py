@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,16 +19,19 @@ from ..worlds.candidate import Candidate
 from ..worlds.canonical import digest_of, source_digest
 from ..worlds.errors import EngineError, InputError
 from ..worlds.plates import SEEDS, Plate, View
+from ..worlds.spec import Shot
 from .land.haze import hazed
 from .tracer.denoise import denoise, meter, tonemap
 from .tracer.scene import SceneRenderer
 from .tracer.variant import choose_variant
 from .views import camera_for, shot_of
 
-__all__ = ["FrameRenderer", "frame_path", "frame_recipe", "render_frame", "render_sequence", "renderer_versions"]
+__all__ = ["FrameRenderer", "exposures", "frame_path", "frame_recipe", "render_frame", "render_sequence", "renderer_versions"]
 
 METER_WIDTH = 160
 METER_SAMPLES = 8
+SAME_LIGHT = 2.0
+"""[stops] Own choice: meters of two shots that differ by less see the same light; a lit room is 5 to 8 stops darker than the day outside."""
 NIGHT_STOPS = -1.5
 """Own choice: a night is exposed this much darker than the meter has it, so that it is seen to be one."""
 SEED = 1
@@ -44,37 +48,73 @@ def _check_frame(candidate: Candidate, frame: int) -> None:
         raise InputError(f"frame {frame} is not in 0..{candidate.last_frame}; choose one of these or bake further")
 
 
+def exposures(metered: Mapping[str, float]) -> dict[str, float]:
+    """One exposure for the shots of the same light: what the meter asks of each differs by what stands before it, not by the light.
+
+    Shots whose meters lie within `SAME_LIGHT` of one another, sorted, share the geometric mean; a room and the land before it do not.
+    """
+    found: dict[str, float] = {}
+    group: list[str] = []
+    for name in sorted(metered, key=lambda n: metered[n]):
+        if group and math.log2(metered[name] / metered[group[-1]]) > SAME_LIGHT:
+            found |= _shared(metered, group)
+            group = []
+        group.append(name)
+    return found | _shared(metered, group)
+
+
+def _shared(metered: Mapping[str, float], group: Sequence[str]) -> dict[str, float]:
+    if len(group) == 1:
+        return {group[0]: metered[group[0]]}
+    mean = math.exp(sum(math.log(metered[name]) for name in group) / max(len(group), 1))
+    return dict.fromkeys(group, mean)
+
+
 class FrameRenderer:
-    """Renders frames of one candidate; keeps the scene and each shot's exposure between frames."""
+    """Renders frames of one candidate; keeps the scene and the exposure of its shots between frames."""
 
     def __init__(self, candidate: Candidate, *, camera: Camera | None = None) -> None:
         self.candidate = candidate
         self._scene = SceneRenderer(candidate, eyes=() if camera is None else (camera.position,))
-        self._gains: dict[str | None, float] = {}
+        self._unshot: float | None = None
 
     def _gain(self, shot: str | None, frame: int, camera: Camera | None) -> float:
-        """Exposure of a shot, metered once at its first frame so that it does not pump."""
-        look = self.candidate.spec.look
-        if camera is None and shot in self._gains:
-            return self._gains[shot]
-        first = frame
-        if camera is None:
-            first = 0 if shot is None else min(self.candidate.spec.shots[shot].frames[0], self.candidate.last_frame)
-        width, height = METER_WIDTH, round(METER_WIDTH * look.height / look.width)
-        if camera is None:
-            view = camera_for(self.candidate, first, shot=shot, width=width, height=height)
-        else:
+        """Exposure of a shot, or of another camera: one for all that stand in the same light, see `exposures`.
+
+        Each is metered once, a shot at its first frame, so that it does not pump.
+        """
+        if camera is not None:
             height = max(1, round(METER_WIDTH * camera.height / camera.width))
-            view = Camera(camera.position, camera.target, camera.fov_deg, width, height)
-        self._scene.pose(first)
+            own = self._metered(Camera(camera.position, camera.target, camera.fov_deg, METER_WIDTH, height), frame)
+            near = [g for g in self._shot_gains.values() if abs(math.log2(g / own)) <= SAME_LIGHT]
+            return min(near, key=lambda g: abs(math.log2(g / own)), default=own)
+        if shot is not None:
+            return self._shot_gains[shot]
+        if self._unshot is None:
+            self._unshot = self._metered(self._small_view(None, 0), 0)
+        return self._unshot
+
+    @cached_property
+    def _shot_gains(self) -> dict[str, float]:
+        """Exposure by shot."""
+        last = self.candidate.last_frame
+        first = {name: min(shot.frames[0], last) for name, shot in self.candidate.spec.shots.items()}
+        return exposures({name: self._metered(self._small_view(name, frame), frame) for name, frame in first.items()})
+
+    def _small_view(self, shot: str | None, frame: int) -> Camera:
+        look = self.candidate.spec.look
+        height = round(METER_WIDTH * look.height / look.width)
+        return camera_for(self.candidate, frame, shot=shot, width=METER_WIDTH, height=height)
+
+    def _metered(self, view: Camera, frame: int) -> float:
+        """Factor on the radiance that the meter asks for, with the stops of the look."""
+        look = self.candidate.spec.look
+        self._scene.pose(frame)
         radiance = self._scene.radiance(view, METER_SAMPLES, seed=SEED)
         features = self._scene.features(view)
         # Denoised first: the mean logarithm of noisy pixels is too low.
         stops = look.exposure + (NIGHT_STOPS if look.sky == "night" else 0.0)
-        gain = meter(denoise(radiance, features), features.normals) * math.pow(2.0, stops)
-        if camera is None:
-            self._gains[shot] = gain
-        return gain
+        return meter(denoise(radiance, features), features.normals) * math.pow(2.0, stops)
 
     def render(
         self,
@@ -183,7 +223,8 @@ def frame_recipe(candidate: Candidate, frame: int, *, width: int, height: int, s
         {
             "frame": frame,
             "picture": [width, height, samples, denoise],
-            "shot": None if name is None else spec.shots[name].model_dump(mode="json", exclude={"covers", "subjects", "intent"}),
+            "shot": None if name is None else _seen_of(spec.shots[name]),
+            "shots": {k: _seen_of(s) for k, s in spec.shots.items()},
             "look": spec.look.model_dump(mode="json"),
             "appearance": {k: m.appearance.model_dump(mode="json") for k, m in spec.materials.items()},
             "poses": {k: [e.pose.model_dump(mode="json"), e.active, e.motion] for k, e in spec.entities.items()},
@@ -194,6 +235,12 @@ def frame_recipe(candidate: Candidate, frame: int, *, width: int, height: int, s
         variant.name,
         source_digest(Path(__file__).parent),
     )
+
+
+def _seen_of(shot: Shot) -> dict[str, Any]:
+    """What decides a shot's pictures: of the others, since all shots of one light share their exposure."""
+    found: dict[str, Any] = shot.model_dump(mode="json", exclude={"covers", "subjects", "intent"})
+    return found
 
 
 def _done(path: Path, recipe: str) -> bool:

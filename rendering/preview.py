@@ -16,6 +16,7 @@ from .categories.registry import layers_of
 from .drawing import caption, distinct_color, label_regions, region_edges
 from .land.preview import LandLayer
 from .land.scenery import cut_from, is_stems
+from .panes import LAYERS, PANE, Glass, glazed
 from .shades import pattern_shade
 from .views import active, camera_for, focus_bounds, part_frame
 
@@ -23,8 +24,6 @@ __all__ = ["PreviewRenderer", "id_view", "preview"]
 
 SHADOW_PIXELS = 640
 """Side of the sun's depth picture."""
-PANE, GLAZE = 0.5, 0.12
-"""Transmission from which on a part is a pane that one sees liquids through, and how much of its own colour it shows."""
 SUN_DISTANCE = 30.0
 """Distance of the sun's eye in focus diagonals; far enough that its rays are nearly parallel."""
 SKY, HORIZON, BELOW = (0.30, 0.48, 0.78), (0.74, 0.80, 0.86), (0.42, 0.40, 0.38)
@@ -63,6 +62,11 @@ class PreviewRenderer:
         self._looks = [candidate.spec.materials[part.material].appearance for _, part in self.parts]
         self._colors = self._part_colors()
         self._panes = [k for k, look in enumerate(self._looks) if look.transmission >= PANE]
+        self._glass = Glass(
+            self._colors[: len(self.parts)],
+            np.array([look.roughness for look in self._looks]),
+            np.array([look.transmission for look in self._looks]),
+        )
         self._stems = [k for k, (name, part) in enumerate(self.parts) if is_stems(candidate, name, part.part)]
         self._frames = [part_frame(candidate, name, part) for name, part in self.parts]
 
@@ -86,6 +90,20 @@ class PreviewRenderer:
             shown = (seen.ids >= 0) & (seen.depth < self._cast_opaque(frame, camera, panes=False, stems=True).depth)
             image = over(image, seen, first, shown)
         return image
+
+    def _cast_panes(self, frame: int, camera: Camera) -> list[IdImage]:
+        """Parts of glass, the nearest at each pixel first; each further picture leaves out the parts that those before show."""
+        poses = [self.candidate.pose(name, frame, part.body) for name, part in self.parts]
+        left = [k for k in self._panes if active(self.candidate, self.parts[k][0], frame)]
+        found: list[IdImage] = []
+        while left and len(found) < LAYERS:
+            seen = self._shaped(frame).cast(camera, poses, only=left)
+            shown = set(np.unique(seen.ids).tolist()) - {-1}
+            if not shown:
+                break
+            found.append(seen)
+            left = [k for k in left if k not in shown]
+        return found
 
     def _cast_opaque(self, frame: int, camera: Camera, *, panes: bool = True, stems: bool = False) -> IdImage:
         """Bodies and opaque loose matter; pictures leave out the stems of plants, which the layer of land draws."""
@@ -122,7 +140,7 @@ class PreviewRenderer:
         distance = SUN_DISTANCE * size
         fov = 2 * math.degrees(math.atan(0.62 / SUN_DISTANCE))
         eye = Camera(box.center + distance * self._sun(), box.center, fov, SHADOW_PIXELS, SHADOW_PIXELS)
-        nearest = self._cast_opaque(frame, eye).depth
+        nearest = self._cast_opaque(frame, eye, panes=False).depth
         bias = 2.0 * 1.24 * size / SHADOW_PIXELS
 
         def share(points: F64) -> F32:
@@ -140,7 +158,7 @@ class PreviewRenderer:
 
     def preview(self, frame: int, camera: Camera) -> U8:
         """Hemisphere light, sun with shadows, dark lines where entities meet, frame number and time."""
-        image = self._cast_opaque(frame, camera, panes=not self._clear)
+        image = self._cast_opaque(frame, camera, panes=False)
         eye, directions = camera.rays()
         hit = image.ids >= 0
         height = directions[..., 2:]
@@ -170,6 +188,7 @@ class PreviewRenderer:
         seen = np.ones(hit.shape)
         if self._clear:
             image = self._paint_clear(image, picture, seen, camera, (frame, day))
+        image = self._paint_panes(image, picture, camera, (frame, day))
         shown = np.asarray(np.round(255 * np.clip(picture, 0, 1) ** (1 / 2.2)), dtype=np.uint8)
         edges = region_edges(self.entity_ids(image)) & ~((image.ids >= len(self.parts)) & (image.ids < self._first_clear))
         shown[edges] = (shown[edges] * 0.45 ** seen[edges][:, None]).astype(np.uint8)
@@ -185,7 +204,7 @@ class PreviewRenderer:
         return IdImage(np.where(hidden, -1, image.ids), depth, image.normals)
 
     def _paint_clear(self, image: IdImage, picture: F64, seen: F64, camera: Camera, when: tuple[int, Daylight]) -> IdImage:
-        """Paint matter that one sees through into a picture, and over it the panes that stand before it; `seen` is left of what is behind."""
+        """Paint matter that one sees through into a picture; `seen` is left of what is behind."""
         frame, day = when
         _, directions = camera.rays()
         for layer, first in self._clear:
@@ -198,10 +217,24 @@ class PreviewRenderer:
         for volume in self._volumes:
             picture[:], left = volume.laid(picture, image.depth, frame, camera, day)
             seen *= left
-        pane = self._cast_opaque(frame, camera)
-        before = (pane.ids != image.ids) & (pane.depth < image.depth)
-        picture[before] = picture[before] * (1 - GLAZE) + GLAZE * self._colors[pane.ids[before]]
-        return over(image, pane, 0, before)
+        return image
+
+    def _paint_panes(self, image: IdImage, picture: F64, camera: Camera, when: tuple[int, Daylight]) -> IdImage:
+        """Paint glass over what stands behind it, the farthest layer first."""
+        frame, day = when
+        layers = self._cast_panes(frame, camera)
+        if not layers:
+            return image
+        _, directions = camera.rays()
+        behind = image.depth
+        for pane in reversed(layers):
+            before = (pane.ids >= 0) & (pane.depth < behind)
+            faces = pane.normals[before].astype(np.float64)
+            picture[before] = glazed(
+                picture[before], self._glass, pane.ids[before], faces, directions[before], day.sun, np.array(HORIZON)
+            )
+            image = over(image, pane, 0, before & (pane.depth < image.depth))
+        return image
 
     def _shade(self, frame: int, ids: Any, points: F64, normals: F64) -> F64:
         """Share of the material's colour at points of parts, by their patterns; shape (n,)."""

@@ -27,6 +27,7 @@ class Arguments:
     def __init__(self, binding: ToolBinding) -> None:
         context, *names = inspect.signature(binding.function).parameters
         self.tool = binding.name
+        self._words = binding.words
         self.names: tuple[str, ...] = tuple(names)
         self._metadata = func_metadata(binding.function, skip_names=[context], structured_output=False)
         schema = self._metadata.arg_model.model_json_schema()
@@ -75,8 +76,11 @@ class Arguments:
         allowed = _allowed(self._inside(schema, inner))
         options = _options(schema)
         if found["type"] in ("literal_error", "enum") and not inner and options:
-            close = difflib.get_close_matches(str(found["input"])[:100], options, n=1, cutoff=0.4)
-            hint = f"; did you mean {close[0]!r}?" if close else ";"
+            tried = str(found["input"])[:100].strip().lower().replace(" ", "_")
+            leads = self._words.get(str(argument), {})
+            meant = leads.get(tried, leads.get(tried.removesuffix("s"), ""))
+            close = difflib.get_close_matches(tried, options, n=1, cutoff=0.4)
+            hint = f": {meant};" if meant else f"; did you mean {close[0]!r}?" if close else ";"
             return f"{where} = {shown(found['input'], _SHOWN_CHARACTERS)} is not allowed{hint} one of {', '.join(map(repr, options))}"
         length = _length(schema)
         if length is not None and isinstance(found["input"], list | tuple) and len(found["input"]) != length:

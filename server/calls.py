@@ -8,8 +8,10 @@ import logging
 import math
 import secrets
 import threading
+import time
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import anyio
@@ -20,6 +22,7 @@ from mcp.types import CallToolResult, ContentBlock, ImageContent, ResourceLink, 
 
 from ..workflow.answers import fitted
 from ..workflow.context import Link, ToolBinding, ToolContext, ToolReply
+from ..workflow.left_behind import UNKNOWN, left_behind
 from ..worlds.ablation import ablation, ablation_words
 from ..worlds.errors import EngineError, EvidenceError, InputError, LimitError, RefusedError, SpecError, WorldAgentError
 from ..worlds.quoting import shown, visible
@@ -117,10 +120,13 @@ async def run_in_thread(
     """
     gone = threading.Event()
     progress = Progress(binding.name, send)
+    began = time.time()
 
     def work() -> CallToolResult | MCPError:
+        context = context_of(progress.report, gone.is_set)
+        kept = partial(left_behind, context, arguments, began)
         try:
-            return result_of_reply(binding, lambda: binding.function(context_of(progress.report, gone.is_set), **arguments))
+            return result_of_reply(binding, lambda: binding.function(context, **arguments), kept)
         except MCPError as error:  # raised below, since a task group would wrap it
             return error
 
@@ -137,8 +143,13 @@ async def run_in_thread(
     return result
 
 
-def result_of_reply(binding: ToolBinding, make: Callable[[], ToolReply]) -> CallToolResult:
+def result_of_reply(binding: ToolBinding, make: Callable[[], ToolReply], kept: Callable[[], str] | None = None) -> CallToolResult:
     """Reply of `make` as content; an exception of it as an error that the calling model reads.
+
+    Args:
+        binding: The tool.
+        make: Gives the reply.
+        kept: Tells what the call stored, should a defect end it.
 
     Raises:
         MCPError: `make` raised it: an error of the protocol, which no model could avoid.
@@ -151,7 +162,7 @@ def result_of_reply(binding: ToolBinding, make: Callable[[], ToolReply]) -> Call
         return error_result(error_text(error))
     except (Exception, SystemExit) as error:
         told = storage_failure(error)
-        return _unexpected(binding.name, error) if told is None else error_result(error_text(told))
+        return _unexpected(binding.name, error, kept) if told is None else error_result(error_text(told))
 
 
 def reply_result(binding: ToolBinding, reply: ToolReply) -> CallToolResult:
@@ -193,11 +204,11 @@ def error_result(text: str) -> CallToolResult:
     return CallToolResult(content=[TextContent(type="text", text=visible(text))], is_error=True)
 
 
-def _unexpected(tool: str, error: BaseException) -> CallToolResult:
-    """A defect: the trace goes to the log, the caller gets its number."""
+def _unexpected(tool: str, error: BaseException, kept: Callable[[], str] | None) -> CallToolResult:
+    """A defect: the trace goes to the log, the caller gets its number and what was stored all the same."""
     number = secrets.token_hex(4)
     logger.error("error %s in tool %s", number, tool, exc_info=error)
     return error_result(
         f"internal error {number} in {tool}: a defect of the server, not of your arguments; the trace is in the "
-        "server's log. Nothing was accepted by this call. Look at the world with inspect_world before you go on"
+        f"server's log. {kept() if kept is not None else UNKNOWN}"
     )

@@ -3,6 +3,7 @@
 from ..workflow.context import Handover, Picture, ToolBinding, ToolContext, ToolReply
 from ..workflow.links import WORLD_VIEW
 from ..workflow.motion_replies import motion_reply, sketch_reply
+from ..workflow.tried_words import CHECK_SCOPES, INSPECT_PARTS, RENDER_KINDS
 from .bake_sim import bake_sim
 from .build_interior import build_interior, interior_reply
 from .build_terrain import build_terrain, landscape_reply
@@ -77,6 +78,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         idempotent=True,
         open_world=True,
         jobs={"check": verdict_reply, "review": verdict_reply, "accept": verdict_reply},
+        words={"scope": CHECK_SCOPES},
         meta={**_found_by("verify a world, acceptance, requirements matrix"), **_SEEN},
     ),
     ToolBinding(
@@ -86,6 +88,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         idempotent=True,
         pictures=True,
         jobs={"final": film_reply},
+        words={"kind": RENDER_KINDS},
         meta=_found_by("render pictures, contact sheet, plots, final video of a world"),
     ),
     ToolBinding(
@@ -93,6 +96,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         "Read a world's data",
         read_only=True,
         idempotent=True,
+        words={"part": INSPECT_PARTS},
         meta=_found_by("read a world's specification, rows, measurements, states, records"),
     ),
     ToolBinding(

@@ -90,6 +90,8 @@ class ToolBinding:
     """True if replies can hold pictures: then the tool declares no output schema."""
     jobs: Mapping[str, Callable[[Job], ToolReply]] = field(default_factory=dict)
     """By kind of the jobs that the tool starts: the reply that the tool gives when such a job has ended; raises its error."""
+    words: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """By argument: values that callers try and that it does not have, with the call that tells what they look for."""
     meta: Mapping[str, Any] = field(default_factory=dict)
     """`_meta` of the tool, for clients that read it: search words, size of results, a user interface."""
 

@@ -24,6 +24,8 @@ __all__ = [
 SEEN_JOBS = 200
 START_S = 5.0
 """Start of a job's process, kernels from their cache, and geometry [s]. Own measurement."""
+MANY_PIECES, HEAVIEST = 300, 3
+"""Own choice: collision pieces of a world from which on a reply names the entities that have most, and how many of them."""
 LAST_PROBES = 5
 """Own choice: probes whose pace tells how busy and how fast the machine is."""
 CHECKS_S, CHECKS_SHARE = 1.5, 0.2
@@ -80,6 +82,8 @@ class Usual(NamedTuple):
     checks: float
     reruns: float
     """Runs of the world without its causes, and those of robustness."""
+    heaviest: tuple[str, ...] = ()
+    """Entities with most collision pieces, in words, where there are many."""
 
     @property
     def whole(self) -> float:
@@ -88,9 +92,10 @@ class Usual(NamedTuple):
 
     @property
     def told(self) -> str:
-        """What the parts are, for a reply."""
+        """Parts in words, for a reply."""
         again = f", {self.reruns:.0f} s runs without causes" if self.reruns >= 1 else ""
-        return f"the whole probe (simulation {self.simulation:.0f} s{again}, checks {self.checks:.0f} s)"
+        pieces = f"; most collision pieces: {', '.join(self.heaviest)}" if self.heaviest else ""
+        return f"the whole probe (simulation {self.simulation:.0f} s{again}, checks {self.checks:.0f} s{pieces})"
 
 
 def usual_seconds(spec: WorldSpec, frames: int) -> Usual:
@@ -103,7 +108,18 @@ def usual_seconds(spec: WorldSpec, frames: int) -> Usual:
     rate = sum(category.seconds(spec) or 0.0 for category in CATEGORIES.values()) / max(seconds, 1.0 / plan.fps)
     simulation = rate * (plan.lead + (frames - 1) / plan.fps)
     reruns = rate * rerun_seconds(spec)
-    return Usual(simulation, CHECKS_S + CHECKS_SHARE * simulation, reruns)
+    return Usual(simulation, CHECKS_S + CHECKS_SHARE * simulation, reruns, _heaviest(spec))
+
+
+def _heaviest(spec: WorldSpec) -> tuple[str, ...]:
+    """Entities of rigid instances with most collision pieces; none where there are few in all."""
+    from ..worlds.categories.rigid.facts import collision_pieces
+
+    members = {m for solver in spec.simulation.rigid.values() for m in solver.members}
+    pieces = {n: collision_pieces(e) for n, e in spec.entities.items() if n in members}
+    if sum(pieces.values()) < MANY_PIECES:
+        return ()
+    return tuple(f"{n} {pieces[n]}" for n in sorted(pieces, key=lambda n: -pieces[n])[:HEAVIEST])
 
 
 def pace_seen(jobs: JobStore) -> float:

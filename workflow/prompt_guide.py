@@ -49,6 +49,8 @@ ENDING = 3
 """Letters by which a word may be longer than an entry of a list: endings of English and German."""
 BASE = ("world-building", "rigid-bodies")
 """Skills of every world, after those that its words call for."""
+MANY = 4
+"""Own choice: a section for which so many different words call is told before others of its skill."""
 SKILLS = Path(__file__).resolve().parent.parent / "skills"
 _DEFAULT = ("world-building", "examples/two_blocks.json")
 
@@ -168,7 +170,8 @@ def _sections(words: list[str], called: list[_Called], room: int) -> tuple[dict[
             share, rest = spare * weight // rest, rest - weight
             for place in (p for p in texts if p.startswith(f"{name}/")):
                 cost = size_of({place: texts[place]})
-                if cost <= share:
+                # A section that much of the prompt speaks of comes before the skill's own share is looked at.
+                if cost <= share or (cost <= spare and _calls(name, place, words) >= MANY):
                     told[place] = texts[place]
                     share, spare = share - cost, spare - cost
     # What no skill's own share had room for may fit into what the others left.
@@ -176,6 +179,11 @@ def _sections(words: list[str], called: list[_Called], room: int) -> tuple[dict[
         if place not in told and size_of({**told, place: text}) <= room:
             told[place] = text
     return told, [place for place in texts if place not in told]
+
+
+def _calls(name: str, place: str, words: list[str]) -> int:
+    """Number of words of the prompt that call for a section."""
+    return len(_among(_guides()[name].sections.get(place.partition("#")[2], ()), words))
 
 
 def _text(name: str, heading: str) -> str:

@@ -11,6 +11,7 @@ from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
 from ..worlds.hints import did_you_mean
 from .answers import paged
+from .bond_states import bonds_at, bonds_over
 from .matter_states import forces_on, loose_told, reader_of_loose, rounded, stretch_told
 
 __all__ = ["MAX_SAMPLES", "motion_over", "state_at"]
@@ -87,7 +88,8 @@ def state_at(
             found |= {"asleep": True} if place[0].series("asleep")[frame, place[1]] else {}
         forces = {other: rounded(force, 3) for other, force in forces_on(candidate, asked, frame).items()}
         stretch = stretch_told(candidate, asked, frame)
-        return found | ({"forces": forces} if forces else {}) | ({"stretch": stretch} if stretch else {})
+        bonds = bonds_at(candidate, name, frame)
+        return found | ({"forces": forces} if forces else {}) | ({"stretch": stretch} if stretch else {}) | bonds
 
     page, place = paged([(n, told(n)) for n in names[: offset + limit]], offset, limit)
     return {"frame": frame, "entities": dict(page)}, _of(place, len(names), offset + len(page))
@@ -120,7 +122,8 @@ def motion_over(
             found["spin"] = [rounded(spin[k], 3) for k in chosen]
             still = [k for k in chosen if place[0].series("asleep")[k, place[1]]]
             found |= {"asleep_at": still} if still else {}
-        return found | _forces(candidate, asked, chosen) | _stretched(candidate, asked, chosen)
+        bonds = bonds_over(candidate, name, chosen)
+        return found | _forces(candidate, asked, chosen) | _stretched(candidate, asked, chosen) | bonds
 
     page, place = paged([(n, told(n)) for n in names[: offset + limit]], offset, limit)
     return {"frames": chosen, "step": step, "entities": dict(page)}, _of(place, len(names), offset + len(page))

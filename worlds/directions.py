@@ -64,7 +64,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/entities/*/pose", POSE, "placement", "repair", "where it stands"),
     *parameters("/entities/*", "material parts/*/material", "material", "repair", "what it is made of", physical=True),
     *parameters("/entities/*", "motion", "shape", "either", "what is authored or fixed need not happen by itself"),
-    *parameters("/entities/*/asset", ". generator parameters seed positions positions/* bodies", "shape", "repair", "how its parts were made; rows judge the parts"),
+    *parameters("/entities/*/asset", ". generator parameters seed positions positions/* fixed bodies", "shape", "repair", "how its parts were made; rows judge the parts"),
     *parameters("/entities/*", "afloat", "placement", "either", "what is said to float needs nothing to hold it"),
     *parameters("/entities/*", "active", "shape", "either", "checks judge a body while it is there: fewer frames ask for less"),
     *parameters("/entities/*", "nominal_diagonal", "dimensions", "either", "the size that its role implies"),

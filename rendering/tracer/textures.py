@@ -1,4 +1,4 @@
-"""Procedural, seamlessly repeating colour tiles for the patterns of `Appearance`: wood, checker, concrete.
+"""Procedural, seamlessly repeating colour tiles for the patterns of `Appearance`: wood, checker, concrete, tiles.
 
 A tile is a linear RGB picture whose mean is the material's colour. One *period* is `Appearance.pattern_scale`;
 a wood tile shows `BOARDS` boards, each one period wide. Boards start at their own joint, so that a part smaller
@@ -15,6 +15,9 @@ import numpy as np
 
 from ...worlds.arrays import F32
 
+Pattern = Literal["plain", "wood", "checker", "concrete", "tiles"]
+"""Patterns of `Appearance`."""
+
 __all__ = ["BOARDS", "BOARD_LENGTH", "Tile", "board_joint", "pattern_tiles"]
 
 BOARDS = 4
@@ -22,7 +25,11 @@ BOARDS = 4
 BOARD_LENGTH = 16
 """Length of a board in periods; also the length of a wood tile."""
 PIXELS = 128
-"""Pixels across one period of wood."""
+"""Pixels across one period of wood, or one tile of a floor."""
+JOINT = 0.02
+"""[1] Own choice: width of a joint as share of a tile: 4 mm of 200."""
+GROUT = 0.42
+"""[1] Own choice: brightness of a joint as share of the tiles'."""
 
 
 @dataclass(frozen=True)
@@ -121,14 +128,35 @@ def _checker(color: tuple[float, float, float]) -> Tile:
     return Tile(np.array([[light, dark], [dark, light]], dtype=np.float32), (1, 1), sharp=True)
 
 
-def pattern_tiles(
-    pattern: Literal["plain", "wood", "checker", "concrete"], color: tuple[float, float, float], *, seed: int = 0
-) -> dict[str, Tile]:
+def _paved(color: tuple[float, float, float], seed: int) -> Tile:
+    """Six by six square tiles, none quite like the next, with joints between and a bevel at their edges."""
+    random = np.random.default_rng([seed, 4])
+    count, size = 6, PIXELS
+    at = (np.arange(size, dtype=np.float32) + 0.5) / size
+    edge = np.minimum(at, 1.0 - at)
+    inside = np.minimum(edge[:, None], edge[None])
+    joint = inside < JOINT / 2
+    bevel = np.clip(1.0 - (inside - JOINT / 2) / JOINT, 0.0, 1.0)
+    rows = []
+    for _ in range(count):
+        row = []
+        for _ in range(count):
+            shade = (
+                random.uniform(0.93, 1.07) + 0.02 * _noise(random, size, size, 30, 30) + 0.012 * _noise(random, size, size, 1, 1)
+            )
+            row.append(np.where(joint, GROUT * (1.0 + 0.08 * _noise(random, size, size, 1, 1)), shade * (1.0 - 0.12 * bevel)))
+        rows.append(row)
+    return Tile(_tint(np.block(rows).astype(np.float32), color, (1.0, 1.0, 1.0)), (count, count))
+
+
+def pattern_tiles(pattern: Pattern, color: tuple[float, float, float], *, seed: int = 0) -> dict[str, Tile]:
     """Tiles of a pattern by layer: `side`, and `end` for the end grain of wood; empty for `plain`."""
     if pattern == "wood":
         return {"side": _wood(color, seed), "end": _end_grain(color, seed)}
     if pattern == "concrete":
         return {"side": _concrete(color, seed)}
+    if pattern == "tiles":
+        return {"side": _paved(color, seed)}
     if pattern == "checker":
         return {"side": _checker(color)}
     return {}

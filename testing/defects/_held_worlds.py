@@ -105,9 +105,10 @@ def _on_its_wall(folder: Path, m: float, rng: RNG) -> World:
 
 
 def _row_of_beads(folder: Path, m: float, rng: RNG, count: int, *culprits: str) -> World:
-    """Static beads beside a pole, m from it and from each other."""
+    """Static beads beside a pole that is set into the floor, m from it and from each other."""
     scene, size = Scene(rng), float(rng.uniform(0.1, 0.2))
     scene.add("pole", Box(size=(0.1, 0.1, 2)), at=(0, 0, 1))
+    scene.found("pole")
     for k in range(count):
         scene.add(f"bead{k}", Box(size=(size, size, size)), at=(0.05 + (k + 0.5) * size + (k + 1) * m, 0, 1.5))
     return scene.world(folder, *culprits, still=True)

@@ -92,8 +92,12 @@ class Scene:
         name = f"post{sum(n.startswith('post') for n in self.entities)}"
         self.add(name, Box(size=(0.02, 0.02, top)), at=(x, y, top / 2))
         if founded:
-            reason = "the post is set into the floor"
-            self.relations[f"set_{name}"] = Fastened(a="floor", b=name, max_depth=1e-3, reason=reason)
+            self.found(name)
+
+    def found(self, name: str) -> None:
+        """Set an upright thing into the floor: what hangs on its side does not tip it."""
+        reason = f"the {name.rstrip('0123456789')} is set into the floor"
+        self.relations[f"set_{name}"] = Fastened(a="floor", b=name, max_depth=1e-3, reason=reason)
 
     def gallows(self) -> None:
         """A static beam along x with its underside at 3 m, on an arm and a post beside it, which is set into the floor."""

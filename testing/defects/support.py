@@ -427,7 +427,7 @@ def _in_a_hollow(folder: Path, m: float, rng: RNG) -> World:
         # A beam stuck in a wall: pressed up at the slot's mouth and down at its end.
         for name, z in (("rest", 0.9), ("lid", 1.1 + m)):
             scene.add(name, Box(size=(0.6, 0.6, 0.1)), at=(-0.3, 0, z))
-        scene.post(-0.55, 0.25, 1.1)
+        scene.post(-0.55, 0.25, 1.1, founded=True)
         scene.add("thing", Box(size=(1.5, 0.1, 0.1)), at=(0.25, 0, 1.0), motion="dynamic")
     scene.on("rest", "thing")
     return scene.world(folder, still=True)

@@ -253,3 +253,103 @@ def test_engines_compute_the_same_bytes_in_warm_and_cold_workers(store, switched
         assert run("computed", warm=True) == cold
     finally:
         os.kill(pid, signal.SIGKILL)
+
+
+ASKER = """
+import sys, time
+from pathlib import Path
+from worldagent.execution import warm
+warm.start_nursery(Path(sys.argv[1]), "execution_entries").wait()
+print("asked", flush=True)
+time.sleep(600)
+"""
+"""A process that starts a nursery, as a server does, and waits."""
+
+
+def _of_workspace(workspace):
+    """Processes that name a workspace in their command line: nurseries, and who asked for them."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                words = (entry / "cmdline").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if str(workspace).encode() in words:
+                found.append(int(entry.name))
+    return found
+
+
+@pytest.fixture
+def asking(store, switched_on, until):
+    """Starts processes that ask for a nursery of the store's workspace, and ends them."""
+    made = []
+    JobTable(store.workspace)
+
+    def start():
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-c", ASKER, str(store.workspace)],
+            stdout=subprocess.PIPE,
+            env={**os.environ, "WORLDAGENT_WARM": "1"},
+        )
+        made.append(process)
+        assert process.stdout.readline() == b"asked\n"
+        until(lambda: (store.workspace / FOLDER / warm.SOCKET).exists() and _pid(store.workspace))
+        return process
+
+    yield start
+    for process in made:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_nursery_ends_with_the_one_that_asked_for_it_however_that_ended(asking, store, until, number):
+    before = _of_workspace(store.workspace)
+    assert before == []
+    server = asking()
+    assert len(_of_workspace(store.workspace)) == 2, "the one who asked, and the nursery"
+    server.send_signal(number)
+    server.wait(LONG_S)
+    until(lambda: _of_workspace(store.workspace) == [])
+    assert "all who asked have ended" in (store.workspace / FOLDER / warm.LOG).read_text()
+    assert not (store.workspace / FOLDER / warm.SOCKET).exists()
+
+
+def test_a_nursery_stays_while_another_that_asked_lives(asking, store, until):
+    server = asking()
+    warm.keep(store.workspace, "execution_entries")  # this process asks, too
+    pid = _pid(store.workspace)
+    server.kill()
+    server.wait(LONG_S)
+    assert _see(store)["nursery"] is True
+    assert start_time(pid) is not None
+    os.kill(pid, signal.SIGKILL)
+    until(lambda: start_time(pid) is None)
+
+
+def test_a_job_that_runs_outlives_the_nursery_and_the_one_that_asked(asking, store, until, tmp_path):
+    server = asking()
+    job = store.submit("g", None, {"gate": str(tmp_path / "gate")}, entry=E + "gated", terms=Terms(warm=True))
+    until(lambda: store.get(job.id).progress_done == 1)
+    nursed, worker = _pid(store.workspace), store.get(job.id).pid
+    server.kill()
+    server.wait(LONG_S)
+    assert start_time(worker) is not None
+    (tmp_path / "gate").touch()
+    assert store.wait(job.id, LONG_S).state == "done"
+    if start_time(nursed) is not None:
+        os.kill(nursed, signal.SIGKILL)
+
+
+def test_a_nursery_whose_asker_has_ended_before_it_serves_does_not_stay(monkeypatch, tmp_path):
+    monkeypatch.setattr(nursery, "LOOK_S", 0.01)
+    monkeypatch.setattr(nursery, "make_sure", lambda: None)
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    JobTable(tmp_path)
+    with (tmp_path / FOLDER / warm.LOCK).open("ab") as lock:
+        made = nursery.Nursery(tmp_path, "execution_entries", lock, gone.pid)
+        assert made.run() == "all who asked have ended"
+        made.close()

@@ -295,3 +295,40 @@ def test_the_kernels_compile_for_a_gpu(tmp_path):
     code = "".join(path.read_text() for path in tmp_path.glob("*.ptx"))
     for name in ("nearest", "contained", "deepest"):
         assert f".entry {name}" in code
+
+
+def test_depths_that_are_of_no_interest_are_not_searched_for_and_deeper_ones_are_the_same(monkeypatch):
+    """The contract of `Care.idle`: over it the depth, up to it any value down to minus it; and `clearance` is asked less."""
+    rng = np.random.default_rng(3)
+    drawn = [random_pair(rng) for _ in range(300)]
+    solids = [s for a, _, b, _, _ in drawn for s in (a, b)]
+    pairs = np.arange(2 * len(drawn)).reshape(-1, 2)
+    poses = stacked([d[1] for d in drawn]), stacked([d[3] for d in drawn])
+    monkeypatch.setattr(module, "EFFORT", 0.0)
+    exact = clearance_batch(solids, pairs, *poses, skip_above=np.inf)
+    sizes = np.array([a.size + b.size for a, _, b, _, _ in drawn])
+    # In turn none, half of the depth, and half as much again.
+    idle = np.maximum(-exact.distance, 0.0) * np.array([0.0, 0.5, 1.5])[np.arange(len(drawn)) % 3]
+    told = clearance_batch(solids, pairs, *poses, skip_above=np.inf, care=Care(idle=idle))
+    depth = -exact.distance
+    deep, apart = depth > idle * (1.0 + DEPTH), exact.distance > 0.0
+    between = ~deep & ~apart
+    assert deep.sum() > 30
+    assert (between & (idle > 0.0)).sum() > 30
+    assert np.allclose(told.distance[deep], exact.distance[deep], rtol=2.0 * PRECISION, atol=0.0)
+    assert (told.distance[apart] == exact.distance[apart]).all()
+    assert (told.distance[between] >= -idle[between] * (1.0 + DEPTH) - 1e-9 * sizes[between]).all()
+    assert (told.distance[between & (idle > 1e-6 * sizes)] < 0.0).all()
+    assert told.exact <= exact.exact
+
+
+def test_bodies_in_one_place_overlap_fully_whatever_is_of_no_interest(monkeypatch):
+    """A ring in its own place has no point inside itself: no depth is over `idle`, and the bodies overlap fully all the same."""
+    one = ring()
+    poses = stacked([at(0, 0, 0)] * 2), stacked([at(0, 0, 0), at(5, 0, 0)])
+    found = by_kernels(
+        monkeypatch, [one, one], np.array([[0, 1], [0, 1]]), *poses, skip_above=0.1, care=Care(idle=1e-3 * one.size)
+    )
+    full = by_kernels(monkeypatch, [one, one], np.array([[0, 1], [0, 1]]), *poses, skip_above=0.1)
+    assert full[0] < -1e-3 * one.size
+    assert found[0] == full[0]

@@ -1,7 +1,7 @@
 """Bodies that lie within a cell of something in a grid liquid: lifted by all that they displace, at any distance (R99).
 
-Before gaps had cells, a log of half the water's density at a quarter of a cell from its bed was pressed down by up to 2.7 times the weight
-of the water it displaces, and never rose.
+Before gaps had cells, a box within half a cell of its bed was pressed down by up to 2.7 times the weight of the water it displaces, a log by
+up to 1.9, and neither rose.
 """
 
 from __future__ import annotations
@@ -92,7 +92,11 @@ def test_a_box_that_lies_flat_is_lifted_too(bed: str, gap: float, cell: float, w
 
 
 def rise(shape: str, bed: str, ratio: float, seconds: float) -> float:
+<<<<<<< HEAD
     """Way up of a body that touched its bed, moved by the reported impulses only [cells of 1/16 m]."""
+=======
+    """Distance by which a body that touches its bed has risen, moved by the reported impulses only [cells of 1/16 m]."""
+>>>>>>> origin/main
     cell = 1 / 16
     setup, state, volume = lying(shape, bed, cell, 0.0)
     engine, mass = Flip(setup), 1000 * ratio * volume

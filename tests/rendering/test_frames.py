@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 from worldagent.rendering import FrameRenderer, frame_path, meter, render_frame, render_sequence, tonemap
+from worldagent.rendering.frames import SAME_LIGHT, exposures
+from worldagent.rendering.views import camera_for
 from worldagent.worlds.errors import InputError
 
 GOLDEN_PSNR_DB = 28.0
@@ -84,3 +86,61 @@ def test_tone_curve_is_monotone_and_meter_brings_a_grey_card_to_the_middle():
     up = np.zeros((4, 4, 3), dtype=np.float32)
     up[..., 2] = 1
     assert 110 < tonemap(card, gain=meter(card, up)).mean() < 160
+
+
+def _two_shots(data):
+    """A grey block between a white and a black panel, seen by one shot with each."""
+    look = {"roughness": 0.9}
+    data["materials"]["white"] = {"density": 600, "appearance": {"color": (0.85, 0.85, 0.85), **look}}
+    data["materials"]["black"] = {"density": 600, "appearance": {"color": (0.03, 0.03, 0.03), **look}}
+    for name, x in (("white", -1.0), ("black", 1.0)):
+        data["entities"][name] = {
+            "role": "panel",
+            "motion": "static",
+            "material": name,
+            "dimensions": {"size": (1.8, 0.05, 2.0)},
+            "pose": {"position": (x, 0.6, 1.0)},
+            "parts": {"body": {"shape": {"kind": "box", "size": (1.8, 0.05, 2.0)}}},
+        }
+        data["simulation"]["solvers"]["rigid"]["members"].append(name)
+    keys = {"a": {"frame": 0, "position": (0.0, -2.0, 0.5), "fov_deg": 40}}
+    data["shots"] = {
+        name: {"frames": frames, "covers": [], "keys": {"a": {**keys["a"], "frame": frames[0], "target": (x, 0.25, 0.5)}}}
+        for name, frames, x in (("left", (0, 2), -0.55), ("right", (3, 5), 0.55))
+    }
+
+
+def _grey_of_block(candidate, picture, frame, shot):
+    camera = camera_for(candidate, frame, shot=shot, width=picture.shape[1], height=picture.shape[0])
+    column, row = (int(v) for v in camera.project(np.array([[0.0, 0.15, 0.2]]))[0][0])
+    return float(picture[row - 1 : row + 2, column - 1 : column + 2].mean())
+
+
+def test_two_shots_in_one_light_have_one_exposure(make_candidate):
+    candidate = make_candidate(change=_two_shots)
+    renderer = FrameRenderer(candidate)
+    asked = [renderer._metered(renderer._small_view(s, f), f) for s, f in (("left", 0), ("right", 3))]
+    assert 0.4 < abs(math.log2(asked[1] / asked[0])) < SAME_LIGHT, "the meters differ by what stands before them"
+    greys = [
+        _grey_of_block(candidate, renderer.render(f, width=160, height=90, samples=32), f, s)
+        for f, s in ((0, "left"), (3, "right"))
+    ]
+    assert abs(greys[0] - greys[1]) < 6, greys
+    # As each meter asks, the same grey would be two greys.
+    apart = [tonemap(np.full((1, 1, 3), 0.18 / math.sqrt(asked[0] * asked[1]), dtype=np.float32), gain=g).mean() for g in asked]
+    assert abs(apart[0] - apart[1]) > 12
+
+
+def test_another_camera_in_that_light_is_exposed_alike_and_a_single_shot_as_its_meter_asks(make_candidate):
+    candidate = make_candidate(change=_two_shots)
+    renderer = FrameRenderer(candidate)
+    camera = camera_for(candidate, 3, shot="right", width=96, height=54)
+    assert renderer._gain(None, 3, camera) == renderer._gain("left", 0, None) == renderer._gain("right", 3, None)
+    assert exposures({"one": 0.7}) == {"one": 0.7}
+    assert exposures({}) == {}
+
+
+def test_a_room_and_the_land_before_it_keep_their_own_exposures():
+    found = exposures({"room": 32.0, "window": 20.0, "land": 1.0, "hill": 1.6})
+    assert found["room"] == found["window"] == pytest.approx(math.sqrt(640.0))
+    assert found["land"] == found["hill"] == pytest.approx(math.sqrt(1.6))

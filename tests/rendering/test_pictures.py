@@ -24,8 +24,10 @@ from worldagent.rendering import (
     write_video,
 )
 from worldagent.rendering.shades import pattern_shade
+from worldagent.testing.worlds.small_worlds import box, entity, make_candidate, pose, world
 from worldagent.worlds.accounts import Account, Mark
 from worldagent.worlds.errors import EvidenceError, InputError
+from worldagent.worlds.spec import Appearance, Box, Material, Part
 
 
 def _noise(height=120, width=160):
@@ -194,3 +196,61 @@ def test_an_account_is_drawn_with_its_bound_and_what_exceeds_it(candidate):
     assert reds[1] > 1.5 * reds[0] > 0
     small = plot_account(candidate, account, width=64, height=64)
     assert small.shape == (600, 700, 3)
+
+
+def _jar_before_a_wall(folder, *, transmission):
+    """A red cube in a hollow box of a material that lets so much through, before a green wall."""
+    looks = {"glass": ((0.96, 0.98, 0.97), transmission), "red": ((0.9, 0.05, 0.05), 0.0), "green": ((0.05, 0.6, 0.05), 0.0)}
+    materials = {
+        name: Material(
+            density=2500.0,
+            friction=0.4,
+            substance="glass",
+            appearance=Appearance(color=color, transmission=share, roughness=0.02),
+        )
+        for name, (color, share) in looks.items()
+    }
+    side = Part(shape=Box(size=(0.2, 0.004, 0.2)), pose=pose((0, -0.098, 0.1)))
+    back = Part(shape=Box(size=(0.2, 0.004, 0.2)), pose=pose((0, 0.098, 0.1)))
+    things = {
+        "jar": entity(side, back, material="glass"),
+        "cube": box(0.06, 0.06, 0.06, at=(0, 0, 0.1), material="red"),
+        "wall": box(2.0, 0.05, 2.0, at=(0, 0.5, 0.0), material="green"),
+    }
+    return make_candidate(folder, world(things, materials=materials))
+
+
+FRONT = Camera(np.array([0.0, -1.5, 0.1]), np.array([0.0, 0.0, 0.1]), 14.0, 240, 180)
+
+
+def test_preview_shows_through_glass_what_is_in_it_and_behind_it(tmp_path):
+    clear = preview(_jar_before_a_wall(tmp_path / "a", transmission=1.0), 0, camera=FRONT).astype(int)
+    solid = preview(_jar_before_a_wall(tmp_path / "b", transmission=0.0), 0, camera=FRONT).astype(int)
+    middle, beside, outside = (slice(86, 94), slice(116, 124)), (slice(60, 70), slice(85, 95)), (slice(60, 70), slice(20, 28))
+    inside, behind, bare = (clear[at].reshape(-1, 3).mean(axis=0) for at in (middle, beside, outside))
+    assert inside[0] > inside[1] + 60, "the red cube in it"
+    assert behind[1] > behind[0] + 40, "the green wall behind it"
+    assert behind[1] < bare[1] - 2, "two panes take some of the light"
+    assert np.abs(solid[beside].reshape(-1, 3).mean(axis=0) - behind).max() > 60, "what is not clear hides it"
+
+
+def test_glass_throws_back_the_sky_where_one_looks_along_it(tmp_path):
+    candidate = _jar_before_a_wall(tmp_path, transmission=1.0)
+    across = preview(candidate, 0, camera=FRONT).astype(int)
+    along = Camera(np.array([1.4, -0.22, 0.1]), np.array([0.0, -0.1, 0.1]), 14.0, 240, 180)
+    grazing = preview(candidate, 0, camera=along).astype(int)
+    mirrored = grazing[60:120, 100:140].reshape(-1, 3).mean(axis=0)
+    assert mirrored[2] > across[60:70, 85:95].reshape(-1, 3).mean(axis=0)[2] + 30
+
+
+def test_tiles_show_joints_on_the_face_one_sees_and_tones_between_them():
+    """Points on a floor, 1 mm apart: dark at whole tiles of 0.1 m, along both ways, and even inside."""
+    x, y = np.meshgrid(np.arange(0.0005, 0.3, 0.001), np.arange(0.0005, 0.3, 0.001), indexing="ij")
+    points = np.stack([x.ravel(), y.ravel(), np.full(x.size, 0.02)], axis=1)
+    up = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    shade = pattern_shade("tiles", points, up, scale=0.1, extent=np.ones(3)).reshape(x.shape)
+    assert (shade[[0, 100, 199]] < 0.5).all()
+    assert (shade[:, [0, 100, 299]] < 0.5).all()
+    inside = [shade[10 + 100 * i : 90 + 100 * i, 10 + 100 * j : 90 + 100 * j] for i in range(3) for j in range(3)]
+    assert all(np.ptp(cell) == 0 and cell.min() > 0.9 for cell in inside)
+    assert len({float(cell[0, 0]) for cell in inside}) == 9

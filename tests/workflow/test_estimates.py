@@ -1,4 +1,4 @@
-"""What a probe is told to take beforehand: the rates of what moves, its runs without causes, and the pace of the probes before it."""
+"""Time that a probe is told to take beforehand: the rates of what moves, its runs without causes, and the pace of the probes before it."""
 
 from __future__ import annotations
 
@@ -53,6 +53,18 @@ def test_cells_of_an_elastic_body_follow_its_size_and_resolution() -> None:
         update={"physics": jelly.physics.model_copy(update={"resolution": 0.25 * min(jelly.dimensions.size)})}
     )
     assert cell_count(finer) == pytest.approx(8 * cell_count(fine), rel=0.3)
+
+
+def test_bodies_of_many_pieces_take_longer_and_are_named() -> None:
+    spec = _spec("rigid-bodies/scree")
+    name, entity = next((n, e) for n, e in spec.entities.items() if e.motion == "dynamic")
+    part = next(iter(entity.parts.values()))
+    heavy = entity.model_copy(update={"parts": {f"p{k}": part for k in range(400)}})
+    crowded = spec.model_copy(update={"entities": {**spec.entities, name: heavy}})
+    plain, found = (usual_seconds(s, s.simulation.frames) for s in (spec, crowded))
+    assert found.simulation > 3 * plain.simulation
+    assert f"most collision pieces: {name} 400" in found.told
+    assert "pieces" not in plain.told
 
 
 @dataclass

@@ -112,3 +112,18 @@ def test_what_a_prompt_speaks_of_again_and_again_comes_before_what_it_names_once
     told = prompt_guide(load_prompts("agenticsimbench")["hotel_corridor"].text)
     assert "liquids" in list(told["skills"])[:4]
     assert any(place.startswith("liquids/") for place in told["sections"])
+
+
+PANTRY = [
+    "A pantry with a jar that is pushed off a shelf and breaks on the floor.",
+    "In a pantry with a tiled floor, a tin rolls along a wall shelf and pushes a glass jar off its end; the jar breaks on the tiles, and the tin drops "
+    "after it and rolls against the door.",
+]
+
+
+@pytest.mark.parametrize("prompt", PANTRY)
+def test_a_jar_that_is_pushed_off_a_shelf_is_told_of_strength_and_of_its_pusher(prompt: str) -> None:
+    told = prompt_guide(prompt)["sections"]
+    assert "sqrt(push * fall)" in told["fracture/SKILL.md#Pushed off, broken on the floor"]
+    assert "goes on over the edge" in told["rigid-bodies/SKILL.md#Pushes, and edges"]
+    assert size_of(prompt_guide(prompt)) <= CHARACTERS

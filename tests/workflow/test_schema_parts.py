@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from worldagent.workflow.answers import MAX_CHARACTERS, size_of
-from worldagent.workflow.parts import schema
+from worldagent.workflow.schema_parts import schema
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.schema_words import described, known_parts
 

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "4d53c11a42dc827756dca123d3711ebefe4b6b9a025a473353ec93cd6f2505a1"
+SCHEMA = "48d8481f8d41484518ed5a3d9259d27ac5c72c7c0ebf30cb667b18ad40c9b622"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -40,8 +40,10 @@ class Appearance(SpecModel):
     roughness: Unit = 0.5
     metallic: Unit = 0.0
     transmission: Unit = 0.0
-    pattern: Literal["plain", "wood", "checker", "concrete"] = "plain"
-    pattern_scale: Positive = Field(default=0.1, description="size of one pattern period [m]")
+    pattern: Literal["plain", "wood", "checker", "concrete", "tiles"] = Field(
+        default="plain", description="tiles: square ones with joints, for floors and walls"
+    )
+    pattern_scale: Positive = Field(default=0.1, description="size of one pattern period, or of one tile [m]")
     drying: Positive = Field(default=600.0, description="of liquids: time in which the film they leave fades to 1/e [s]")
 
 
@@ -131,6 +133,9 @@ class Asset(SpecModel):
     seed: int = Field(default=0, ge=0, le=2**32 - 1, description="of its variation")
     positions: dict[Id, Finite] = Field(
         default={}, description="of its joints at frame 0, from where they are made: [rad] or [m]"
+    )
+    fixed: bool = Field(
+        default=False, description="its leaves, drawers and lids are static where `positions` puts them: a door that stays shut"
     )
     bodies: Annotated[list[EntityRef], Field(max_length=500)] = Field(default=[], description="its further entities")
 

@@ -36,7 +36,7 @@ def test_a_smooth_cylinder_has_round_sides_and_a_sharp_rim():
     assert (np.ptp(flat, axis=1) == 0).all()
 
 
-@pytest.mark.parametrize("pattern", ["wood", "concrete", "checker"])
+@pytest.mark.parametrize("pattern", ["wood", "concrete", "checker", "tiles"])
 def test_tiles_keep_the_material_colour_on_average_and_repeat_from_the_same_seed(pattern):
     color = (0.4, 0.3, 0.2)
     tiles = pattern_tiles(pattern, color, seed=3)
@@ -95,3 +95,16 @@ def test_a_failed_proof_is_remembered(monkeypatch, tmp_path):
     assert variants._prove("llvm_ad_rgb", None) is False
     monkeypatch.setattr(subprocess, "run", lambda *a, **k: pytest.fail("asked again"))
     assert variants._prove("llvm_ad_rgb", None) is False
+
+
+def test_tiles_have_joints_that_are_darker_and_go_on_over_the_seam():
+    tile = pattern_tiles("tiles", (0.6, 0.5, 0.4), seed=1)["side"]
+    grey = tile.image.mean(-1)
+    side = len(grey) // 6
+    assert tile.periods == (6, 6)
+    middles = np.array([[grey[i * side + side // 2, j * side + side // 2] for j in range(6)] for i in range(6)])
+    assert grey[0].mean() < 0.6 * grey[side // 2].mean(), "a joint runs along the edge"
+    assert grey[:, 0].mean() < 0.6 * grey[:, side // 2].mean()
+    assert len(np.unique(middles.round(3))) > 20, "no tile is quite like the next"
+    dark = float((grey < 0.7 * np.median(grey)).mean())
+    assert 0.02 < dark < 0.06, "joints take the share of the surface that two widths of 2 % ask for"

@@ -92,11 +92,7 @@ def test_a_box_that_lies_flat_is_lifted_too(bed: str, gap: float, cell: float, w
 
 
 def rise(shape: str, bed: str, ratio: float, seconds: float) -> float:
-<<<<<<< HEAD
     """Way up of a body that touched its bed, moved by the reported impulses only [cells of 1/16 m]."""
-=======
-    """Distance by which a body that touches its bed has risen, moved by the reported impulses only [cells of 1/16 m]."""
->>>>>>> origin/main
     cell = 1 / 16
     setup, state, volume = lying(shape, bed, cell, 0.0)
     engine, mass = Flip(setup), 1000 * ratio * volume

@@ -134,11 +134,7 @@ class Gaps:
         return found
 
     def parts(self, grid: Grid) -> list[Any]:
-<<<<<<< HEAD
         """Share of the first owner in what closes each face, -1 where there is one owner only, and both owners."""
-=======
-        """Closure of each face: share of the first owner, -1 where there is one owner only, and both owners."""
->>>>>>> origin/main
         wp = warp()
         return [self._of(grid, "part", wp.vec3), *(self._of(grid, name, wp.vec3i) for name in ("one", "other"))]
 

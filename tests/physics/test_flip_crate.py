@@ -8,10 +8,35 @@ from worldagent.construction.build import build_entity
 from worldagent.simulation.schedule import run_frames
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.verifiers.categories.liquid.check import findings_of
+from worldagent.verifiers.rows.findings import Finding
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
 
 FRAMES = 10
+
+
+def judged(folder: Path, density: float, frames: int) -> tuple[Candidate, dict[str, Finding]]:
+    """A crate on the tank's floor, eight cells under water, and all findings on the water."""
+    made = tank_spec(engine="flip", spacing=0.03, frames=frames, crate_at=0.0605, density=density, depth=0.25)
+    spec = parse_spec({**made, "prompt": PROMPT})
+    built = {n: build_entity(spec, n, Path()) for n in spec.entities}
+    candidate = Candidate(folder, spec, built, "full", run_frames(spec, built, folder / "a" / "bake", frames=frames))
+    return candidate, {n: f for watch in findings_of(candidate, "water").values() for n, (_, f) in watch.items()}
+
+
+def test_a_heavy_crate_on_the_floor_is_lifted_by_all_that_it_displaces(tmp_path: Path) -> None:
+    """Before gaps had cells the lift was missing, and excused; water that went through the gap once crowded there."""
+    _, found = judged(tmp_path, 1500.0, 20)
+    assert [f"{name}: {f.text}" for name, f in found.items() if f.status in ("fail", "unverified")] == []
+    assert "too narrow" not in found["buoyancy"].text
+    assert found["buoyancy"].measured == 0.0
+
+
+def test_a_light_crate_let_go_on_the_floor_floats_up(tmp_path: Path) -> None:
+    """Once it stayed for good: contacts were taken to bear it whatever the water did."""
+    candidate, found = judged(tmp_path, 500.0, 18)
+    assert candidate.track("crate", "body")[0][-1, 2] > 0.2
+    assert [f"{n}: {found[n].text}" for n in ("energy", "momentum", "exchange", "mass") if found[n].status != "pass"] == []
 
 
 def test_no_row_of_a_floating_crate_on_the_grid_fails(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Bodies that lie within a cell of something in a grid liquid: lifted by all that they displace, at any distance (R99).
 
-Before gaps had cells, a log of half the water's density at a quarter of a cell from its bed was pressed down by up to 2.7 times the weight
-of the water it displaces, and never rose.
+Before gaps had cells, a box within half a cell of its bed was pressed down by up to 2.7 times the weight of the water it displaces, a log by
+up to 1.9, and neither rose.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def test_a_box_that_lies_flat_is_lifted_too(bed: str, gap: float, cell: float, w
 
 
 def rise(shape: str, bed: str, ratio: float, seconds: float) -> float:
-    """Distance by which a body that touches its bed has risen, moved by the reported impulses only [cells of 1/16 m]."""
+    """Way up of a body that touched its bed, moved by the reported impulses only [cells of 1/16 m]."""
     cell = 1 / 16
     setup, state, volume = lying(shape, bed, cell, 0.0)
     engine, mass = Flip(setup), 1000 * ratio * volume
@@ -111,10 +111,14 @@ def rise(shape: str, bed: str, ratio: float, seconds: float) -> float:
 
 
 @pytest.mark.parametrize("bed", ["slab", "floor"])
-@pytest.mark.parametrize("shape", ["log", "box"])
-def test_a_light_body_let_go_on_the_bed_rises(shape: str, bed: str) -> None:
-    """Half the water's density; free of the bed a log is 4 cells up after 0.5 s. On it, drawing water in below, it is later, and no more."""
-    assert rise(shape, bed, 0.5, 0.6) > 2.5
+@pytest.mark.parametrize(("shape", "seconds"), [("log", 0.6), ("box", 1.0)])
+def test_a_light_body_let_go_on_the_bed_rises(shape: str, seconds: float, bed: str) -> None:
+    """Half the water's density; free of the bed both are 4 cells up after 0.5 s.
+
+    On it they have to draw water in below. A flat box is some 0.4 s later (measured 6.4 and 9.3 cells after a second): what runs in the gap
+    begins anew in each step, and particles come in from a quarter of a cell on.
+    """
+    assert rise(shape, bed, 0.5, seconds) > 2.5
 
 
 def test_a_heavy_body_stays_on_the_bed() -> None:
@@ -155,7 +159,7 @@ def test_two_logs_that_touch_are_each_lifted() -> None:
     engine = Flip(setup)
     advance(engine, 0.05, both)
     reports = advance(engine, 0.05, both)
-    force = sum(r.impulse[:, 2] for r in reports) / sum(r.dt for r in reports) / (1000 * G * volume)
+    force = np.sum([r.impulse[:, 2] for r in reports], axis=0) / sum(r.dt for r in reports) / (1000 * G * volume)
     assert force[[0, 2]] == pytest.approx(1.0, abs=0.05)
 
 

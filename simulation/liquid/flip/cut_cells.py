@@ -155,8 +155,7 @@ class CutCells:
                 red,
             ]
             (opening,), inside = self._faces(grid, "opening"), run.array("inside", total, wp.int32)
-            (solid,) = self._of(grid, "solid")
-            self.gaps.flood(grid, opening, solid, phi, wet, red, inside)
+            self.gaps.flood(grid, opening, run.array("solid", total, wp.float32), phi, wet, red, inside)
             phi, hidden = self.run.array("phi2", total, wp.float32), run.array("wet2", total + 1, wp.int32)
             run(cells.find_hidden, total, [*inputs, hidden, phi, inside])
             self.gaps.settle(grid, opening, phi, hidden, red, inside)

@@ -101,12 +101,7 @@ class Flip(CutCells):
         self._cut(grid, half)
         solver = self._build_rows(grid)
         fine, run = solver.levels[0], self.run
-        exchange = Exchange(run, self.solids, bodies, fine, grid.columns, self._shut(grid, fine), mouths)
-        exchange.mass = self._density * self._cell**3
-        exchange.start(run.array("pressure_right", fine.rows, warp().float32), self._faces(grid, "new")[0], dt)
-        pressed = self._press(solver, exchange)
-        iterations, capped = pressed.iterations, int(pressed.capped)
-        impulse = exchange.end(run.array("q", fine.rows, warp().float32))
+        exchange, impulse, iterations, capped = self._project_first(grid, solver, bodies, mouths)
         calm, ratio = self.viscosity.look(self.markers, dt), self._ratio
         viscous = calm is not None
         if calm is not None:
@@ -123,6 +118,31 @@ class Flip(CutCells):
         self._advance(grid, exchange, ratio)
         report = self._close(dt, impulse[: self.solids.count], reaction, (iterations, moved.iterations), capped, excess)
         return replace(report, driven=driven, blown=blown)
+
+    def _project_first(
+        self, grid: Grid, solver: multigrid.Solver, bodies: BodyState, mouths: F64
+    ) -> tuple[Exchange, F64, int, int]:
+        """The first projection: its exchange, the impulses, iterations, and how many solves were capped.
+
+        A body at a gap that something bears is held along that first. Where the lift is more than what bears it, that lets it go, and
+        it is solved for once more, free: contacts push and do not pull.
+        """
+        run, fine, dt = self.run, solver.levels[0], self._dt
+        supports, iterations, capped = self.gaps.supports(bodies), 0, 0
+        while True:
+            exchange = Exchange(run, self.solids, bodies, fine, grid.columns, self._shut(grid, fine), mouths)
+            exchange.mass, exchange.supports = self._density * self._cell**3, supports
+            exchange.start(run.array("pressure_right", fine.rows, warp().float32), self._faces(grid, "new")[0], dt)
+            pressed = self._press(solver, exchange)
+            iterations, capped = iterations + pressed.iterations, capped + int(pressed.capped)
+            impulse = exchange.end(run.array("q", fine.rows, warp().float32))
+            lifted = [n for n, s in supports.items() if impulse[n, :3] @ s.way > s.most * dt]
+            if not lifted:
+                return exchange, impulse, iterations, capped
+            supports = {n: s for n, s in supports.items() if n not in lifted}
+            bodies = bodies.copied_rows()
+            bodies.acceleration[lifted] = self.setup.gravity
+            self._fill_rows(grid, fine)
 
     def _pull(self, dt: float) -> F64:
         """Draw particles in zones of waves towards them."""
@@ -265,6 +285,8 @@ class Flip(CutCells):
         state += [*self._faces(grid, "opening"), self._owners(grid), exchange.walls]
         state += [*self._faces(grid, "old"), ratio, int(viscous), self.viscosity.friction]
         run(walls.constrain, total, [*state, *self._faces(grid, "new", "drift", "new2", "drift2", "given")])
+        (was,), moved = self._faces(grid, "old"), self._faces(grid, "new2", "drift2", "given")
+        self.gaps.seal(grid, self._owners(grid), exchange.walls, was, ratio, moved)
         run.swap("new", "new2")
         run.swap("drift", "drift2")
         return np.asarray(change)

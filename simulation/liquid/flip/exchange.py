@@ -16,6 +16,7 @@ from ...boundaries import BodyState
 from ...grids.multigrid import Level
 from ...grids.runner import Runner
 from . import exchange_kernels as kernels
+from .gaps import Support
 from .solids import Solids, reacting
 
 __all__ = ["Exchange"]
@@ -35,6 +36,8 @@ class Exchange:
         self.mouths = mouths
         self.mass = 0.0
         """Mass of a full cell [kg]."""
+        self.supports: dict[int, Support] = {}
+        """Bodies that do not give way along what bears them."""
         wp, rows = warp(), level.rows
         flags = [run.array(f"touch/{name}", rows + 1, wp.int32) for name in ("flag", "thin")]
         run(kernels.touching, rows, [shut, *flags])
@@ -77,12 +80,21 @@ class Exchange:
         whole = upper + np.triu(upper, 1).transpose(0, 2, 1)
         self._inertia = whole * size[:, None] * size
         own = np.zeros((len(self.reacting), 6, 6))
-        own[:, :3, :3] = self.bodies.inverse_mass[self.reacting][:, None, None] * np.eye(3)
+        for k, row in enumerate(self.reacting):
+            own[k, :3, :3] = self._lightness(row)
         own[:, 3:, 3:] = self.bodies.inverse_inertia[self.reacting]
         self._give = np.linalg.solve(np.eye(6) + own @ self._inertia[self.reacting], own)
         before = self._of_owners()
         kick, spin = self._given(self._stuck(before)[self.reacting])
         self.moved(kick, spin)
+
+    def _lightness(self, row: int) -> F64:
+        """Change of a body's velocity by an impulse (3, 3) [1/kg]; none along what bears it."""
+        whole = self.bodies.inverse_mass[row] * np.eye(3)
+        if row in self.supports:
+            way = self.supports[row].way
+            whole = whole - self.bodies.inverse_mass[row] * np.outer(way, way)
+        return np.asarray(whole)
 
     def _of_owners(self) -> F64:
         """Velocity and spin of every owner now, (n, 6)."""
@@ -171,7 +183,7 @@ class Exchange:
         """Changes of velocity and angular velocity of all boundaries by impulses on the given ones (n, 6)."""
         kick, spin = np.zeros((self.solids.count, 3)), np.zeros((self.solids.count, 3))
         for n, given in zip(rows, impulse, strict=True):
-            kick[n] = self.bodies.inverse_mass[n] * given[:3]
+            kick[n] = self._lightness(n) @ given[:3]
             spin[n] = self.bodies.inverse_inertia[n] @ given[3:]
         return kick, spin
 

@@ -232,7 +232,8 @@ def hold(
         for side in range(6):
             m = half_cell(at, c, side)
             if m > 0.0:
-                if owner_of(at, c, side) == who:
+                m = m * part_of(at, c, side, who)
+                if m > 0.0:
                     axis = side // 2
                     f = wp.vec3()
                     f[axis] = 1.0

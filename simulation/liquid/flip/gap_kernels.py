@@ -1,6 +1,6 @@
 # mypy: ignore-errors
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
-"""Gaps thinner than a cell between a body that moves freely and what it lies on: found, opened, and filled with the liquid beside them.
+"""Gaps thinner than a cell between a body that moves freely and what it lies on: found, opened, and shared out.
 
 Two cells share a face along the gap, each with its centre in another solid (or beyond a closed side of the domain): no cell's centre is
 in the gap, and no particle need be. Both carry pressure, and what is closed of the face between them belongs to both solids.
@@ -16,7 +16,7 @@ from .solid_kernels import LEAST
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})
 
-__all__ = ["Near", "close_gaps", "cut_fixed", "find_gaps", "flood", "list_gaps", "open_gaps", "quiet", "settle", "split_faces"]
+__all__ = ["NARROW", "Near", "cut_fixed", "find_gaps", "list_gaps", "open_gaps", "split_faces"]
 
 LEAST_GAP = wp.constant(0.1)
 """Least open share of faces of gaps: what touches counts as wetted."""
@@ -26,8 +26,8 @@ DEEPER = wp.constant(0.1)
 """By how much a solid is deeper half a cell away from its gap: a wall's edge, which the gap does not face, is not."""
 NARROW = wp.constant(64)
 """Mark of a cell whose centre is in a gap; of others, bits 0 to 5 tell sides at a gap, 8 to 13 those that lead deeper into a solid."""
-UNKNOWN = wp.constant(9.0)
-"""As `grid_kernels.BURIED`."""
+THIN = wp.constant(1 << 14)
+"""Mark of a cell in a solid whose other side is nearer than its gap: what lies there is cut off."""
 
 
 @wp.func
@@ -78,7 +78,7 @@ def depth_at(at: Near, c: int):
 
 @wp.func
 def who_inside(at: Near, c: int, side: int):
-    """Owner of the solid that a cell's centre lies in, -2 if in none, and 1 if that is deeper half a cell away from `side`."""
+    """Owner of the solid that a cell's centre lies in, -2 if in none; half a cell away from `side`, 1 if that is deeper, -1 if less deep."""
     axis = side // 2
     x = middle(place_of(at.grid, c))
     out = beyond(x, at.lower, at.upper)
@@ -100,8 +100,11 @@ def who_inside(at: Near, c: int, side: int):
             who = at.mover[f][1 + axis]
         else:
             who = at.fixed_owner[f][1 + axis]
-        if wp.min(at.points[f][face_point(axis)], beyond(y, at.lower, at.upper)) < d - DEEPER:
+        far = wp.min(at.points[f][face_point(axis)], beyond(y, at.lower, at.upper))
+        if far < d - DEEPER:
             deep = 1
+        if far > d + DEEPER:
+            deep = -1
     return wp.vec2i(who, deep)
 
 
@@ -116,12 +119,13 @@ def is_free(free: wp.array(dtype=wp.int32), who: int):
 
 @wp.kernel
 def find_gaps(
-    first: wp.int32, at: Near, free: wp.array(dtype=wp.int32), gap: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32),
-    flag: wp.array(dtype=wp.int32),
+    first: wp.int32, at: Near, free: wp.array(dtype=wp.int32), opening: wp.array(dtype=wp.vec3), thin: wp.array(dtype=wp.vec3),
+    gap: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32), width: wp.array(dtype=float), flag: wp.array(dtype=wp.int32),
 ):  # fmt: skip
-    """Marks of cells at gaps: sides at which one is, or NARROW; who holds a cell's centre, -2 for nobody."""
+    """Marks of cells at gaps: sides at which one is, or NARROW; who holds a cell's centre, -2 for nobody; width of the gap."""
     c = first + wp.tid()
     mark = int(0)
+    wide = float(0.0)
     mine = int(-2)
     d = depth_at(at, c)
     if d < 0.0:
@@ -138,8 +142,17 @@ def find_gaps(
                             if is_free(free, a[0]) + is_free(free, b[0]) > 0:
                                 mark = mark | (1 << side)
                                 mine = a[0]
+                                face = int(c)
+                                if side % 2 == 1:
+                                    face = o
+                                share = wp.max(opening[face][side // 2], thin[face][side // 2])
+                                if a[0] == -1 or b[0] == -1:
+                                    share = 1.0 + d + other
+                                wide = wp.max(wide, share)
                                 if a[1] == 1:
                                     mark = mark | (1 << (8 + opposite))
+                                if a[1] == -1:
+                                    mark = mark | THIN
     elif d < 0.5:
         for axis in range(3):
             m = at.near[c][2 * axis]
@@ -155,6 +168,7 @@ def find_gaps(
                             mark = NARROW
     gap[c] = mark
     held[c] = mine
+    width[c] = wide
     flag[c] = int(mark > 0)
 
 
@@ -186,9 +200,28 @@ def lies_along(mark: int, axis: int):
     return mark == NARROW or ((mark >> (2 * axis)) & 3) == 0
 
 
+@wp.func
+def only_beside(at: Near, free: wp.array(dtype=wp.int32), c: int, o: int, axis: int):
+    """1 where a face was taken for a thin wall's because a free body is beside it: one cell is open, the other in thick fixed ground."""
+    hidden = int(o)
+    open_cell = int(c)
+    side = 2 * axis + 1
+    if depth_at(at, c) < 0.0:
+        hidden = c
+        open_cell = o
+        side = 2 * axis
+    found = int(0)
+    if depth_at(at, hidden) < 0.0 and depth_at(at, open_cell) >= 0.0 and at.fixed[hidden][7] <= at.points[hidden][7]:
+        if at.points[open_cell][7] < at.fixed[open_cell][7] and is_free(free, at.mover[open_cell][0]) == 1:
+            w = who_inside(at, hidden, side)
+            if w[1] == 1:
+                found = 1
+    return found
+
+
 @wp.kernel
 def open_gaps(
-    first: wp.int32, at: Near, gap: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32), opening: wp.array(dtype=wp.vec3),
+    first: wp.int32, at: Near, free: wp.array(dtype=wp.int32), gap: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32), opening: wp.array(dtype=wp.vec3),
     thin: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """Open the faces of gaps, close those that lead away from them into the solids."""
@@ -201,7 +234,10 @@ def open_gaps(
             g = gap[c]
             h = gap[o]
             if g > 0 or h > 0:
-                if turns_away(g, 2 * axis) or turns_away(h, 2 * axis + 1):
+                shut = turns_away(g, 2 * axis) or turns_away(h, 2 * axis + 1)
+                if ((g & THIN) > 0 and h == 0) or ((h & THIN) > 0 and g == 0):
+                    shut = True
+                if shut:
                     share[axis] = 0.0
                     mark[axis] = 0.0
                 elif faces_gap(g, 2 * axis) and faces_gap(h, 2 * axis + 1):
@@ -216,6 +252,9 @@ def open_gaps(
                     else:
                         share[axis] = wp.max(share[axis], mark[axis])
                     mark[axis] = 0.0
+            elif mark[axis] > 0.0 and only_beside(at, free, c, o, axis) == 1:
+                share[axis] = mark[axis]
+                mark[axis] = 0.0
     opening[c] = share
     thin[c] = mark
 
@@ -279,102 +318,3 @@ def split_faces(
     part[c] = parts
     one[c] = a
     other[c] = b
-
-
-@wp.kernel
-def flood(
-    first: wp.int32, turn: int, listed: wp.array(dtype=wp.int32), near: wp.array(dtype=vec6i), gap: wp.array(dtype=wp.int32),
-    opening: wp.array(dtype=wp.vec3), solid: wp.array(dtype=float), phi: wp.array(dtype=float), wet: wp.array(dtype=wp.int32),
-    level: wp.array(dtype=float), since: wp.array(dtype=wp.int32),
-):  # fmt: skip
-    """Distance to the surface in cells of gaps, from neighbours that had it before this turn; turn 0 begins.
-
-    Cells of gaps that hold enough liquid of their own, and open cells beside gaps, have it from the start.
-    """
-    c = listed[first + wp.tid()]
-    if turn == 0:
-        level[c] = UNKNOWN
-        since[c] = 1 << 20
-        if gap[c] == NARROW and wet[c] == 1:
-            level[c] = phi[c]
-            since[c] = 0
-        return
-    if since[c] < turn:
-        return
-    total = float(0.0)
-    count = float(0.0)
-    for side in range(6):
-        m = near[c][side]
-        if m >= 0:
-            face = c
-            if side % 2 == 1:
-                face = m
-            if opening[face][side // 2] > 0.0:
-                if gap[m] == 0:
-                    if solid[m] >= 0.0:
-                        total += phi[m]
-                        count += 1.0
-                elif since[m] < turn:
-                    total += level[m]
-                    count += 1.0
-    if count > 0.0:
-        level[c] = total / count
-        since[c] = turn
-
-
-@wp.kernel
-def settle(
-    first: wp.int32, hidden: int, listed: wp.array(dtype=wp.int32), grid: Columns, gap: wp.array(dtype=wp.int32),
-    held: wp.array(dtype=wp.int32), level: wp.array(dtype=float), since: wp.array(dtype=wp.int32), phi: wp.array(dtype=float),
-    wet: wp.array(dtype=wp.int32), red: wp.array(dtype=wp.int32), inside: wp.array(dtype=wp.int32),
-):  # fmt: skip
-    """Give cells of gaps what `flood` found: those with their centre in the gap, or (`hidden`) in a solid."""
-    c = listed[first + wp.tid()]
-    w = int(-1)
-    if hidden == 1:
-        if gap[c] != NARROW:
-            w = int(level[c] < 0.0)
-            inside[c] = held[c]
-    elif gap[c] == NARROW and since[c] > 0 and level[c] < 0.0:
-        w = 1
-    if w >= 0:
-        at = place_of(grid, c)
-        phi[c] = level[c]
-        wet[c] = w
-        red[c] = w * (1 - ((at[0] + at[1] + at[2]) & 1))
-
-
-@wp.kernel
-def close_gaps(
-    first: wp.int32, near: wp.array(dtype=vec6i), gap: wp.array(dtype=wp.int32), since: wp.array(dtype=wp.int32),
-    wet: wp.array(dtype=wp.int32), opening: wp.array(dtype=wp.vec3),
-):  # fmt: skip
-    """Faces between a gap's cell that is only filled by its neighbours and a cell without liquid are closed: no gap leaks into air."""
-    c = first + wp.tid()
-    share = opening[c]
-    for axis in range(3):
-        o = near[c][2 * axis]
-        if o >= 0:
-            g = int(0)
-            if gap[c] > 0:
-                g = int(since[c] > 0)
-            h = int(0)
-            if gap[o] > 0:
-                h = int(since[o] > 0)
-            if (g == 1 or h == 1) and wet[c] * wet[o] == 0:
-                share[axis] = 0.0
-    opening[c] = share
-
-
-@wp.kernel
-def quiet(
-    first: wp.int32, listed: wp.array(dtype=wp.int32), held: wp.array(dtype=wp.int32), row: wp.array(dtype=wp.int32),
-    right: wp.array(dtype=float), excess: wp.array(dtype=float),
-):  # fmt: skip
-    """Cells with their centre in a solid have too little room to tell their compression."""
-    c = listed[first + wp.tid()]
-    if held[c] >= -1:
-        r = row[c]
-        if r >= 0:
-            right[r] = 0.0
-            excess[r] = 0.0

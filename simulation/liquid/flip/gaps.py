@@ -6,24 +6,38 @@ Real water wets such a gap and lifts the body by all that it displaces. No parti
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ....geometry.launch import warp
+from ....worlds.arrays import F64
+from ...boundaries import BodyState
 from ...grids.runner import Runner
 from . import cut_kernels as cuts
 from . import distance_kernels as distances
+from . import gap_fill_kernels as filling
 from . import gap_kernels as kernels
 
 if TYPE_CHECKING:
     from .grid import Grid
     from .solids import Solids
 
-__all__ = ["Gaps"]
+__all__ = ["Gaps", "Support"]
 
+BORNE = 0.02
+"""Share of gravity from which on a body counts as borne."""
 MOST_TURNS = 256
 """Cells over which liquid wets a gap from its rim."""
+
+
+class Support(NamedTuple):
+    """Push of all else than the liquid that bears a body."""
+
+    way: F64
+    """In which it pushes, a unit vector (3,)."""
+    most: float
+    """[N]"""
 
 
 class Gaps:
@@ -60,14 +74,15 @@ class Gaps:
         at.mover = run.array("mover", total, wp.vec4i)
         at.lower, at.upper = walls
         gap, held, flag = (self._of(grid, name, wp.int32) for name in ("mark", "held", "flag"))
-        run(kernels.find_gaps, total, [at, self.free, gap, held, flag])
+        width = self._of(grid, "width", wp.float32)
+        run(kernels.find_gaps, total, [at, self.free, opening, thin, gap, held, width, flag])
         flag[total : total + 1].zero_()
         before = self._of(grid, "before", wp.int32)
         self.count = run.scan(flag, before, total + 1)
         if not self.count:
             return
         run(kernels.list_gaps, total, [flag, before, run.array("gap/listed", self.count, wp.int32)])
-        run(kernels.open_gaps, total, [at, gap, held, opening, thin])
+        run(kernels.open_gaps, total, [at, self.free, gap, held, opening, thin])
         fixed_halves = self._of(grid, "halves", cuts.vec6)
         run(kernels.cut_fixed, total, [at, fixed_halves], grain=1024)
         state = [at, self.free, run.array("halves", total, cuts.vec6), fixed_halves, gap, held, opening]
@@ -83,7 +98,7 @@ class Gaps:
         reach = float(np.max(run.read(moving.box_high, moving.count) - run.read(moving.box_low, moving.count)))
         state = [run.array("gap/listed", self.count, wp.int32), grid.near, self._of(grid, "mark", wp.int32)]
         for turn in range(min(MOST_TURNS, math.ceil(0.5 * reach)) + 2):
-            run(kernels.flood, self.count, [turn, *state, opening, solid, phi, wet, level, since])
+            run(filling.flood, self.count, [turn, *state, opening, solid, phi, wet, level, since])
         self._settle(grid, 0, phi, wet, red, inside)
 
     def settle(self, grid: Grid, opening: Any, phi: Any, wet: Any, red: Any, inside: Any) -> None:
@@ -93,23 +108,46 @@ class Gaps:
         wp, run = warp(), self.run
         self._settle(grid, 1, phi, wet, red, inside)
         gap, since = self._of(grid, "mark", wp.int32), self._of(grid, "since", wp.int32)
-        run(kernels.close_gaps, grid.cells, [grid.near, gap, since, wet, opening])
+        run(filling.close_gaps, grid.cells, [grid.near, gap, since, wet, opening])
 
     def _settle(self, grid: Grid, hidden: int, phi: Any, wet: Any, red: Any, inside: Any) -> None:
         wp, run = warp(), self.run
         marks = [self._of(grid, name, wp.int32) for name in ("mark", "held")]
         found = [self._of(grid, "level", wp.float32), self._of(grid, "since", wp.int32)]
         listed = run.array("gap/listed", self.count, wp.int32)
-        run(kernels.settle, self.count, [hidden, listed, grid.columns, *marks, *found, phi, wet, red, inside])
+        run(filling.settle, self.count, [hidden, listed, grid.columns, *marks, *found, phi, wet, red, inside])
+
+    def supports(self, bodies: BodyState) -> dict[int, Support]:
+        """Free bodies at gaps that something else than the liquid bears, by row: it gives way to a lift as far as it bears them."""
+        if not self.count:
+            return {}
+        gravity, found = np.asarray(self.solids.setup.gravity), {}
+        listed = self.run.read(self.run.array("gap/listed", self.count, warp().int32), self.count)
+        held = self.run.array("gap/held", 1, warp().int32).numpy()[listed]
+        for row in np.unique(held[held >= 0]).tolist():
+            if self.solids.setup.boundaries[row].motion != "dynamic" or bodies.inverse_mass[row] <= 0.0:
+                continue
+            borne = bodies.acceleration[row] - gravity
+            size = float(np.linalg.norm(borne))
+            if size > BORNE * float(np.linalg.norm(gravity)):
+                found[row] = Support(borne / size, size / float(bodies.inverse_mass[row]))
+        return found
 
     def parts(self, grid: Grid) -> list[Any]:
-        """Closure of each face: share of the first owner, -1 where there is one owner only, and both owners."""
+        """Share of the first owner in what closes each face, -1 where there is one owner only, and both owners."""
         wp = warp()
         return [self._of(grid, "part", wp.vec3), *(self._of(grid, name, wp.vec3i) for name in ("one", "other"))]
+
+    def seal(self, grid: Grid, face_owner: Any, walls: Any, was: Any, ratio: float, faces: list[Any]) -> None:
+        """Close gaps that are too narrow for particles to them; `faces` of `solid_kernels.constrain`, changed."""
+        if self.count:
+            wp = warp()
+            state = [grid.columns, grid.near, self._of(grid, "mark", wp.int32), self._of(grid, "width", wp.float32)]
+            self.run(filling.seal, grid.cells, [*state, face_owner, *self.parts(grid), walls, was, ratio, *faces])
 
     def quiet(self, grid: Grid, row: Any, right: Any, excess: Any) -> None:
         """Take cells of gaps with their centre in a solid out of the correction of density."""
         if self.count:
             wp, run = warp(), self.run
             listed, held = run.array("gap/listed", self.count, wp.int32), self._of(grid, "held", wp.int32)
-            run(kernels.quiet, self.count, [listed, held, row, right, excess])
+            run(filling.quiet, self.count, [listed, held, row, right, excess])

@@ -40,7 +40,7 @@ class _Mouth:
         self.travel = 0.0
         """Way of the flow since the last layer [m]."""
         self.share = 1.0
-        """Part of its speed at which it flows in this step."""
+        """Share of its speed at which it flows in this step."""
         self.layers = 0
 
     def world(self, points: F64, ahead: float | F64) -> F64:

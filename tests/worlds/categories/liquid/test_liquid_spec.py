@@ -19,6 +19,7 @@ from worldagent.worlds.spec import Box, Capsule, Cylinder, Extrusion, FlipInstan
 
 WATER = "/simulation/solvers/water"
 INFLOW = {"kind": "inflow", "entity": "water", "pose": {"position": [0, 0, 0.45]}, "size": [0.1, 0.1], "speed": 1.0}
+DRAIN = {"kind": "outflow", "entity": "water", "pose": {"position": [0, 0, 0.05]}, "size": [0.1, 0.1, 0.1], "level": 0.1}
 
 
 def base(**options: Any) -> WorldSpec:
@@ -66,6 +67,12 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "a narrow inflow": ([("/simulation/drivers/tap", {**INFLOW, "size": [0.1, 0.02]})], "liquids", "0.02 m wide, less than 3 spacings"),
     "a late inflow": ([("/simulation/drivers/tap", {**INFLOW, "start": 9})], "liquids", "after the last frame"),
     "an inflow of wood": ([("/simulation/drivers/tap", {**INFLOW, "entity": "crate"})], "liquids", "which is no liquid"),
+    "a level of particles": ([("/simulation/drivers/tap", {**INFLOW, "level": 0.2})], "liquids", "at one speed only; use engine flip"),
+    "a gauge without a level": ([("/simulation/drivers/tap", {**INFLOW, "gauge": [0, 0]})], "liquids", "has a gauge and no level"),
+    "a level at the floor": ([("/simulation/drivers/drain", {**DRAIN, "level": -0.05})], "liquids", "the domain reaches from -0.1 to 0.5 m"),
+    "a gauge outside": ([("/simulation/drivers/drain", {**DRAIN, "gauge": [2, 0]})], "liquids", "outside of the domain"),
+    "a level without a down": (
+        [("/simulation/drivers/drain", DRAIN), ("/simulation/gravity", [1, 0, -9.81])], "liquids", "does not point down"),
     "a force on water": (
         [("/simulation/drivers/push", {"kind": "force", "entity": "water", "end": 1})], "liquids", "'force' cannot act on a liquid"),
     "a liquid that drives bodies one way": (
@@ -76,6 +83,12 @@ BROKEN: dict[str, tuple[list[tuple[str, Any]], str, str]] = {
     "an order that cannot be": (
         [("/simulation/couplings", {}), ("/simulation/order", ["water", "rigid"])], "couplings|liquids", "put it after"),
 }  # fmt: skip
+
+
+def test_a_bath_and_a_grid_stream_that_hold_a_level_pass_the_audit() -> None:
+    bath = broken(("/simulation/drivers/drain", {**DRAIN, "gauge": [0.1, 0.1]}))
+    fed = apply_patch(base(engine="flip"), [{"op": "add", "path": "/simulation/drivers/tap", "value": {**INFLOW, "level": 0.22}}])
+    assert [problems(spec, "liquids") for spec in (bath, fed)] == ["", ""]
 
 
 @pytest.mark.parametrize("name", BROKEN)

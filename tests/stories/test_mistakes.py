@@ -40,7 +40,7 @@ MISTAKES: dict[str, tuple[tuple[str, dict[str, Any]], list[str]]] = {
     "a world that is not there": (_look(world="w2"), ["'w2'", "did you mean 'w'?", "edit_spec"]),
     "another word for the world": (("inspect_world", {"world_id": "w"}), ["'world_id'", "did you mean 'world'?"]),
     "no world": (("inspect_world", {"part": "matrix"}), ["needs world", "['w']"]),
-    "a part in the plural": (_look(part="rows"), ["'rows'", "did you mean 'row'?", "'matrix'"]),
+    "a part in the plural": (_look(part="rows"), ["'rows'", "part='row' with its", "part='matrix'"]),
     "a row without its id": (_look(part="row"), ["needs row", "inspect_world(part='matrix')"]),
     "a world of clauses": (("edit_spec", {"world": "n", "prompt": PROMPT, "spec": {"clauses": {"c1": {"met_by": ["/entities/ball"]}}}}), ["version '1'", "claims='A [ball](thing ball)"]),
     "clauses added": (_patch({"op": "add", "path": "/clauses", "value": {"c1": {"unmet": "no time for it"}}}), ["a world of version 2 has claims instead"]),

@@ -17,6 +17,7 @@ BENCHMARKS: dict[str, str] = {
     "job-start": "worldagent.bench.job_start:run",
     "edit-latency": "worldagent.bench.edit_latency:run",
     "first-verdict": "worldagent.bench.first_verdict:run",
+    "estimates": "worldagent.bench.estimates:run",
     "rigid-dominoes": "worldagent.bench.rigid_dominoes:run",
     "rigid-impacts": "worldagent.bench.rigid_impacts:run",
     "fracture": "worldagent.bench.fracture:run",

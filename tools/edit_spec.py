@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from ..workflow.arguments import Repair
+from ..workflow.arguments import Repair, WeakeningReason
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError, RefusedError
 
@@ -57,10 +57,7 @@ def edit_spec(
             description="Instead of hypothesis: one per parameter group that changes, where the failing rows have nothing to do with each other",
         ),
     ] = None,
-    weakening_reason: Annotated[
-        str,
-        Field(description="Only when the edit makes a requirement easier after evidence against it; printed with the acceptance"),
-    ] = "",
+    weakening_reason: WeakeningReason = "",
     expected_revision: Annotated[int | None, Field(description="Refuse if the world is at another revision", ge=0)] = None,
     on_hand_edit: Annotated[
         Literal["refuse", "adopt", "restore"],

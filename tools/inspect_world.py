@@ -65,7 +65,7 @@ def inspect_world(
     pointer: Annotated[
         str,
         Field(
-            description="spec: JSON pointer, e.g. /entities/ball. schema: a type (Entity, Shape, Predicate, ...), a pointer, or 'example' "
+            description="spec: JSON pointer, e.g. /entities/ball. schema: types (Entity, Shape, Predicate, ...; several with commas), a pointer, or 'example' "
             "for a whole small world; empty for the index. guide: a file, e.g. world-building/SKILL.md; empty for the list"
         ),
     ] = "",
@@ -124,12 +124,12 @@ def inspect_world(
     present settings if there is one, else the probe or sketch, else (state only) frame 0. Lists are paged: a reply says total and
     next_offset. Not for pictures (render_shot), nor for judging anew (run_checks). `next` names the call that usually follows.
     """
-    from ..workflow import parts
+    from ..workflow import parts, schema_parts
 
     if part == "worlds":
         return ToolReply(parts.worlds(context.workspace, offset=offset, limit=limit))
     if part == "schema":
-        return ToolReply(parts.schema(pointer))
+        return ToolReply(schema_parts.schema(pointer))
     if part == "guide":
         if prompt is not None:
             from ..workflow.prompt_guide import prompt_guide

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from ..workflow.arguments import Hypothesis, RowDetail, WorldId
+from ..workflow.arguments import Hypothesis, RowDetail, WeakeningReason, WorldId
 from ..workflow.arrangements import Array, AssetAsk, Beside, Station
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
@@ -64,6 +64,7 @@ def place_object(
     cameras: Annotated[bool, Field(description="With group: cameras of shots that frame them go along")] = False,
     strict: Annotated[bool, Field(description="Refuse a place that overlaps another entity")] = True,
     hypothesis: Hypothesis = "",
+    weakening_reason: WeakeningReason = "",
     detail: RowDetail = "concise",
 ) -> ToolReply:
     """Build the shapes of all entities and run the static checks; with `entity`, move that one first.
@@ -111,7 +112,7 @@ def place_object(
             "cameras": cameras,
             "strict": strict,
         }
-        outcome = place(session, Asked(entity, **more), hypothesis=hypothesis)
+        outcome = place(session, Asked(entity, **more), hypothesis=hypothesis, weakening_reason=weakening_reason)
     elif tilt or lay or group is not None or any(v is not None for v in where.values()):
         raise InputError("on, at, height, yaw_deg and all else that says where need entity")
     if asset is not None and not session.buildable(session.audit()):

@@ -73,7 +73,7 @@ def probe_sim(
 def _probe(context: ToolContext, session: Session, payload: dict[str, Any], wait_s: float, coarser: float) -> dict[str, Any]:
     """Result or state of the job; errors as the tool."""
     from ..simulation.probe import probe_frames
-    from ..workflow.estimates import usual_seconds
+    from ..workflow.estimates import pace_seen, usual_seconds
     from ..workflow.measurements import is_whole
     from ..workflow.waiting import start_and_wait
     from ..worlds.coarsening import coarsened, overrides_for
@@ -88,11 +88,11 @@ def _probe(context: ToolContext, session: Session, payload: dict[str, Any], wait
         require_room(context.workspace, session.spec)
     through = ":whole" if "stop_at" in payload else ""
     key = f"probe:{freeze}:{session.revision}{f':{coarser:g}' if overrides else ''}{through}"
-    payload |= {"coarser": coarser} if overrides else {}
+    usual = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
+    payload |= {"usual_s": usual.whole} | ({"coarser": coarser} if overrides else {})
     data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:
-        data["estimate_s"] = usual_seconds(coarsened(session.spec, overrides), probe_frames(session.spec))
-        data["estimate_of"] = "moving its liquids and gases once (checks and runs without a cause apart)"
+        data["estimate_s"], data["estimate_of"] = round(pace_seen(context.jobs) * usual.whole, 1), usual.told
     return data
 
 

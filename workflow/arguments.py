@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from .rows import Detail
 
-__all__ = ["Hypothesis", "Repair", "RowDetail", "Sketch", "WaitSeconds", "WorldId"]
+__all__ = ["Hypothesis", "Repair", "RowDetail", "Sketch", "WaitSeconds", "WeakeningReason", "WorldId"]
 
 WorldId = Annotated[str, Field(description="World id")]
 WaitSeconds = Annotated[
@@ -17,6 +17,10 @@ WaitSeconds = Annotated[
 ]
 RowDetail = Annotated[Detail, Field(description="full: open rows with all evidence and causes")]
 Hypothesis = Annotated[str, Field(description="After a failed row: what causes it and why this cures it")]
+WeakeningReason = Annotated[
+    str,
+    Field(description="Only when the edit makes a requirement easier after evidence against it; printed with the acceptance"),
+]
 
 
 class Repair(BaseModel):

@@ -36,6 +36,7 @@ class AssetAsk(BaseModel):
     seed: int = Field(default=0, ge=0, lt=2**32, description="Of its variation")
     positions: dict[str, float] = Field(default={}, description="Of its joints at frame 0, from closed [rad or m]")
     motion: Literal["static", "dynamic"] | None = Field(default=None, description="Default: the generator's")
+    fixed: bool | None = Field(default=None, description="Leaves, drawers, lids are static: a door that stays shut")
 
 
 class Station(BaseModel):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -28,6 +29,11 @@ MAX_LENGTH = 4
 """An iteration keeps this many changed places, with lists up to this length: enough for a pose or a velocity."""
 MAX_TOLD = 20
 """Changed places that a reply names."""
+_TOLD_BY_MOTION = re.compile(
+    r"/simulation/(frames|fps) |/story/(beats|requirements)/[^/ ]+/(subject|owner|predicate|frames|causes|margins)\b"
+    r"|claim of .* is no longer judged by /story/(beats|requirements)/[^,]*$"
+)
+"""Lines of weakenings against which only motion is evidence: geometry at frame 0 says nothing of what is told there."""
 
 
 class Attempted(NamedTuple):
@@ -91,6 +97,8 @@ class Change:
         self.weaker += role_weakenings(self.world.spec, self.after, said_of(self.failing))
         told = self._version_objections()
         unseen = unjudged(ledger)
+        if not unseen and not ledger.ever_failed(moving=True):
+            self.weaker = [w for w in self.weaker if not _TOLD_BY_MOTION.match(w)]
         if self.weaker and (unseen or ledger.ever_failed()) and len(self.reason.strip()) < 15:
             told.append(
                 (f"{unseen}: " if unseen else "")
@@ -163,7 +171,7 @@ class Change:
             )
         if not failing:
             return told
-        wanted = {e for r in failing for e in r.evidence.get("edit_classes") or {c.edit_class for c in r.corrections}}
+        wanted = {e for r in failing for e in (*(r.evidence.get("edit_classes") or ()), *(c.edit_class for c in r.corrections))}
         edit = GROUPS[causal[0]].edit_class
         if wanted & set(CAUSAL_CLASSES) and edit not in wanted:
             names = sorted({c.group for r in failing for c in r.corrections if c.edit_class in CAUSAL_CLASSES})

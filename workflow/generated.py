@@ -42,16 +42,43 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
         "parameters": dict(asked.parameters),
         "seed": asked.seed,
         "positions": asked.positions,
+        "fixed": _fixed(asked, before, made),
     }
     motion = asked.motion or (before.motion if before is not None else generator(asked.generator).motion)
     documents = asset_documents(name, record, made, _pose(before), motion=motion)
     taken = [k for k in documents.entities if k in spec.entities and not _belongs(spec, name, k)]
     if taken:
         raise InputError(f"{taken[0]!r} would be a body of {name!r} and is an entity already; choose another id")
-    told = _told(made, documents)
+    told = _told(made, documents) | _still_hung(asked, documents)
     if before is not None:
         told |= _kept(spec, name, before, documents)
     return _operations(spec, name, before, documents), told
+
+
+def _fixed(asked: AssetAsk, before: Entity | None, made: Made) -> bool:
+    """True if the leaves of a thing are to stay where they are made: as asked, else as before.
+
+    Raises:
+        InputError: it has none.
+    """
+    if asked.fixed and not made.joints:
+        raise InputError(
+            f"a {asked.generator} has no leaves, drawers or lids that `fixed` could hold; leave it out, or ask for motion 'static'"
+        )
+    if asked.fixed is None:
+        return before is not None and before.asset is not None and before.asset.fixed and bool(made.joints)
+    return asked.fixed
+
+
+def _still_hung(asked: AssetAsk, documents: AssetDocuments) -> dict[str, Any]:
+    """Note on bodies that move on their joints although the thing is asked for as static."""
+    hung = [j["child"] for j in documents.joints.values()]
+    if asked.motion != "static" or not hung:
+        return {}
+    more = f" and {len(hung) - SHOWN} more" if len(hung) > SHOWN else ""
+    return {
+        "still_moving": f"{', '.join(hung[:SHOWN])}{more} turn or slide on joints; asset {{fixed: true}} makes them static too"
+    }
 
 
 def made_of(asset: Asset) -> Made:
@@ -125,6 +152,9 @@ def _operations(spec: WorldSpec, name: str, before: Entity | None, documents: As
     for key, joint in spec.simulation.joints.items():
         if joint.child in old and key not in documents.joints and key.startswith(f"{name}_"):
             edits.append({"op": "remove", "path": f"/simulation/joints/{key}"})
+    for key, relation in spec.graph.relations.items():
+        if key not in documents.relations and relation.kind == "fastened" and key == f"{relation.b}_fixed" and relation.b in old:
+            edits.append({"op": "remove", "path": f"/graph/relations/{key}"})
     for body in gone:
         edits.append({"op": "remove", "path": f"/entities/{body}"})
         edits += _left(spec, body)

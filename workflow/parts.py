@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import json
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -31,13 +30,11 @@ __all__ = [
     "one_row",
     "overview",
     "revisions",
-    "schema",
     "spec",
     "worlds",
 ]
 
 SKILLS = Path(__file__).resolve().parent.parent / "skills"
-EXAMPLE = SKILLS / "world-building" / "examples" / "two_blocks.json"
 PROMPT_CHARACTERS = 1500
 GUIDE_CHARACTERS = 8000
 OPEN = ("fail", "unverified")
@@ -59,34 +56,6 @@ def worlds(workspace: Path, *, offset: int, limit: int) -> dict[str, Any]:
     if "next_offset" in place:
         then = call("inspect_world", part="worlds", offset=place["next_offset"])
     return answer({"part": "worlds", "worlds": page, **place}, f"{len(known)} worlds in this workspace", then)
-
-
-def schema(pointer: str) -> dict[str, Any]:
-    """The schema of a specification: its index, one part, or a whole example."""
-    from ..worlds.schema_words import described
-
-    if pointer == "example":
-        from ..worlds.claim_marks import marked_claims
-        from ..worlds.patch import parse_spec
-
-        example = json.loads(EXAMPLE.read_text())
-        claims = marked_claims(parse_spec(example))
-        rest = {k: v for k, v in example.items() if k not in ("prompt", "claims", "spec_version")}
-        return answer(
-            {"part": "schema", "prompt": example["prompt"], "claims": claims, "spec": rest},
-            "a whole small world that is accepted: pass prompt, claims and spec to edit_spec",
-            "edit_spec(world=..., prompt=..., spec=..., claims=...) with your own",
-        )
-    found = described(pointer)
-    if pointer in ("", "/", "World"):
-        then = "inspect_world(part='schema', pointer='Entity'), then 'Shape', 'Predicate', 'SimulationPlan', 'Shot'; pointer='example'"
-        return answer({"part": "schema", **found}, "the top level of a specification; capitals name parts to ask for", then)
-    about = found.get("type") or f"{found['union']}: one of these, told apart by its kind"
-    return answer(
-        {"part": "schema", "pointer": pointer, **found},
-        f"{about}; [3 x number] is a list of three, {{id: X}} an object of X by id",
-        "inspect_world(part='schema', pointer=NAME) for any name in capitals",
-    )
 
 
 def guide(path: str, *, offset: int) -> dict[str, Any]:

@@ -27,7 +27,7 @@ SHOWN = 20
 """Placed entities and overlaps that a reply names."""
 
 
-def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
+def place(session: Session, asked: Asked, *, hypothesis: str, weakening_reason: str = "") -> dict[str, Any]:
     """Put entities where they are asked for, as one revision; returns poses, what was left behind and overlaps for the reply.
 
     Raises:
@@ -82,7 +82,8 @@ def place(session: Session, asked: Asked, *, hypothesis: str) -> dict[str, Any]:
     told |= _reply(asked, edit, found, places)
     if after == spec:
         return {"moved": False, **told}
-    outcome = session.commit(after, patch=[*made, *edit.operations], hypothesis=hypothesis, follows=edit.follows)
+    patch = [*made, *edit.operations]
+    outcome = session.commit(after, patch=patch, hypothesis=hypothesis, weakening_reason=weakening_reason, follows=edit.follows)
     return {"moved": True, **told, **outcome}
 
 

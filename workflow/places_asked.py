@@ -70,8 +70,8 @@ def check_asked(spec: WorldSpec, asked: Asked) -> None:
     lowered = [k for k in ("on", "river", "afloat") if getattr(asked, k) is not None]
     if asked.height is not None and lowered:
         raise InputError(f"height and {lowered[0]} both say how high; give one of them")
-    if asked.surface is not None and (asked.on is None or asked.tilt or asked.afloat is not None or asked.array is not None):
-        raise InputError("surface names a place of the generated entity on: give on, and leave tilt, afloat and array out")
+    if asked.surface is not None and (asked.on is None or asked.afloat is not None or asked.array is not None):
+        raise InputError("surface names a place of the generated entity on: give on, and leave afloat and array out (things lie along its slope by themselves)")
     if asked.tilt and asked.on is None:
         raise InputError("tilt needs on: the surface whose slope it takes")
     if asked.afloat is not None and (asked.on is not None or asked.array is not None):

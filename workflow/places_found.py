@@ -63,7 +63,7 @@ def _first(session: Session, asked: Asked, scene: Scene, body: Body, told: dict[
 
 
 def _on_surface(asked: Asked, scene: Scene, body: Body, pose: RigidPose) -> RigidPose:
-    """The pose on a named surface of a generated entity; `at` and `yaw_deg` are in that entity's own frame, from the surface's middle.
+    """The pose on a named surface of a generated entity, along its slope; `at` and `yaw_deg` are in that entity's own frame, from the surface's middle.
 
     Raises:
         InputError: it is too high for the surface, or something on the way is nearer than the surface.
@@ -71,7 +71,7 @@ def _on_surface(asked: Asked, scene: Scene, body: Body, pose: RigidPose) -> Rigi
     import numpy as np
 
     from ..construction.placing import lowered, turned
-    from ..worlds.arrays import RigidPose
+    from ..worlds.arrays import RigidPose, compose
     from .generated import place_of
 
     assert asked.on is not None
@@ -79,8 +79,8 @@ def _on_surface(asked: Asked, scene: Scene, body: Body, pose: RigidPose) -> Rigi
     place, carrier = place_of(scene.spec, asked.on, asked.surface)
     there = scene.pose(asked.on)
     shift = np.array([*(asked.at or (0.0, 0.0)), 0.0])
-    target = there.apply(np.array([np.array(place["center"]) + shift]))[0]
-    pose = turned(RigidPose(target, there.quaternion), math.radians(asked.yaw_deg or 0.0))
+    target = np.array(place["center"]) + shift
+    pose = turned(RigidPose(target, np.array([1.0, 0.0, 0.0, 0.0])), math.radians(asked.yaw_deg or 0.0))
     low, high = body.box(pose)
     gap = max(scene.gap(name, carrier) for name in asked.names)
     height, free = float(high[2] - low[2]), float(place["clearance"]) - 2 * gap
@@ -90,13 +90,15 @@ def _on_surface(asked: Asked, scene: Scene, body: Body, pose: RigidPose) -> Rigi
         )
     lift = target[2] - low[2] + min(free - height, 0.05) + gap
     start = RigidPose(pose.position + np.array([0.0, 0.0, lift]), pose.quaternion)
-    found = lowered(body, start, scene.body(carrier), scene.pose(carrier), np.array([0.0, 0.0, -1.0]), gap, lift + 1.0)
+    # In the frame of the entity that has the surface: one that stands on a slope carries things along it.
+    carried = compose(there.inverse(), scene.pose(carrier))
+    found = lowered(body, start, scene.body(carrier), carried, np.array([0.0, 0.0, -1.0]), gap, lift + 1.0)
     if found is None or abs(float(body.box(found)[0][2]) - gap - target[2]) > NEAR:
         raise InputError(
             f"{asked.entity!r} does not come down onto {asked.surface!r} of {asked.on!r} there: its size is {[round(v, 3) for v in place['size']]} m "
             "along the entity's own x and y; give at, from its middle, so that all of the foot is on it"
         )
-    return found
+    return compose(there, found)
 
 
 def _beside(asked: Asked, wanted: Beside, scene: Scene, body: Body, pose: RigidPose) -> RigidPose:

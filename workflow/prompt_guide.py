@@ -93,7 +93,8 @@ def prompt_guide(prompt: str) -> dict[str, Any]:
         "example": _example(words, [c.name for c in called if c in told or c.name in BASE]),
     }
     doubts = _doubts(prompt, called)
-    then = "edit_spec(world=..., prompt=..., spec=..., claims=...): claims is `marked` with a target for each type, see world-building/SKILL.md#Claims"
+    fields = call("inspect_world", part="schema", pointer="Entity, Relation, Region, Driver, SolverInstance, Shot")
+    then = f"{fields} for their fields; edit_spec(world=..., prompt=..., spec=..., claims=...): claims is `marked` with a target for each type"
     said = f"what the skills say of this prompt: {', '.join(c.name for c in told) or 'bodies alone'}"
     # With the place of every section in `more`, where most of them then are.
     bare = {**data, "sections": {}, "more": _sections(words, told, 0)[1]}

@@ -20,7 +20,7 @@ from .shapes import Pose
 from .spec import SpecModel, WorldSpec
 from .vocabulary import ID_PATTERN
 
-__all__ = ["Edit", "add_copy", "add_move", "pose_json"]
+__all__ = ["Edit", "add_copy", "add_move", "bodies_with", "pose_json"]
 
 POINTS = ("anchor", "parent_point", "child_point", "center")
 DIRECTIONS = ("axis", "force", "torque", "linear_velocity", "angular_velocity")
@@ -54,6 +54,14 @@ def pose_json(pose: RigidPose) -> dict[str, Any]:
         sign = -1.0 if pose.quaternion[0] < 0 else 1.0
         value["quaternion"] = [round(sign * float(v), 12) + 0.0 for v in pose.quaternion]
     return value
+
+
+def bodies_with(spec: WorldSpec, name: str) -> list[str]:
+    """Entities of the generated thing that an entity is or belongs to, its main one first; the entity alone where it is none."""
+    for main, entity in spec.entities.items():
+        if entity.asset is not None and name in (main, *entity.asset.bodies):
+            return [main, *(b for b in entity.asset.bodies if b in spec.entities)]
+    return [name]
 
 
 def add_move(edit: Edit, spec: WorldSpec, names: Sequence[str], motion: RigidPose, *, cameras: bool = False) -> None:

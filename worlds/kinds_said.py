@@ -38,6 +38,8 @@ def role_weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str]
             yield f"/entities/{key}/role {was.role!r} -> {now.role!r}, {why}"
         if _maker(was) != _maker(now):
             yield f"/entities/{key}/asset/generator {_maker(was) or 'none'} -> {_maker(now) or 'none'}, {why}"
+        if key in _hung(before) - _hung(after):
+            yield f"/entities/{key} hangs on no joint any more: what is fixed is not asked to open, and a failing row asked it"
         if key in fresh:
             yield f"/entities/{key} is hung from another by a joint: a role tells no kind of what hangs, and a failing row asked it"
 

@@ -141,6 +141,8 @@ class Ledger(ReviewLedger, LookLedger):
                 db.execute("INSERT OR REPLACE INTO matrix VALUES (?,?,?,?,?,?)", (row.id, revision, stage, row.status, text, now))
             if stage != "audit" and any(row.status == "fail" for row in closed):
                 db.execute("INSERT OR REPLACE INTO meta VALUES ('ever_failed', '1')")
+                if stage != "static":
+                    db.execute("INSERT OR REPLACE INTO meta VALUES ('ever_failed_moving', '1')")
             put_seal(db, "matrix", *matrix_texts(db))
         return changed
 
@@ -186,13 +188,14 @@ class Ledger(ReviewLedger, LookLedger):
             check_seal(db, "matrix", *(texts := matrix_texts(db)))
             return dict(zip(texts[::3], texts[1::3], strict=True))
 
-    def ever_failed(self) -> bool:
-        """True if any row other than of the audit ever failed."""
+    def ever_failed(self, *, moving: bool = False) -> bool:
+        """True if any row other than of the audit ever failed; with `moving`, other than of the audit and the static checks."""
         with self._open() as db:
             failure = """
-                SELECT 1 FROM meta WHERE key='ever_failed'
-                UNION ALL SELECT 1 FROM history WHERE status='fail' AND stage != 'audit' LIMIT 1"""
-            return db.execute(failure).fetchone() is not None
+                SELECT 1 FROM meta WHERE key=?
+                UNION ALL SELECT 1 FROM history WHERE status='fail' AND stage != 'audit' AND stage != ? LIMIT 1"""
+            asked = ("ever_failed_moving", "static") if moving else ("ever_failed", "audit")
+            return db.execute(failure, asked).fetchone() is not None
 
     def history(self, row_id: str, limit: int = 20) -> list[dict[str, Any]]:
         """Past verdicts of one row, newest first."""

@@ -43,6 +43,8 @@ SLIP, LIKE = 0.75, 0.5
 """Likenesses to a name of what is a slip of the pen, and of what may be meant where nothing else fits."""
 NAMED = 4
 """Parts that are offered for a word."""
+MANY = 1000
+"""Items beyond which a largest number is not told. Own choice: nobody writes so many by hand."""
 UNSAID = 1e9
 """Bounds that only keep numbers finite are left out."""
 _FIRST = tuple(
@@ -267,7 +269,7 @@ def _words(node: Mapping[str, Any]) -> str:
         return _array(node)
     if kind == "object":
         inner = next(iter(node.get("patternProperties", {}).values()), None) or node.get("additionalProperties")
-        return f"{{id: {_words(inner)}}}" if isinstance(inner, dict) else "object"
+        return f"{{id: {_words(inner)}{_most(node.get('maxProperties'))}}}" if isinstance(inner, dict) else "object"
     bounds = " and ".join(f"{sign} {node[key]:g}" for key, sign in _BOUNDS.items() if abs(node.get(key, UNSAID)) < UNSAID)
     plain = "id" if node.get("pattern") == _ID else {"string": "text"}.get(str(kind), str(kind))
     return f"{plain} {bounds}".strip()
@@ -280,7 +282,12 @@ def _array(node: Mapping[str, Any]) -> str:
     items = _words(node.get("items", {}))
     low, high = node.get("minItems"), node.get("maxItems")
     many = f"{low} x " if low is not None and low == high else ""
-    return f"[{many}{items}{'' if many else ', ...'}]"
+    return f"[{many}{items}{'' if many else ', ...'}{'' if many else _most(high)}]"
+
+
+def _most(count: int | None) -> str:
+    """Largest number of items, where there is one that is met."""
+    return "" if count is None or count > MANY else f", at most {count}"
 
 
 def _kind(name: str) -> str:

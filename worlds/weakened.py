@@ -105,7 +105,7 @@ def _pair(place: str, before: WorldSpec, after: WorldSpec, bound: Bound) -> Iter
     binders = dict.fromkeys(who for name in (pair.a, pair.b) for who in binders_of(bound, f"/entities/{name}/physics"))
     if binders:
         own = ", ".join(
-            f"{k} {v:g}" for k, v in (("friction", pair.friction), ("restitution", pair.restitution)) if v is not None
+            f"{k} {v:g}" for k in ("friction", "static_friction", "restitution") if (v := getattr(pair, k)) is not None
         )
         yield f"{place} {'added' if was is None else 'removed'}: {own} of {pair.a} and {pair.b}, bound by {listed([*binders], MOST_NAMED)}"
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from .generator import Generator, Parameters, material
 from .made import Body, Joint, Made, Place
-from .wheels import Axle, spoked
+from .wheels import Axle, facets, spoked
 
 __all__ = ["GENERATORS"]
 
@@ -56,7 +56,7 @@ def _cannon(p: CannonParameters, rng: np.random.Generator) -> Made:
     cheek, inner = 0.05 + 0.25 * p.bore, breech + 0.012
     outer, long = inner + cheek, 0.34 * p.length
     reach = min(p.wheel, 0.45 * (0.8 * long + 0.62 * back))
-    low = reach * math.cos(math.pi / ((2 if p.spokes % 2 == 0 else 4) * p.spokes))
+    low = reach * math.cos(math.pi / facets(p.spokes))
     beam = 0.1 * reach + 0.02
     axle_top = low + beam
     bed = 0.03 + 0.1 * p.bore

@@ -55,14 +55,11 @@ def _cart(p: CartParameters, rng: np.random.Generator) -> Made:
         body.box(f"sill_{side}", (u - 0.035, front, z), (u + 0.035, back, z + sill))
     deck = z + sill
     count = max(5, round(p.length / 0.16))
-    worn = [float(v) for v in rng.uniform(0, 0.003, count)]
+    worn = [float(v) for v in rng.uniform(0.001, 0.004, count)]  # off their edges: tops are flush, so that loads stand on several
     for k in range(count):
         a, b = front + p.length * k / count, front + p.length * (k + 1) / count
-        body.box(
-            f"floor_{k + 1}",
-            (-p.width / 2, a + 0.002, deck),
-            (p.width / 2, b - 0.002 * (k < count - 1), deck + board - worn[k] * (0 < k < count - 1)),
-        )
+        high = (p.width / 2, b - worn[k] * (k < count - 1), deck + board)
+        body.box(f"floor_{k + 1}", (-p.width / 2, a + worn[k] * (k > 0), deck), high)
     _sides(body, p, (front, back), deck, board)
     if two:
         _shafts(body, p, front, z, sill)
@@ -79,9 +76,8 @@ def _cart(p: CartParameters, rng: np.random.Generator) -> Made:
         )
         body.box("crossbar", (-0.3 * p.width + 0.035, front, z), (0.3 * p.width - 0.035, front + 0.06, z + sill))
         body.box("swingletree", (-0.4, tip - 0.045, z - 0.085), (0.4, tip, z - 0.035))
-    made.places["bed"] = Place(
-        (0, front + (count // 2 + 0.5) * p.length / count, deck + board - worn[count // 2]), (p.width - 0.1, p.length - 0.1)
-    )
+    middle = front + (count // 2 + 0.5) * p.length / count  # of a board
+    made.places["bed"] = Place((0, middle, deck + board), (p.width - 0.1, p.length - 0.1))
     return made
 
 

@@ -18,6 +18,10 @@ __all__ = ["AssetDocuments", "asset_documents", "asset_size", "body_boxes", "bod
 
 DIGITS = 9
 """Decimals to which lengths [m] and directions are written."""
+TOUCH = 1e-4
+"""[m] Own choice: depth to which what is fastened may overlap; nothing that a generator makes does."""
+FIXED = "made as fixed: it stays as it hangs, and does not open"
+"""Reason of the relation that holds a body in place of its joint."""
 GROUND = 1e-4
 """[m] Own choice: what is no higher stands on the ground."""
 
@@ -48,24 +52,31 @@ def asset_documents(
 
     Args:
         name: id of the asset, which its main body bears.
-        record: its field `asset`: generator, parameters and seed.
+        record: its field `asset`: generator, parameters and seed; where it says `fixed`, what joints would hold is static and
+            fastened to what they hang it on.
         made: its bodies.
         pose: of the asset's frame in the world.
         motion: of its main body where that does not say it; the others are dynamic.
         boxes: of its bodies, where they are known, see `body_boxes`.
     """
     known = body_boxes(made) if boxes is None else boxes
-    moved = {j.child for j in made.joints.values()}
+    hung = {j.child: j.parent for j in made.joints.values()}
+    fixed = hung if record.get("fixed") else {}
     entities = {
-        body_id(name, key): _entity(body, known[key], pose, "dynamic" if key in moved else motion, whole=key == MAIN)
+        body_id(name, key): _entity(body, known[key], pose, "dynamic" if key in hung else motion, whole=key == MAIN)
         for key, body in made.bodies.items()
     }
+    for key in fixed:
+        entities[body_id(name, key)]["motion"] = "static"
     entities[name]["asset"] = record | {"bodies": [body_id(name, key) for key in made.bodies if key != MAIN]}
-    joints = {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}
-    relations = {
+    joints = {} if fixed else {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}
+    relations: dict[str, dict[str, Any]] = {
         f"{body_id(name, a)}_carries_{b}": {"kind": "supports", "a": body_id(name, a), "b": body_id(name, b)}
         for a, b in made.carries
     }
+    for child, parent in fixed.items():
+        a, b = body_id(name, parent), body_id(name, child)
+        relations[f"{b}_fixed"] = {"kind": "fastened", "a": a, "b": b, "max_depth": TOUCH, "reason": FIXED}
     return AssetDocuments(entities, joints, relations)
 
 

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 from .made import Body
 
-__all__ = ["Axle", "pierced", "spoked"]
+__all__ = ["Axle", "facets", "pierced", "spoked"]
 
 
 class Axle(NamedTuple):
@@ -71,8 +71,15 @@ class Axle(NamedTuple):
         body.hull(name, points, material=material)
 
 
+def facets(spokes: int) -> int:
+    """Flat sides of the tyre of a wheel with so many spokes."""
+    return 6 * spokes if spokes % 2 == 0 else 8 * spokes
+
+
 def spoked(body: Body, axle: Axle, radius: float, width: float, spokes: int, *, wood: str, tyre: str, spin: float = 0.0) -> float:
     """Add a wheel of wood with a hub, spokes, a rim and a tyre of metal, a flat side down.
+
+    Its sides are 4 to 8 degrees wide: a hoop that rolls over an edge of an angle a loses a^2 / 2 of its energy, half a percent at most.
 
     Args:
         body: to which it is added.
@@ -87,9 +94,9 @@ def spoked(body: Body, axle: Axle, radius: float, width: float, spokes: int, *, 
     Returns:
         distance from the axis to a flat side of the tyre [m].
     """
-    segments = 2 * spokes if spokes % 2 == 0 else 4 * spokes
+    segments = facets(spokes)
     begin = -math.pi / 2 + math.pi / segments + spin
-    w, band, felloe = width / 2, max(0.006, 0.02 * radius), max(0.03, 0.11 * radius)
+    w, band, felloe = width / 2, max(0.008, 0.025 * radius), max(0.03, 0.11 * radius)
     inner = radius - band - felloe
     axle.ring(
         body,

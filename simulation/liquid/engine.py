@@ -26,6 +26,7 @@ __all__ = [
     "LiquidSetup",
     "Outflow",
     "Particles",
+    "Stage",
     "WaveZones",
     "by_inflow",
 ]
@@ -57,6 +58,15 @@ class Fluid:
 
 
 @dataclass(frozen=True)
+class Stage:
+    """A level that an inflow or outflow holds, and where it is read [m]."""
+
+    x: float
+    y: float
+    level: float
+
+
+@dataclass(frozen=True)
 class Inflow:
     """A disc or rectangle that gives liquid along its normal (local +z) during [start, end) seconds."""
 
@@ -69,9 +79,11 @@ class Inflow:
     """Half width along local x and y [m]; of a disc, its radius twice."""
     round: bool
     speed: float
-    """[m/s]"""
+    """[m/s]; the highest of one that holds a level."""
     start: float = 0.0
     end: float = np.inf
+    stage: Stage | None = None
+    """It gives only while the surface is lower."""
 
 
 def by_inflow(names: Iterable[str], values: Iterable[Any], inflows: Sequence[Inflow]) -> list[Any]:
@@ -96,6 +108,8 @@ class Outflow:
     rotation: F64
     half_size: tuple[float, float, float]
     """[m]; negative: it takes nothing."""
+    stage: Stage | None = None
+    """It takes only while the surface is higher."""
 
 
 @dataclass(frozen=True)

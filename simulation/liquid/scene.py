@@ -12,7 +12,7 @@ import numpy as np
 from ...geometry.solids import Solid
 from ...worlds.arrays import F64, I32, pose_of, rotation_matrix
 from ...worlds.built import BuiltEntity
-from ...worlds.categories.liquid.facts import spacing_of
+from ...worlds.categories.liquid.facts import gauge_of, spacing_of
 from ...worlds.categories.liquid.recipe import DOMAIN_MARGIN
 from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
@@ -21,13 +21,13 @@ from ...worlds.instances import soft_met
 from ...worlds.waves import sea_of, waves_of
 from ..boundaries import Surround, surround_of
 from .currents import start_velocity
-from .engine import SIDES, Fluid, Inflow, LiquidSetup, Outflow, WaveZones
+from .engine import SIDES, Fluid, Inflow, LiquidSetup, Outflow, Stage, WaveZones
 from .filling import PlacedSolid, fill
 from .marker_filling import fill_markers
 from .resolved import require_resolved
 
 if TYPE_CHECKING:
-    from ...worlds.spec import LiquidInstance, LiquidPhysics, WorldSpec
+    from ...worlds.spec import InflowDriver, LiquidInstance, LiquidPhysics, OutflowDriver, WorldSpec
 
 __all__ = ["MARGIN", "LiquidScene", "build_scene"]
 
@@ -169,7 +169,12 @@ def _inflows(spec: WorldSpec, instance: LiquidInstance) -> Iterator[Inflow]:
                 speed=driver.flow_speed,
                 start=driver.start + spec.simulation.preroll,
                 end=math.inf if driver.end is None else driver.end + spec.simulation.preroll,
+                stage=_stage(driver),
             )
+
+
+def _stage(driver: InflowDriver | OutflowDriver) -> Stage | None:
+    return None if driver.level is None else Stage(*gauge_of(driver), driver.level)
 
 
 def _outflows(spec: WorldSpec, instance: LiquidInstance, without: frozenset[str]) -> Iterator[Outflow]:
@@ -178,7 +183,7 @@ def _outflows(spec: WorldSpec, instance: LiquidInstance, without: frozenset[str]
         if driver.kind == "outflow" and driver.entity in instance.members:
             pose = pose_of(driver.pose)
             half = (-1.0, -1.0, -1.0) if key in without else (0.5 * driver.size[0], 0.5 * driver.size[1], 0.5 * driver.size[2])
-            yield Outflow(key, pose.position, rotation_matrix(pose.quaternion), half)
+            yield Outflow(key, pose.position, rotation_matrix(pose.quaternion), half, None if key in without else _stage(driver))
 
 
 def _waves(spec: WorldSpec, name: str, spacing: float) -> Iterator[WaveZones]:

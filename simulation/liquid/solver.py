@@ -36,7 +36,7 @@ BLOWN = ("field_impulse_x", "field_impulse_y", "field_impulse_z", "field_work")
 
 SPEEDS = ("v", "velocity", "affine")
 """Arrays of the engines' states that hold how fast particles are."""
-CLOCKS = ("time", "speed", "steps", "layers", "travel", "inflows")
+CLOCKS = ("time", "speed", "steps", "layers", "travel", "inflows", "stage")
 """Those that count since the start, or tell of inflows."""
 
 

@@ -156,7 +156,7 @@ class ModelBuilder:
         geom.mass = 0.0
         geom.condim = 6 if matter.rolling_friction > 0 else 3
         geom.friction = [
-            matter.friction,
+            matter.friction_at_rest,
             max(matter.rolling_friction, ROLLING_DEFAULT),
             max(matter.rolling_friction, ROLLING_DEFAULT),
         ]

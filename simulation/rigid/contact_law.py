@@ -34,6 +34,7 @@ from .impact_friction import stop_slides
 from .impact_sequence import Blow, ImpactSequence
 from .impacts import Impact, calm
 from .sides import sides_of
+from .stiction import Stiction
 
 if TYPE_CHECKING:
     from .crumbling import Crumbling, Weak
@@ -100,16 +101,23 @@ class ContactLaw:
         colliders: collider per side, shape (sides,).
         pairs: restitution of pairs of colliders that have their own.
         kin: contacts among pieces of breakable bodies, where there are any.
+        stiction: coefficients of contacts that slip, where rest has others.
     """
 
     def __init__(
-        self, model: Any, restitution: F64, colliders: Any, pairs: dict[tuple[int, int], float], kin: Crumbling | None
+        self,
+        model: Any,
+        restitution: F64,
+        colliders: Any,
+        pairs: dict[tuple[int, int], float],
+        kin: Crumbling | None,
+        stiction: Stiction | None = None,
     ) -> None:
         import mujoco
 
         self.mj, self.model = mujoco, model
         self.restitution, self.colliders = restitution, colliders
-        self.kin = kin
+        self.kin, self._stiction = kin, stiction
         self._weak: Weak | None = None
         self._found = False
         self._impact: Impact | None = None
@@ -144,6 +152,8 @@ class ContactLaw:
         """
         self._weak, self._found, self._impact, self.blow = None, False, None, None
         self._points.apply(data)
+        if self._stiction is not None and data.ncon and data.nefc:
+            self._stiction.apply(data, sides_of(self.model, data.contact))
         if self.kin is not None:
             stop_slides(self, data, dt, slowest)
         if not data.ncon or not data.nefc:

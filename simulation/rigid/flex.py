@@ -184,7 +184,7 @@ def add_flex(builder: Any, name: str) -> FlexBody:
     self_mode = mujoco.mjtFlexSelf
     flex.selfcollide = self_mode.mjFLEXSELF_AUTO if part.simulation.cells.max() >= LAYERS_FOR_SELF else self_mode.mjFLEXSELF_NONE
     flex.contype, flex.conaffinity = MOVING
-    flex.condim, flex.friction = 3, [matter.friction, 1e-6, 1e-6]
+    flex.condim, flex.friction = 3, [matter.friction_at_rest, 1e-6, 1e-6]
     flex.margin, flex.solimp = builder.settings.skin, SOLIMP
     return FlexBody(name, part.part, physics, lattice, pose, masses, carriers.tolist(), offsets)
 

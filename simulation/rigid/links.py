@@ -82,7 +82,8 @@ def add_pairs(builder: ModelBuilder) -> dict[tuple[str, str], float]:
             continue
         if pair.restitution is not None:
             values[pair.a, pair.b] = pair.restitution
-        if pair.friction is None or frozenset((pair.a, pair.b)) in builder.apart:
+        rest = pair.friction_at_rest
+        if rest is None or frozenset((pair.a, pair.b)) in builder.apart:
             continue
         combos = [(g, h) for g in builder.geoms_of[pair.a] for h in builder.geoms_of[pair.b] if g != h]
         if len(combos) > MAX_PAIR_GEOMS:
@@ -93,7 +94,7 @@ def add_pairs(builder: ModelBuilder) -> dict[tuple[str, str], float]:
         for k, (g, h) in enumerate(combos):
             rolling = max(matter[builder.geom_material[x]].rolling_friction for x in (g, h))
             made = builder.out.add_pair(name=f"{name}/{k}", geomname1=g, geomname2=h)
-            made.friction = [pair.friction, pair.friction, *[max(rolling, ROLLING_DEFAULT)] * 3]
+            made.friction = [rest, rest, *[max(rolling, ROLLING_DEFAULT)] * 3]
             made.condim = 6 if rolling > 0 else 3
             made.margin = 2 * builder.settings.skin + builder.geom_excess[g] + builder.geom_excess[h]
             made.solimp = SOLIMP

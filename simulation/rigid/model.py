@@ -22,6 +22,7 @@ from .contact_law import ContactLaw, set_contact_law
 from .crumbling import make_crumbling
 from .flex import FlexBody, add_flex, is_soft, node_count, part_flexes
 from .links import add_links, add_pairs
+from .stiction import Stiction
 
 __all__ = ["RigidModel", "build_model"]
 
@@ -168,11 +169,21 @@ def _mapped(builder: ModelBuilder, model: Any, bounces: Mapping[tuple[str, str],
             geom_collider,
             {(rank[a], rank[b]): value for (a, b), value in bounces.items()},
             make_crumbling(spec, built, colliders, geom_names, builder.geom_entity),
+            _stiction(spec, matter, geom_collider, rank),
         ),
         excess=np.array([*(builder.geom_excess[g] for g in geom_names), *(0.0 for _ in soft)]),
         flexes=tuple(builder.flexes),
         parted=tuple(p for p in builder.apart if p <= set(colliders) and any(is_soft(spec, n) for n in p)),
     )
+
+
+def _stiction(spec: WorldSpec, matter: Sequence[str], colliders: Any, rank: Mapping[str, int]) -> Stiction | None:
+    """Coefficients of contacts that slip, by the material of every side; None where rest has no other ones."""
+    pairs = [c for c in spec.simulation.contacts.values() if c.friction is not None and c.a in rank and c.b in rank]
+    if all(spec.materials[m].static_friction is None for m in matter) and all(c.static_friction is None for c in pairs):
+        return None
+    kinetic = np.array([spec.materials[m].friction for m in matter])
+    return Stiction(kinetic, colliders, {(rank[c.a], rank[c.b]): c.friction or 0.0 for c in pairs})
 
 
 def _find_links(rigid: RigidModel, spec: WorldSpec) -> None:

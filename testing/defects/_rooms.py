@@ -91,11 +91,12 @@ class Room:
         facing: float = 0.0,
         motion: str | None = None,
         positions: Mapping[str, float] | None = None,
+        fixed: bool = False,
         **parameters: Any,
     ) -> None:
-        """A generated thing at a point of the room, turned about z [rad]."""
+        """A generated thing at a point of the room, turned about z [rad]; `fixed` holds what joints would."""
         made = posed(make(kind, parameters, int(self.rng.integers(1000))), positions or {})
-        record = {"generator": kind, "parameters": parameters, "seed": 0}
+        record = {"generator": kind, "parameters": parameters, "seed": 0, "fixed": fixed}
         found = asset_documents(name, record, made, self.pose(at, facing), motion=motion or generator(kind).motion)
         self.documents |= found.entities
         self.joints |= found.joints

@@ -34,6 +34,7 @@ __all__ = [
     "bounce",
     "cradle",
     "flight",
+    "gripped",
     "pendulum",
     "pile",
     "pushed",
@@ -130,6 +131,21 @@ def _slide(variant: int) -> WorldSpec:
         "box": box(0.3, 0.2, 0.1, motion="dynamic", at=at + place, euler=(0, tilt, 0), velocity=way * rng.uniform(2.5, 3.5)),
     }
     return _make(entities, frames=14, materials=_materials(friction=mu, restitution=0.0))
+
+
+def _gripped(variant: int) -> WorldSpec:
+    """Boxes on a ramp between the angles of motion and of rest: one stays, one that was pushed slides on."""
+    rng = _rng(variant, 12)
+    at, mu, more = _far(rng), float(rng.uniform(0.15, 0.4)), float(rng.uniform(1.2, 1.8))
+    tilt = float(np.arctan(mu * (0.5 + 0.5 * more)))
+    along, normal = np.array([np.cos(tilt), 0.0, -np.sin(tilt)]), np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    pose = {"euler": (0, tilt, 0), "motion": "dynamic"}
+    entities = {
+        "floor": box(12, 12, 0.4, at=at - normal * 0.2, euler=(0, tilt, 0)),
+        "box": box(0.3, 0.2, 0.1, at=at + normal * 0.0505 - along, velocity=along * rng.uniform(1.5, 2.5), **pose),
+        "held": box(0.3, 0.2, 0.1, at=at + normal * 0.0505 + np.array([0.0, 1.0, 0.0]), **pose),
+    }
+    return _make(entities, frames=14, materials=_materials(friction=mu, static_friction=more * mu, restitution=0.0))
 
 
 def _pendulum(variant: int) -> WorldSpec:
@@ -298,5 +314,6 @@ def _pile(variant: int) -> WorldSpec:
     return _make(entities, frames=20, materials=_materials(restitution=0.0))
 
 
-flight, bounce, slide, pendulum, welded, roped = (cached(f) for f in (_flight, _bounce, _slide, _pendulum, _welded, _roped))
+flight, bounce, slide, gripped, pendulum = (cached(f) for f in (_flight, _bounce, _slide, _gripped, _pendulum))
+welded, roped = cached(_welded), cached(_roped)
 sprung, pushed, stack, cradle, thrown_pair, pile = (cached(f) for f in (_sprung, _pushed, _stack, _cradle, _thrown_pair, _pile))

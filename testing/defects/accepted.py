@@ -26,6 +26,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.errors import RefusedError
 from ...worlds.folder import WorldFolder, write_atomically
 from ...worlds.ledger import Ledger
+from ...worlds.named_materials import declared_by_name
 from ...worlds.patch import parse_spec
 from ...worlds.requirements import Row
 from ...worlds.spec import WorldSpec
@@ -69,11 +70,11 @@ def specifications() -> Iterator[tuple[str, WorldSpec]]:
 
 
 def recorded() -> Iterator[tuple[str, WorldSpec]]:
-    """Name (`skill/file`) and specification of every whole world that a skill records."""
+    """Name (`skill/file`) and specification of every whole world that a skill records; materials of the table are declared as an edit does."""
     for path in sorted(SKILLS.glob("*/*.json")):
         document = json.loads(path.read_text(encoding="utf-8"))
         if isinstance(document, dict) and {"prompt", "entities"} <= set(document):
-            yield f"{path.parent.name}/{path.stem}", parse_spec(document)
+            yield f"{path.parent.name}/{path.stem}", declared_by_name(parse_spec(document))
 
 
 def showcases() -> Iterator[tuple[str, WorldSpec]]:
@@ -87,7 +88,7 @@ def showcases() -> Iterator[tuple[str, WorldSpec]]:
         ("water_hammock", water_hammock.PROMPT, water_hammock.held_spec()),
     )
     for name, prompt, spec in made:
-        yield f"examples/{name}", parse_spec({"prompt": prompt, **spec})
+        yield f"examples/{name}", declared_by_name(parse_spec({"prompt": prompt, **spec}))
 
 
 def baked_in(folder: WorldFolder, spec: WorldSpec) -> Candidate:

@@ -216,6 +216,17 @@ def other_friction(folder: Path, magnitude: float, rng: np.random.Generator) -> 
     return _broken(_declare(film, change), folder, "box")
 
 
+def rest_friction(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    """A box slides with the static friction, larger by a share, in place of that of motion."""
+    film = _pick(scenes.slide, rng)
+
+    def change(data: dict[str, Any]) -> None:
+        wood = data["materials"]["wood"]
+        wood["static_friction"], wood["friction"] = wood["friction"], wood["friction"] / (1.0 + magnitude)
+
+    return _broken(_declare(film, change), folder, "box")
+
+
 def brakes(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
     """A sliding box loses `magnitude` times more speed in one frame than the cone of friction allows."""
     film = _pick(scenes.slide, rng)
@@ -466,6 +477,7 @@ SUITE = Suite(
         _defect("other_restitution", "a ball bounces otherwise than declared", other_restitution, 0.07, 0.5, "1", 0.05),
         _defect("bounces_higher", "a ball leaves a hit faster than it came", bounces_higher, 1.1, 2.0, "1"),
         _defect("other_friction", "a box slides with another friction than declared", other_friction, 0.06, 0.5, "1", 0.05),
+        _defect("rest_friction", "a box slides with the friction of rest", rest_friction, 0.06, 0.9, "1", 0.05),
         _defect("brakes", "a sliding box brakes more than friction can", brakes, 0.06, 3.0, "1"),
         _defect("joint_gap", "a joint is open", joint_gap, 1.05, 50.0, "bounds", 1.0),
         _defect("weld_drift", "a weld turns away slowly", weld_drift, 0.011, 0.5, "rad", 0.01),
@@ -484,6 +496,7 @@ SUITE = Suite(
         _clean("flight", "fast tumbling of rods and plates: angular velocity changes, angular momentum does not", scenes.flight),
         _clean("bounce", "bounces from none to perfect restitution", scenes.bounce),
         _clean("slide", "boxes slide down and along, at the cone of friction all the time", scenes.slide),
+        _clean("gripped", "on a ramp between the angles of motion and of rest one box stays and one slides", scenes.gripped),
         _clean("pendulum", "damped pendulum and a sliding block with dry friction lose energy", scenes.pendulum),
         _clean("welded", "two bodies move as one; a thrown knee flaps", scenes.welded),
         _clean("roped", "a rope falls and snaps taut", scenes.roped),

@@ -33,6 +33,7 @@ from ._liquid_resolution import (
     tight_tap,
 )
 from ._liquid_scenes import SPACING
+from ._liquid_stages import feeding, overdrained, overfilled
 from ._liquid_waves import flat_waves, slow_waves, waving
 from ._liquid_wet import dried, drowned, shifted, wetted
 from .cases import Mechanism, Suite, World
@@ -379,6 +380,9 @@ SUITE = Suite(
         _defect("walled_source", "the opening of an inflow reaches into a wall", walled_source, 5e-4, 0.05, "m", 2e-5),
         _defect("volume_removed", "particles are gone from the cache, and from its records", volume_removed, 1e-3, 0.5, "1"),
         _defect("counted_out", "particles vanish amid the pool, booked as outflow", counted_out, 1e-3, 0.5, "1"),
+        _defect("overfilled", "an inflow gives though the surface is above the level that it holds", overfilled, 0.1, 0.3, "m"),
+        _defect("overdrained", "an outflow takes below the level that it holds", overdrained, 2.1, 8.0, "spacings", 2.0),
+        _clean("feeding", "an inflow whose gauge is dry gives all it can", feeding, 0.1, 0.9, "m"),
         _defect("shrunk", "particles lose volume", shrunk, 2e-6, 0.5, "1", 1e-6),
         _defect("cooked_records", "one record at one frame is not that of the particles", cooked_records, 5e-3, 0.5, "1"),
         _defect("forged_reaction", "the liquid's own loss is not what it gave", forged_reaction, 1.05e-5, 0.5, "1", 1e-5),

@@ -37,7 +37,7 @@ EASIER = {"story", "limits"}
 PLACEHOLDERS = {
     "row", "entity", "other", "frame", "first", "last", "solver", "beat", "shot", "material", "striker", "driver", "tip", "support", "part",
     "relation", "rubs", "wind", "steady", "becalmed", "held", "free", "emitter", "grains", "flying", "emission",
-    "follows", "jammed", "ends", "stands", "lies", "waves", "collides",
+    "follows", "jammed", "ends", "stands", "lies", "waves", "collides", "alone", "rests", "rolls",
 }  # fmt: skip
 """Those that are filled from a row, and those that stay for the reader to fill."""
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
+from worldagent.worlds.arrays import RigidPose, compose
 
 PROMPT = "A jar stands on a table beside a chair."
-FLOOR = {
+FLOOR: dict[str, Any] = {
     "role": "floor",
     "motion": "static",
     "material": "oak",
@@ -127,3 +129,29 @@ def test_rooms_are_made_checked_and_made_again(agent: Any, monkeypatch: pytest.M
     shut = agent.refused("build_interior", world="w", interior="hut", plan={"rooms": {"a": {"kind": "cellar"}}})
     assert "plan/rooms/a/kind" in shut
     assert "there is no interior 'hut'" in agent.refused("build_interior", world="w", interior="hut")
+
+
+def test_a_thing_on_the_surface_of_one_that_stands_on_a_slope_lies_along_it(world: Any) -> None:
+    """Seven degrees, turned by a quarter: `at` and the lie of the thing are in the frame of what carries it."""
+    slope = {
+        **FLOOR,
+        "role": "ramp",
+        "pose": {"position": [0, 0, 0.6], "euler": [0.0, 0.122, 0.0]},
+        "parts": {"slab": FLOOR["parts"]["slab"]},
+    }
+    patch = [
+        {"op": "add", "path": "/entities/ramp", "value": slope},
+        {"op": "add", "path": "/simulation/solvers/rigid/members/-", "value": "ramp"},
+    ]
+    world.call("edit_spec", world="w", patch=patch)
+    world.call(
+        "place_object", world="w", entity="table", asset={"generator": "table"}, on="ramp", at=[0, 0], tilt=True, yaw_deg=90
+    )
+    crate = {"generator": "wooden_crate", "parameters": {"width": 0.5, "depth": 0.3, "height": 0.28}}
+    told = world.call("place_object", world="w", entity="crate", asset=crate, on="table", surface="top", at=[0.3, 0.1])
+    table, placed = (_spec(world, f"/entities/{n}/pose") for n in ("table", "crate"))
+    pose = {n: RigidPose(np.array(p["position"]), np.array(p["quaternion"])) for n, p in (("table", table), ("crate", placed))}
+    within = compose(pose["table"].inverse(), pose["crate"])
+    assert within.position == pytest.approx([0.3, 0.1, 0.742], abs=3e-3)
+    assert abs(within.quaternion[0]) == pytest.approx(1.0, abs=1e-9)
+    assert not [r for r in told["open_rows"] if r["id"].startswith(("interpenetration", "support:balance:crate"))]

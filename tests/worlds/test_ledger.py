@@ -166,6 +166,14 @@ def test_stale_rows_remember_what_they_were_once(ledger: Ledger) -> None:
     assert ledger.stages()["a"] == "probe"
 
 
+def test_what_failed_in_motion_is_told_apart_from_what_failed_at_frame_0(ledger: Ledger) -> None:
+    ledger.put_rows([row("support:a", "fail")], revision=1, stage="static")
+    assert (ledger.ever_failed(), ledger.ever_failed(moving=True)) == (True, False)
+    ledger.put_rows([row("beat:b", "fail")], revision=1, stage="probe")
+    ledger.put_rows([row("beat:b")], revision=2, stage="probe")
+    assert ledger.ever_failed(moving=True)
+
+
 def test_a_failing_audit_is_no_evidence_against_the_world(ledger: Ledger) -> None:
     ledger.put_rows([row("audit:x", "fail", check="audit")], revision=1, stage="audit")
     assert not ledger.ever_failed()

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "508c398ae96b70337fadc5516690d3b82fd2a68f3206ed91a8c17bc402217385"
+SCHEMA = "af5d85ba00002990fc3e88100a591d46bef5958072ee6842f6def589111059b8"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

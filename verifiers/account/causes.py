@@ -61,13 +61,23 @@ def _deed(candidate: Candidate, driver: Any, whom: str) -> str:
             f"a motor drives {whom} at {number(driver.velocity)} rad/s or m/s, {number(driver.max_effort)} N m or N at most"
         ),
         "detach": lambda: f"what joins {whom} is opened",
-        "inflow": lambda: f"{whom} flows in at {place(np.array(driver.pose.position))} with {number(driver.flow_speed)} m/s",
-        "outflow": lambda: f"{whom} is taken away at {place(np.array(driver.pose.position))}",
+        "inflow": lambda: f"{whom} flows in at {place(np.array(driver.pose.position))} with {_flow(driver)}",
+        "outflow": lambda: f"{whom} is taken away at {place(np.array(driver.pose.position))}{_down_to(driver)}",
         "waves": lambda: f"waves {number(driver.height)} m high, every {number(driver.period)} s, are made in {whom}",
         "emitter": lambda: f"{whom} come out at {place(np.array(driver.pose.position))}, {number(driver.rate)} per second",
         "field": lambda: f"{_field(driver.field)} acts on {whom or 'nothing'}",
     }
     return deeds.get(driver.kind, lambda: f"a driver of kind {driver.kind} acts on {whom}")()
+
+
+def _flow(driver: Any) -> str:
+    """Speed of an inflow, and the level that it holds."""
+    speed = f"{number(driver.flow_speed)} m/s"
+    return speed if driver.level is None else f"at most {speed} while it stands lower than {number(driver.level)} m"
+
+
+def _down_to(driver: Any) -> str:
+    return "" if driver.level is None else f" while it stands higher than {number(driver.level)} m"
 
 
 def _length(candidate: Candidate, entity: str) -> float:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from ...worlds.arrays import pose_of, rotation_matrix
 from ...worlds.predicates import atoms_of, entities_of
+from ...worlds.spec import Capsule, Cylinder, Sphere
 from ..categories.registry import JUDGES
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Row
-    from ...worlds.spec import WorldSpec
+    from ...worlds.spec import Entity, WorldSpec
 
 __all__ = ["names_of"]
 
@@ -17,9 +21,11 @@ AROUND = 3
 """Frames before and after a failure that the suggested probes look at."""
 NEAR_END = 6
 """Frames before the end of what was judged in which something may still be under way."""
+LEVEL = 0.3
+"""[1] Own choice: sine of the slope of an axis about which something still rolls, 17 degrees."""
 SLENDER = 1.5
 """Height over least level width from which a body stands upright and may be knocked over, as dominoes do."""
-BREAKS = frozenset({"broken", "breach", "debris"})
+BREAKS = frozenset({"broken", "breach", "debris", "breaks", "cracks"})
 """Kinds of predicates that friction has no part in."""
 
 
@@ -40,6 +46,11 @@ def names_of(row: Row, spec: WorldSpec | None) -> dict[str, Any]:
         "beat": tail if row.check == "beat" else None,
         "shot": tail if row.check == "shots" else None,
     }
+    begun, ended = (row.evidence.get(n) for n in ("onset", "until"))
+    if isinstance(begun, int) and isinstance(
+        ended, int
+    ):  # a row that fails at the end of its interval may tell when it came nearest
+        found |= {"first": max(0, begun - AROUND), "last": ended + AROUND}
     if _under_way(row):
         found["ends"] = row.frames[1] if row.frames else frame
     if spec is not None:
@@ -65,13 +76,14 @@ def _names_of_spec(found: dict[str, Any], row: Row, spec: WorldSpec) -> None:
     found["driver"] = found.get("driver") or (acting[0] if len(acting) == 1 else None)
     tip = row.evidence.get("tip")
     # What stands and falls can be set nearer to what follows it; what is thrown starts elsewhere.
-    found["tip"] = tip if tip in spec.entities and tip not in thrown else None
+    found["tip"] = tip if tip in spec.entities and tip not in thrown and "stands" in _bearing(spec, tip) else None
     if found["shot"] not in spec.shots:
         found["shot"] = next((n for n, s in spec.shots.items() if found["shot"] in s.covers), None)
     if entity in spec.entities:
         judge = JUDGES.get(spec.entities[entity].physics.category)
         found |= {"material": spec.entities[entity].material, **({} if judge is None else judge.placeholders(spec, entity, row))}
         found |= _bearing(spec, entity)
+        found["alone"] = None if "stands" in found and found["tip"] else entity
         if found.pop("slides", None) and _slides(row, spec, entity, found["beat"]):
             found["rubs"] = _rubs(spec, entity)
 
@@ -91,16 +103,43 @@ def _under_way(row: Row) -> bool:
 
 
 def _bearing(spec: WorldSpec, entity: str) -> dict[str, Any]:
-    """Who stands, so that it may be knocked over; who lies, or floats; the waves that move it."""
+    """Who stands, so that it may be knocked over; who lies, or floats, and rolls there or rests; the waves that move it."""
     liquids = _liquids_around(spec, entity)
-    width, depth, height = spec.entities[entity].dimensions.size
-    stands = not liquids and height >= SLENDER * min(width, depth)
+    stands = not liquids and _upright(spec.entities[entity]) and not _starts(spec.entities[entity])
+    rolls = not stands and not liquids and _rounded(spec.entities[entity])
     waves = [
         n
         for n, d in spec.simulation.drivers.items()
         if d.kind == "waves" and any(d.entity in spec.simulation.solvers[s].members for s in liquids)
     ]
-    return {"stands" if stands else "lies": entity, "waves": waves[0] if len(waves) == 1 else None}
+    found = {"stands" if stands else "lies": entity, "waves": waves[0] if len(waves) == 1 else None}
+    return found if stands else found | {"rolls" if rolls else "rests": entity}
+
+
+def _upright(entity: Entity) -> bool:
+    """True of a body that is slender along the vertical as it is placed, not only as it is drawn."""
+    # The edge of its box that is nearest to the vertical is its height; the others are its widths, however it is turned.
+    height = int(np.argmax(np.abs(rotation_matrix(pose_of(entity.pose).quaternion)[2])))
+    widths = [float(s) for k, s in enumerate(entity.dimensions.size) if k != height]
+    return float(entity.dimensions.size[height]) >= SLENDER * min(widths)
+
+
+def _starts(entity: Entity) -> bool:
+    """True of a body that moves at frame 0: it is no domino that waits for a blow."""
+    return any(any(getattr(entity.physics, n, None) or ()) for n in ("linear_velocity", "angular_velocity"))
+
+
+def _rounded(entity: Entity) -> bool:
+    """True of a body that can roll as it is placed: a ball, or something round about a level axis, by its greatest part."""
+    turn = rotation_matrix(pose_of(entity.pose).quaternion)
+    for part in entity.parts.values():
+        if isinstance(part.shape, Sphere):
+            return True
+        if isinstance(part.shape, Cylinder | Capsule):
+            axis = turn @ rotation_matrix(pose_of(part.pose).quaternion)[:, 2]
+            if abs(float(axis[2])) < LEVEL:
+                return True
+    return False
 
 
 def _slides(row: Row, spec: WorldSpec, entity: str, beat: str | None) -> bool:

@@ -48,12 +48,16 @@ def books_of(candidate: Candidate, cache: Cache) -> Books:
     return candidate.memo(("books", cache), lambda: Books(candidate, cache))
 
 
-def frictions(candidate: Candidate, colliders: Sequence[str]) -> tuple[F64, F64]:
-    """Least and greatest friction coefficient between any two of `colliders` (n entities), each shape (n, n)."""
+def frictions(candidate: Candidate, colliders: Sequence[str], *, sliding: bool = False) -> tuple[F64, F64]:
+    """Least and greatest friction coefficient between any two of `colliders` (n entities), each shape (n, n).
+
+    The greatest is that of rest, unless both are asked for of what is `sliding`.
+    """
     spec, own = candidate.spec, []
     for name in colliders:
-        found = [spec.materials[p.material].friction for p in candidate.entity(name).parts] or [0.0]
-        own.append((min(found), max(found)))
+        used = [spec.materials[p.material] for p in candidate.entity(name).parts]
+        most = [m.friction if sliding else m.friction_at_rest for m in used]
+        own.append((min((m.friction for m in used), default=0.0), max(most, default=0.0)))
     table = np.array(own).reshape(-1, 2)
     # The larger of two materials' coefficients holds; a pair of its own overrides both.
     low, high = (np.maximum.outer(column, column) for column in table.T)
@@ -61,8 +65,8 @@ def frictions(candidate: Candidate, colliders: Sequence[str]) -> tuple[F64, F64]
     for pair in spec.simulation.contacts.values():
         if pair.friction is not None and pair.a in rank and pair.b in rank:
             i, j = rank[pair.a], rank[pair.b]
-            for side in (low, high):
-                side[i, j] = side[j, i] = pair.friction
+            low[i, j] = low[j, i] = pair.friction
+            high[i, j] = high[j, i] = pair.friction if sliding else pair.friction_at_rest
     return low, high
 
 

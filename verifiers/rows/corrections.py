@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...worlds.arrays import pose_of, rotation_matrix
+from ...worlds.arrays import RigidPose, pose_of, rotation_matrix
+from ...worlds.assemblies import Edit, add_move, bodies_with
 from ...worlds.candidate import cache_digest
 from ...worlds.errors import EvidenceError, SpecError
 from ...worlds.groups import GROUPS
@@ -223,8 +224,10 @@ def say_afloat(entity: str, cause: str) -> Correction:
     return correction(cause, "placement", action, pointers=(pointer("entities", entity, "afloat"),))
 
 
-def move_by(candidate: Candidate, entity: str, offset: Iterable[float] | None, cause: str, action: str = "") -> Correction:
-    """Move an entity.
+def move_by(
+    candidate: Candidate, entity: str, offset: Iterable[float] | None, cause: str, action: str = "", *, whole: bool | None = None
+) -> Correction:
+    """Move an entity; the main one of a generated thing takes its further bodies and their joints along.
 
     Args:
         candidate: what is judged.
@@ -232,11 +235,19 @@ def move_by(candidate: Candidate, entity: str, offset: Iterable[float] | None, c
         offset: by which vector [m], rounded to a nanometre, so that what touches does not overlap; None where the numbers do not determine one.
         cause: why it stands wrong.
         action: the sentence; default names the offset.
+        whole: whether all of its generated thing goes along; by default where the entity is its main one.
     """
     place = pointer("entities", entity, "pose")
     if offset is None:
         return correction(cause, "placement", action or f"Move {entity!r}.", pointers=(place,))
     way = [float(v) for v in offset]
+    kin = bodies_with(candidate.spec, entity)
+    if len(kin) > 1 and (kin[0] == entity if whole is None else whole):
+        edit = Edit()
+        add_move(edit, candidate.spec, kin, RigidPose(np.array(way), np.array([1.0, 0.0, 0.0, 0.0])))
+        text = action or f"Move {entity!r} by ({', '.join(f'{v:+.5g}' for v in way)}) m."
+        along = f" All of it goes along: {', '.join(n for n in kin if n != entity)}."
+        return correction(cause, "placement", text + along, pointers=(place,), patch=edit.operations)
     pose = candidate.spec.entities[entity].pose
     position = tuple(round(float(a) + b, 9) for a, b in zip(pose.position, way, strict=True))
     value = pose.model_copy(update={"position": position}).model_dump(mode="json", exclude_none=True)

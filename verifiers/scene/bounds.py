@@ -42,6 +42,8 @@ MARGIN = 1e-4
 """[m] Own choice: a suggested move leaves this clearance, so that its rounding cannot touch again."""
 WIDEST = 4.0
 """[1] Own choice: a suggested move longer than this many sizes of the moved body is not suggested."""
+FARTHER = 8.0
+"""[1] Own choice: a move so many times as long as the shortest one that clears the pair is not suggested."""
 SAME_MOVE = 0.05
 """[1] Own choice: of two suggested moves that differ by less than this part of their length, one is enough."""
 

@@ -13,16 +13,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...geometry import apart
-from ...worlds.arrays import F64, RigidPose
+from ...worlds.arrays import F64
+from ...worlds.assemblies import bodies_with
 from ..rows.answers import guarded, row_of
 from ..rows.corrections import correction, move_by, move_parts, pointer
 from ..rows.findings import Finding
-from .bounds import MARGIN, SAME_MOVE, WIDEST
+from .bounds import FARTHER
 from .own_bodies import own_gap, own_pairs
 from .questions import OVERLAP, OVERLAP_SCENE
 from .room import in_the_way, moves_alone
 from .self_crossing import self_rows
+from .separating import Barred, barred, clear_of, moves_apart, upward
 from .surfaces import surfaces_of
 
 if TYPE_CHECKING:
@@ -31,10 +32,8 @@ if TYPE_CHECKING:
     from .own_bodies import OwnPair
     from .surfaces import Gap, Surfaces
 
-__all__ = ["check", "correction_order", "separating_move"]
+__all__ = ["check", "correction_order"]
 
-HALVINGS = 16
-"""Most bisections of a suggested move, which end where it is short to within `MARGIN`."""
 NAMED = 4
 """Parts that a correction tells by name."""
 DETAILED = 20
@@ -169,65 +168,20 @@ def correction_order(surfaces: Surfaces, a: str, b: str) -> tuple[str, str]:
     return (a, b) if rank[a] <= rank[b] else (b, a)
 
 
-def separating_move(
-    surfaces: Surfaces,
-    mover: str,
-    other: str,
-    frame: int,
-    direction: F64,
-    depth: float,
-    *,
-    most: float = np.inf,
-    parts: Sequence[int] | None = None,
-) -> float | None:
-    """Distance along a unit `direction` after which `mover`, or `parts` of it, clear `other` by `MARGIN` [m], short to within `MARGIN`.
-
-    Starts at the measured `depth` [m], which no move can undercut, then doubles and bisects; None where it takes more
-    than `most` [m], or four sizes of the mover.
-    """
-    rows = surfaces.parts_of[mover] if parts is None else parts
-
-    def clear(distance: float) -> bool:
-        return _apart(surfaces, rows, other, frame, distance * direction)
-
-    low, high = 0.0, depth + 1.5 * MARGIN
-    while not clear(high):
-        low, high = high, 2.0 * high
-        if low > most or high > WIDEST * surfaces.size(mover) + depth:
-            return None
-    for _ in range(HALVINGS if low > 0.0 else 0):
-        if high - low <= MARGIN:
-            break
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if clear(middle) else (middle, high)
-    return high
-
-
-def _apart(surfaces: Surfaces, rows: Sequence[int], other: str, frame: int, offset: F64) -> bool:
-    """True if parts, displaced by `offset` [m], clear `other` by `MARGIN`."""
-    for i in rows:
-        one = surfaces.parts[i]
-        pose = surfaces.track(one.entity, one.body).at(frame)
-        moved = RigidPose(pose.position + offset, pose.quaternion)
-        for j in surfaces.parts_of[other]:
-            two = surfaces.parts[j]
-            solids = surfaces.shapes.solid(i, frame), surfaces.shapes.solid(j, frame)
-            if not apart(solids[0], moved, solids[1], surfaces.track(other, two.body).at(frame), gap=MARGIN):
-                return False
-    return True
-
-
-def _middle(surfaces: Surfaces, rows: Sequence[int]) -> F64:
-    """Middle of the bounding box of parts at frame 0 [m], shape (3,)."""
-    low, high = (box[list(rows), 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
-    return np.asarray((low.min(0) + high.max(0)) / 2)
-
-
 def _movers(surfaces: Surfaces, mover: str, other: str) -> tuple[int, ...]:
     """The parts to move: those in `other` where they hang together with no further part of their entity, else all of it."""
     rows = surfaces.parts_of[mover]
-    inside = tuple(i for i in rows if len(rows) > 1 and not _apart(surfaces, (i,), other, 0, np.zeros(3)))
-    return inside if inside and len(inside) < len(rows) and all(moves_alone(surfaces, i) for i in inside) else tuple(rows)
+    inside = tuple(i for i in rows if len(rows) > 1 and not clear_of(surfaces, (i,), other, 0, np.zeros(3)))
+    if inside and len(inside) < len(rows) and all(moves_alone(surfaces, i) for i in inside):
+        return inside
+    kin = _kin(surfaces, mover, other)
+    return tuple(i for name in kin for i in surfaces.parts_of.get(name, ()))
+
+
+def _kin(surfaces: Surfaces, mover: str, other: str) -> list[str]:
+    """Entities that go along where one moves: all of its generated thing, unless the other is of it, too."""
+    kin = bodies_with(surfaces.candidate.spec, mover)
+    return [mover] if other in kin else kin
 
 
 def _stands_elsewhere(surfaces: Surfaces, mover: str, other: str) -> bool:
@@ -236,65 +190,9 @@ def _stands_elsewhere(surfaces: Surfaces, mover: str, other: str) -> bool:
     return any(r.kind == "supports" and r.b == mover and r.a != other for r in relations)
 
 
-def _up(surfaces: Surfaces) -> F64:
-    """Unit vector against gravity, along z without any, shape (3,)."""
-    gravity = np.array(surfaces.candidate.spec.simulation.gravity)
-    strength = float(np.linalg.norm(gravity))
-    return -gravity / strength if strength > 0 else np.array([0.0, 0.0, 1.0])
-
-
 def _fixed(surfaces: Surfaces, entity: str) -> bool:
     """True if an entity stays where it is placed: it is static, or pins hold it."""
     return surfaces.is_static(entity) or bool(getattr(surfaces.candidate.spec.entities[entity].physics, "pins", None))
-
-
-def _along_axes(surfaces: Surfaces, names: tuple[str, ...], depth: float) -> dict[str, F64]:
-    """Moves of the first entity along each axis of the world that clear the second, the shorter way of each [m].
-
-    A sheet has no inside that its deepest point could show the way out of: the shortest way out may lead along the sheet.
-    """
-    found: dict[str, F64] = {}
-    for axis, name in enumerate("xyz"):
-        least = np.inf
-        for sign in (-1.0, 1.0):
-            direction = sign * np.eye(3)[axis]
-            distance = separating_move(surfaces, names[0], names[1], 0, direction, depth, most=least)
-            if distance is not None and distance < least:
-                least, found[f"along {name}"] = distance, distance * direction
-    return found
-
-
-def _different(moves: dict[str, F64]) -> dict[str, F64]:
-    """The moves without those that are nearly the same as a shorter one."""
-    found: dict[str, F64] = {}
-    for name, move in sorted(moves.items(), key=lambda item: float(np.linalg.norm(item[1]))):
-        if not any(np.linalg.norm(move - other) < SAME_MOVE * np.linalg.norm(move) for other in found.values()):
-            found[name] = move
-    return found
-
-
-def _moves(surfaces: Surfaces, names: tuple[str, str], rows: Sequence[int], gap: Gap, *, swapped: bool) -> dict[str, F64]:
-    """Moves of these parts of the first entity that clear the second [m], by the words for their direction."""
-    mover, other = names
-    out = gap.point_b - gap.point_a if not swapped else gap.point_a - gap.point_b
-    length = float(np.linalg.norm(out))
-    up = _up(surfaces)
-    directions = {"up": up}
-    if length > 0.0:
-        directions["out along the shortest way"] = out / length
-    # The deepest point need not show the shortest way out: a neighbour is left sideways, away from its middle.
-    between = _middle(surfaces, rows) - _middle(surfaces, surfaces.parts_of[other])
-    level = between - float(between @ up) * up
-    if float(np.linalg.norm(level)) > 0.0:
-        directions["away from its neighbour"] = level / float(np.linalg.norm(level))
-    moves = {}
-    for name, direction in directions.items():
-        distance = separating_move(surfaces, mover, other, 0, direction, -gap.distance, parts=rows)
-        if distance is not None:
-            moves[name] = distance * direction
-    if any(surfaces.candidate.spec.entities[n].physics.sheet_thickness for n in names):
-        moves = _different(moves | _along_axes(surfaces, names, -gap.distance))
-    return moves
 
 
 def _move(surfaces: Surfaces, names: tuple[str, str], rows: Sequence[int], name: str, offset: F64, either: str) -> Correction:
@@ -302,13 +200,27 @@ def _move(surfaces: Surfaces, names: tuple[str, str], rows: Sequence[int], name:
     mover, other = names
     text, length = ", ".join(f"{c:+.4g}" for c in offset), float(np.linalg.norm(offset)) * 1e3
     way = f"{name} by {length:.4g} mm, that is ({text}) m."
-    if len(rows) == len(surfaces.parts_of[mover]):
+    if len(rows) >= len(surfaces.parts_of[mover]):
         cause = f"{mover!r} is placed inside {other!r}"
-        return move_by(surfaces.candidate, mover, offset, cause, f"Move {mover!r} {way}{either}")
+        whole = other not in bodies_with(surfaces.candidate.spec, mover)
+        return move_by(surfaces.candidate, mover, offset, cause, f"Move {mover!r} {way}{either}", whole=whole)
     parts = [surfaces.parts[i].part for i in rows]
     told = ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
     cause = f"part {told} of {mover!r} is placed inside {other!r}"
     return move_parts(surfaces.candidate, mover, dict.fromkeys(parts, offset), cause, f"Move {told} of {mover!r} {way}{either}")
+
+
+def _make_way(names: tuple[str, str], bar: Barred) -> Correction:
+    """Move the first entity the least way, and the part of the second that stands there with it."""
+    mover, other = names
+    text, length = ", ".join(f"{c:+.4g}" for c in bar.offset), float(np.linalg.norm(bar.offset)) * 1e3
+    return correction(
+        f"{mover!r} is placed inside {other!r}, and {other}/{bar.part} stands in its least way out",
+        "placement",
+        f"Move {mover!r} out by {length:.4g} mm, that is ({text}) m, with all that belongs to it, and {other}/{bar.part} by as much: "
+        f"an opening goes along with what stands in it. Or shorten the part that overlaps by as much.",
+        pointers=(pointer("entities", mover, "pose"), pointer("entities", other, "parts", bar.part)),
+    )
 
 
 def _corrections(
@@ -316,16 +228,22 @@ def _corrections(
 ) -> tuple[Correction, ...]:
     mover, other = names
     rows = _movers(surfaces, mover, other) if detailed else ()
-    moves = _moves(surfaces, names, rows, gap, swapped=swapped) if detailed else {}
+    moves = moves_apart(surfaces, names, rows, gap, swapped=swapped) if detailed else {}
+    bar = barred(surfaces, names, rows, gap, swapped=swapped) if detailed else None
+    if bar is not None:  # then the others lead around what stands there
+        most = FARTHER * float(np.linalg.norm(bar.offset))
+        moves = {name: move for name, move in moves.items() if np.linalg.norm(move) <= most}
     pose = pointer("entities", mover, "pose")
     either = f" Both are fixed: either may move, {other!r} the opposite way." if all(_fixed(surfaces, n) for n in names) else ""
-    lifted, up = _stands_elsewhere(surfaces, mover, other), _up(surfaces)
+    lifted, up = _stands_elsewhere(surfaces, mover, other), upward(surfaces)
     hits = {name: in_the_way(surfaces, rows, offset, (other,)) for name, offset in moves.items()}
     found = [
         _move(surfaces, names, rows, name, offset, either)
         for name, offset in sorted(moves.items(), key=lambda item: float(np.linalg.norm(item[1])))
         if hits[name] is None and not (lifted and float(offset @ up) > surfaces.contact_gap(mover, other))
     ]
+    if bar is not None:
+        found.insert(0, _make_way(names, bar))
     struck = {n: m for n, m in moves.items() if hits[n] is not None}
     if struck and not found:
         name, offset = min(struck.items(), key=lambda item: float(np.linalg.norm(item[1])))

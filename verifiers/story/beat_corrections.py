@@ -18,6 +18,7 @@ from ..predicates.outcome import Outcome, vector
 from ..rows.corrections import correction, halve_any_step, longer, set_value
 from .bounds import MORE, SETTLING_FRAMES, STARTED
 from .offers import faster, let_meet, offered
+from .push_corrections import pushing
 
 if TYPE_CHECKING:
     from ...worlds.requirements import Correction
@@ -58,7 +59,8 @@ def corrections_of(
     found += judge.beat_corrections(candidate, entity, outcome, details)
     if judge.body:  # where it starts and how fast decides where it goes
         broken = breaking(candidate, predicate, entity, outcome, details, pointer)
-        found += _aim(candidate, entity, outcome, details) if broken is None else broken
+        short = pushing(candidate, predicate, entity, outcome, details) if broken is None else None
+        found += broken or short or _aim(candidate, entity, outcome, details)
     return found
 
 

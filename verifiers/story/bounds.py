@@ -11,6 +11,21 @@ MORE = 1.2
 FLICKER = 1
 """[frame] Own choice: two touches with at most so many frames between them are one; a resting body's log has such gaps."""
 
+OUTRUNS = 0.05
+"""[1] Own choice: what goes faster by so much of the speed of what pushed it leaps ahead of it."""
+FREE_BOUNCE = 0.2
+"""[1] A pair may have so much less restitution than its materials without a reason (`worlds/audits/pairs.py`)."""
+HEAVY = 3.0
+"""[1] Own choice: what is so many times as heavy as what it meets keeps three quarters of its speed, and more mass gives it little."""
+DROPPED = 0.1
+"""[1] of the half-size. Own choice: what sinks so far while it is pushed goes over an edge."""
+AFTER_FRAMES = 2
+"""[frame] Own choice: what has parted from its pusher shows within so many frames that it falls."""
+SPARE = 1.2
+"""[1] Own choice: factor on a computed speed or way, for what the estimate leaves out."""
+MOST_FASTER = 3.0
+"""[1] Own choice: no patch raises a speed by more; where so much lacks, something else is wrong."""
+
 MOVED = 4.0
 """[1] Own choice: what has come so many times as far as a resting body may creep has left its place."""
 LEAST_CHANGE = 0.05

@@ -92,7 +92,8 @@ def _surfaces(
         friction, restitution = _stream(item.seed, name, sample, kind, key).uniform(-1.0, 1.0, 2).tolist()
         changes: dict[str, float] = {}
         if item.friction and matter.friction is not None:
-            changes["friction"] = matter.friction * (1.0 + item.friction * friction)
+            share = 1.0 + item.friction * friction
+            changes |= {f: share * v for f in ("friction", "static_friction") if (v := getattr(matter, f)) is not None}
         if item.restitution and matter.restitution is not None:
             changes["restitution"] = float(np.clip(matter.restitution + item.restitution * restitution, 0.0, 1.0))
         found[key] = matter.model_copy(update=changes)

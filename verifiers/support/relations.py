@@ -149,7 +149,7 @@ def _finer(surfaces: Surfaces) -> Correction:
 def _slips(surfaces: Surfaces, a: str, b: str) -> Correction:
     spec = surfaces.candidate.spec
     names = [spec.entities[n].material for n in (a, b)]
-    friction = max(spec.materials[n].friction if n in spec.materials else 0.0 for n in names)
+    friction = max(spec.materials[n].friction_at_rest if n in spec.materials else 0.0 for n in names)
     released = [d.time for d in spec.simulation.drivers.values() if isinstance(d, ReleaseDriver) and d.entity == b]
     if released:
         frame = int(max(released) * spec.simulation.fps)

@@ -91,7 +91,7 @@ def _rougher(surfaces: Surfaces, group: Group, entity: str, claimed: Sequence[st
     material = spec.materials.get(spec.entities[entity].material)
     if missing <= MISSING or material is None:
         return None
-    friction = max(LEAST_FRICTION, material.friction)
+    friction = max(LEAST_FRICTION, material.friction_at_rest)
     while friction < MOST_FRICTION:
         friction = min(MOST_FRICTION, SPARE * friction)
         tried = tuple(
@@ -123,7 +123,7 @@ def _grip(surfaces: Surfaces, concerned: tuple[str, ...], missing: float, enough
             ),
         ),
         predicate=f"contact forces within friction bear {entity} at rest: at most {MISSING:g} of its weight is missing",
-        extra=[[spec.materials[m].friction for m in materials if m in spec.materials], list(spec.simulation.gravity)],
+        extra=[[spec.materials[m].friction_at_rest for m in materials if m in spec.materials], list(spec.simulation.gravity)],
     )
 
 

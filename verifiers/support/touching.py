@@ -111,13 +111,13 @@ def _near_parts(surfaces: Surfaces, a: str, b: str, frame: int, slack: float) ->
 
 
 def _friction(surfaces: Surfaces, one: PartSurface, two: PartSurface) -> float:
-    """Coefficient of a pair: its own, else the larger of the two materials' (as `worlds/spec/entities.py` says)."""
+    """Coefficient of a pair at rest: its own, else the larger of the two materials' (as `worlds/spec/entities.py` says)."""
     spec = surfaces.candidate.spec
     for pair in spec.simulation.contacts.values():
-        if {pair.a, pair.b} == {one.entity, two.entity} and pair.friction is not None:
-            return pair.friction
+        if {pair.a, pair.b} == {one.entity, two.entity} and pair.friction_at_rest is not None:
+            return pair.friction_at_rest
     names = [next(p.material for p in surfaces.candidate.entity(s.entity).parts if p.part == s.part) for s in (one, two)]
-    return max(spec.materials[n].friction if n in spec.materials else 0.0 for n in names)
+    return max(spec.materials[n].friction_at_rest if n in spec.materials else 0.0 for n in names)
 
 
 def _touch(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose], slack: float) -> tuple[F64, F64]:

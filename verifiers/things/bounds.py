@@ -52,5 +52,7 @@ TREAD_AREA = 0.05
 """[m^2] Own choice: level pieces that are smaller are posts, caps and nosings; half a metre of the narrowest tread has 0.1."""
 TREAD_SHARE = 0.4
 """[1] Own choice: of the median area of level pieces; smaller ones are rails and strings."""
+LEAF_THIN = 0.25
+"""[1] Own choice: a fixed body whose outline from above is no thicker on the mean, as share of its width and height, is a leaf."""
 FOOTROOM = 0.3
 """[m] Own choice: where something is nearer above, nobody stands; a boot is lower, and steps over each other are farther apart."""

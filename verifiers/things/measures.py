@@ -11,7 +11,18 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64, RigidPose, pose_of, rotation_matrix
 from ...worlds.errors import EvidenceError
 from ...worlds.spec import HingeJoint
-from .bounds import CELLS, FOOTROOM, LEVEL_QUANTILE, LEVEL_SHARE, MIDDLE, SAME_TREAD, TREAD_AREA, TREAD_DEPTH, TREAD_SHARE
+from .bounds import (
+    CELLS,
+    FOOTROOM,
+    LEAF_THIN,
+    LEVEL_QUANTILE,
+    LEVEL_SHARE,
+    MIDDLE,
+    SAME_TREAD,
+    TREAD_AREA,
+    TREAD_DEPTH,
+    TREAD_SHARE,
+)
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -25,7 +36,7 @@ class Thing(NamedTuple):
     triangles: F64
     """Corners [m], shape (n, 3, 3), of all its bodies that joints tie to the main one."""
     leaves: tuple[F64, ...]
-    """Width and height of bodies that turn about upright axes, however far they are turned [m], shape (2,)."""
+    """Width and height of bodies that turn about upright axes, however far they are turned, or would if they were not fixed [m], shape (2,)."""
 
     @property
     def low(self) -> F64:
@@ -54,7 +65,8 @@ def thing_of(candidate: Candidate, main: str) -> Thing:
     own = {main, *(asset.bodies if asset is not None else ())}
     joints = [j for j in spec.simulation.joints.values() if j.kind in ("hinge", "slide", "ball", "weld")]
     inner = [(j.child, j.parent) for j in joints if j.parent is not None and {j.child, j.parent} <= own]
-    tied = {main} | {n for ends in inner for n in ends}
+    fixed = _fixed_bodies(candidate, main)
+    tied = {main} | {n for ends in inner for n in ends} | set(fixed)
     start = _pose(candidate, main)
     back = rotation_matrix(start.quaternion).T
     found = []
@@ -69,10 +81,33 @@ def thing_of(candidate: Candidate, main: str) -> Thing:
         j.child for j in joints if isinstance(j, HingeJoint) and j.child in own and abs(j.axis[2]) > 0.9 * np.linalg.norm(j.axis)
     ]
     leaves = []
-    for name in hinged:
+    for name in [*hinged, *(n for n in fixed if _upright_plate(candidate, n))]:
         corners = np.concatenate([t.reshape(-1, 3) for t in _surfaces(candidate, name)] or [np.zeros((1, 3))])
         leaves.append(np.array([_across(corners), float(np.ptp(corners[:, 2]))]))
     return Thing(np.concatenate(found), tuple(leaves))
+
+
+def _fixed_bodies(candidate: Candidate, main: str) -> list[str]:
+    """Further bodies of a static thing that are static themselves and hang on no joint: a door that stays shut."""
+    spec = candidate.spec
+    asset = spec.entities[main].asset
+    if asset is None or spec.entities[main].motion != "static":
+        return []
+    hung = {j.child for j in spec.simulation.joints.values()}
+    return [n for n in asset.bodies if n in spec.entities and n not in hung and spec.entities[n].motion == "static"]
+
+
+def _upright_plate(candidate: Candidate, name: str) -> bool:
+    """True of a body that is as thin as a leaf and stands upright, whichever way it is turned."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    corners = np.concatenate([t.reshape(-1, 3) for t in _surfaces(candidate, name)] or [np.zeros((1, 3))])
+    try:
+        area = float(ConvexHull(corners[:, :2]).volume)
+    except (QhullError, ValueError):
+        return False
+    wide, tall = _across(corners), float(np.ptp(corners[:, 2]))
+    return area <= LEAF_THIN * wide * min(wide, tall)
 
 
 def _pose(candidate: Candidate, name: str) -> RigidPose:

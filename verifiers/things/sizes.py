@@ -79,7 +79,8 @@ def _finding(candidate: Candidate, name: str, kind: Kind) -> Finding:
     entity, variant = candidate.spec.entities[name], variant_of(candidate.spec.entities[name].role)
     judged = [j for j in (_judge(candidate, name, limit, variant) for limit in kind.limits) if j is not None]
     if not judged:
-        raise EvidenceError(f"{name!r} has nothing on which the measures of a {kind.name} are taken")
+        asked = " and ".join(dict.fromkeys(limit.called for limit in kind.limits))
+        raise EvidenceError(f"{name!r} has nothing on which the measures of a {kind.name} are taken: {asked}")
     worst = max(judged, key=lambda j: (not j.ok, j.excess))
     above = worst.value > worst.high or (worst.value >= worst.low and not _nearer_low(worst))
     said = f"{variant.name} {kind.name}" if variant is not None else kind.name

@@ -28,7 +28,7 @@ def mass_problems(spec: WorldSpec) -> Iterator[Problem]:
 
 
 def _of_grains(spec: WorldSpec, material: str, row: MaterialRow) -> bool:
-    """Whether only grains are of a material, whose row tells what a single one weighs."""
+    """True where only grains are of a material, whose row tells what a single one weighs."""
     users = [e for e in spec.entities.values() if material in {e.material, *(p.material for p in e.parts.values())}]
     return "grain_density" in row.figures and bool(users) and all(e.physics.shape == "loose" for e in users)
 

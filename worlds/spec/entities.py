@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, StringConstraints, model_serializer, model_validator
 
@@ -26,6 +26,7 @@ from ..vocabulary import (
     Text,
     Vec3,
 )
+from .surfaces import STATIC_FRICTION, check_static_friction
 
 __all__ = ["Appearance", "Asset", "Dimensions", "Entity", "Material", "Part", "Physics", "Rope", "StateChannel"]
 
@@ -47,12 +48,13 @@ class Appearance(SpecModel):
 class Material(SpecModel):
     """Physical and visible properties of a material.
 
-    Contact between two materials uses the larger friction and the smaller restitution, unless
-    `simulation.contacts` gives the pair its own.
+    Contact between two materials uses the larger friction, the larger static friction and the smaller
+    restitution, unless `simulation.contacts` gives the pair its own.
     """
 
     density: Positive = Field(description="[kg/m^3]")
-    friction: NonNegative = Field(default=0.5, le=4, description="Coulomb coefficient")
+    friction: NonNegative = Field(default=0.5, le=4, description="Coulomb coefficient, of motion where static_friction is given")
+    static_friction: NonNegative | None = Field(default=None, le=8, description=STATIC_FRICTION)
     rolling_friction: NonNegative = Field(default=0.0, le=0.1, description="rolling resistance length [m]")
     restitution: Unit = Field(default=0.0, description="ratio of separation to approach speed in a normal impact")
     substance: Literal[
@@ -93,11 +95,21 @@ class Material(SpecModel):
         description="what makes it another than its row (waxed, wet, hollow), where values leave its ranges; printed",
     )
 
+    @property
+    def friction_at_rest(self) -> float:
+        """Coulomb coefficient of what does not slide."""
+        return self.friction if self.static_friction is None else self.static_friction
+
+    @model_validator(mode="after")
+    def _holds_more_at_rest(self) -> Self:
+        check_static_friction(self.friction, self.static_friction)
+        return self
+
     @model_serializer(mode="wrap")
     def _said(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Materials that name no row are written as they always were, so that digests of older worlds stay."""
+        """Materials that name no row and no static friction are written as they always were, so that digests of older worlds stay."""
         written: dict[str, Any] = handler(self)
-        return {k: v for k, v in written.items() if v is not None or k not in ("of", "departs")}
+        return {k: v for k, v in written.items() if v is not None or k not in ("of", "departs", "static_friction")}
 
 
 class Part(SpecModel):
@@ -119,6 +131,9 @@ class Asset(SpecModel):
     seed: int = Field(default=0, ge=0, le=2**32 - 1, description="of its variation")
     positions: dict[Id, Finite] = Field(
         default={}, description="of its joints at frame 0, from where they are made: [rad] or [m]"
+    )
+    fixed: bool = Field(
+        default=False, description="its leaves, drawers and lids are static where `positions` puts them: a door that stays shut"
     )
     bodies: Annotated[list[EntityRef], Field(max_length=500)] = Field(default=[], description="its further entities")
 

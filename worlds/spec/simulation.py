@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import Field
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ..categories.cloth.models import ClothInstance
 from ..categories.gas.models import DustDriver, EmissionDriver, GasInstance, IgnitionDriver
@@ -22,6 +22,7 @@ from ..vocabulary import (
     Vec3,
 )
 from .fields import FieldDriver
+from .surfaces import STATIC_FRICTION, check_static_friction
 
 __all__ = [
     "MOVED",
@@ -96,10 +97,27 @@ class ContactPair(SpecModel):
     a: EntityRef
     b: EntityRef
     friction: NonNegative | None = Field(default=None, le=4)
+    static_friction: NonNegative | None = Field(default=None, le=8, description=STATIC_FRICTION)
     restitution: float | None = Field(default=None, ge=0, le=1)
     reason: Annotated[str, Field(min_length=10, max_length=300)] | None = Field(
         default=None, description="what lies between the two, where their materials alone would rub or bounce otherwise; printed"
     )
+
+    @property
+    def friction_at_rest(self) -> float | None:
+        """Coulomb coefficient of the two where they do not slide; None without a friction of their own."""
+        return self.friction if self.static_friction is None else self.static_friction
+
+    @model_validator(mode="after")
+    def _holds_more_at_rest(self) -> Self:
+        check_static_friction(self.friction, self.static_friction)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _said(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Pairs without static friction are written as they always were, so that digests of older worlds stay."""
+        written: dict[str, Any] = handler(self)
+        return {k: v for k, v in written.items() if v is not None or k != "static_friction"}
 
 
 class Coupling(SpecModel):

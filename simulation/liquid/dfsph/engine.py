@@ -17,7 +17,7 @@ from ..engine import LiquidReport, LiquidSetup, Particles
 from ..zones import Zones
 from .bodies import Coupling
 from .dissipation import Dissipation
-from .flow import Mouth, outflow_boxes, reasons
+from .flow import Mouth, Outlets, reasons
 from .keep_out import KeepOut
 from .pressure import PressureSolves
 from .samples import sampled_boundaries
@@ -90,7 +90,7 @@ class Dfsph:
         self._density = wp.array([f.density for f in setup.fluids], dtype=wp.float32, device=self.device)
         self._gravity = wp.vec3(*(float(g) for g in setup.gravity))
         self._pressed = max(PRESSED * float(np.linalg.norm(setup.gravity)) * setup.spacing, 1e-9)
-        self._boxes = outflow_boxes(setup, self.origin, self.device)
+        self._outlets = Outlets(setup, self.origin, self.device)
         self.coupling = Coupling(setup, sampled_boundaries(setup), self.origin, self.passes, self._cells)
         self.keep_out = KeepOut(setup, self.origin, self.passes)
         self.tension = Tension(setup, self.passes)
@@ -175,7 +175,7 @@ class Dfsph:
             "leave",
             kernels.leave,
             n,
-            [s.x, *self._sides, margin, len(self.setup.outflows), self._boxes, w.leaving],
+            [s.x, *self._sides, margin, len(self.setup.outflows), self._outlets.boxes(s, n), w.leaving],
         )()
         error = self._census(w)
         spread, pressed = self.solves.ended(w)

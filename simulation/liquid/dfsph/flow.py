@@ -9,8 +9,9 @@ import numpy as np
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ..engine import Inflow, LiquidSetup
+from ..stages import Stages
 
-__all__ = ["Mouth", "outflow_boxes", "reasons"]
+__all__ = ["Mouth", "Outlets", "reasons"]
 
 HELD_LAYERS = 2
 """Layers behind an inflow that keep its speed, so that what comes after them meets no gap."""
@@ -48,17 +49,35 @@ class Mouth:
         return found
 
 
-def outflow_boxes(setup: LiquidSetup, origin: F64, device: str) -> Any:
+class Outlets:
+    """The outflows as boxes on a device, smaller where one holds a level that is about reached."""
+
+    def __init__(self, setup: LiquidSetup, origin: F64, device: str) -> None:
+        self._setup, self._origin, self._device = setup, origin, device
+        self.stages = Stages(setup)
+        self._boxes = outflow_boxes(setup, origin, device, self.stages.outflow)
+
+    def boxes(self, state: Any, count: int) -> Any:
+        """Boxes for the particles as they are now."""
+        if self.stages.acts:
+            place = state.x.numpy()[:count].astype(np.float64) + self._origin
+            self.stages.look(place, state.volume.numpy()[:count], 0.0)
+            self._boxes = outflow_boxes(self._setup, self._origin, self._device, self.stages.outflow)
+        return self._boxes
+
+
+def outflow_boxes(setup: LiquidSetup, origin: F64, device: str, open_shares: F64) -> Any:
     """The outflows as an array of boxes on a device; one that holds nothing where there are none."""
     from .step_kernels import Box
 
     wp = warp()
     boxes = []
-    for one in setup.outflows:
+    for one, share in zip(setup.outflows, open_shares, strict=True):
         box = Box()
         box.center = wp.vec3(*(np.asarray(one.center) - origin))
         box.rotation = wp.mat33(*np.asarray(one.rotation, dtype=float).ravel())
-        box.half = wp.vec3(*one.half_size)
+        scale = float(np.cbrt(share)) if share > 0.0 else -1.0
+        box.half = wp.vec3(*(scale * half for half in one.half_size))
         boxes.append(box)
     return wp.array(boxes or [Box()], dtype=Box, device=device)
 

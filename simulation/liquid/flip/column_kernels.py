@@ -8,11 +8,15 @@ A column's cells follow one another in memory, and so do the particles, which ar
 import warp as wp
 
 from ...grids.columns import NONE, Columns, vec6i
+from .distance_kernels import Moving
 
 wp.set_module_options({"enable_backward": False})
 
+RIM = wp.constant(3.0)
+"""As `solids.RIM`."""
+
 __all__ = [
-    "count_cells", "deal", "dilate", "find_bases", "find_heads", "find_keys", "find_ranges", "link", "stack", "tally",
+    "count_cells", "cover", "deal", "dilate", "find_bases", "find_heads", "find_keys", "find_ranges", "find_wide", "link", "stack", "tally",
 ]  # fmt: skip
 
 
@@ -133,6 +137,51 @@ def dilate(
                 b = wp.max(b, high[c + s])
     low_out[c] = a
     high_out[c] = b
+
+
+@wp.func
+def edges(moving: Moving, m: int, axis: int):
+    """First and last cell of a body along an axis, from its box."""
+    return wp.vec2i(int(wp.floor(moving.box_low[m][axis] + RIM)), int(wp.floor(moving.box_high[m][axis] - RIM)))
+
+
+@wp.kernel
+def find_wide(
+    first: wp.int32, moving: Moving, free: wp.array(dtype=wp.int32), reach: int, low: wp.array(dtype=wp.int32),
+    high: wp.array(dtype=wp.int32), nx: int, ny: int, wide: wp.array(dtype=wp.int32),
+):  # fmt: skip
+    """Freely moving bodies that particles are beside, and under whose middle none need be near: 1."""
+    m = first + wp.tid()
+    x = edges(moving, m, 0)
+    y = edges(moving, m, 1)
+    z = edges(moving, m, 2)
+    found = int(0)
+    if free[moving.row[m]] == 1 and wp.min(x[1] - x[0], y[1] - y[0]) >= 2 * reach:
+        for i in range(wp.max(x[0] - 1, 0), wp.min(x[1] + 2, nx)):
+            for j in range(wp.max(y[0] - 1, 0), wp.min(y[1] + 2, ny)):
+                c = i * ny + j
+                if low[c] <= z[1] + 1 and high[c] >= z[0] - 1:
+                    found = 1
+    wide[m] = found
+
+
+@wp.kernel
+def cover(
+    first: wp.int32, moving: Moving, wide: wp.array(dtype=wp.int32), ny: int, low: wp.array(dtype=wp.int32),
+    high: wp.array(dtype=wp.int32),
+):  # fmt: skip
+    """Lengthen columns over wide bodies in the liquid, so that there are cells in the gaps under them."""
+    c = first + wp.tid()
+    i = c // ny
+    j = c - i * ny
+    for m in range(moving.count):
+        if wide[m] == 1:
+            x = edges(moving, m, 0)
+            y = edges(moving, m, 1)
+            if i >= x[0] and i <= x[1] and j >= y[0] and j <= y[1]:
+                z = edges(moving, m, 2)
+                low[c] = wp.min(low[c], wp.max(z[0], 0))
+                high[c] = wp.max(high[c], z[1])
 
 
 @wp.kernel

@@ -17,6 +17,7 @@ from . import distance_kernels as distances
 from . import exchange_kernels as exchanges
 from . import grid_kernels as cells
 from . import solid_kernels as walls
+from .gaps import Gaps
 from .grid import Grid
 from .settings import FlipSettings
 from .solids import Solids
@@ -68,6 +69,7 @@ class CutCells:
         # A closed side may cut its last cell: that one holds liquid wherever its centre is.
         self._top = wp.vec3(*np.where(closed[:, 1], np.ceil(size - SLIVER), size))
         self.solids = Solids(self.run, setup, self._origin)
+        self.gaps = Gaps(self.run, self.solids)
         self.sources = Sources(self.run, setup, self._origin)
         self.volume = 0.0
         self._dt = 0.0
@@ -108,11 +110,14 @@ class CutCells:
             assert self.solids.fixed is not None
             nearest = run.array("owner", total, wp.vec4i)
             inputs = [grid.columns, before, self.solids.reuse, *self.solids.fixed, fixed_before, owner_before, self.solids.moving]
-            run(distances.corner_distances, total, [*inputs, fixed, owner, points, nearest], grain=256)
+            found = [fixed, owner, points, nearest, run.array("mover", total, wp.vec4i)]
+            run(distances.corner_distances, total, [*inputs, *found], grain=256)
             self.solids.reuse = 1
             run(cuts.find_halves, total, [grid.near, points, halves, room, spread, solid], grain=1024)
             run(cuts.cut_faces, total, [grid.near, nearest, halves, opening, self._owners(grid)])
-            run(cuts.close_thin, total, [grid.near, solid, opening, run.array("thin", total, wp.vec3)])
+            thin = run.array("thin", total, wp.vec3)
+            run(cuts.close_thin, total, [grid.near, solid, opening, thin])
+            self.gaps.find(grid, points, box, opening, thin)
         if self.settings.roughness > 0.0:
             self._rub(grid)
         if self.sources.mouths:
@@ -149,8 +154,12 @@ class CutCells:
                 phi,
                 red,
             ]
+            (opening,), inside = self._faces(grid, "opening"), run.array("inside", total, wp.int32)
+            (solid,) = self._of(grid, "solid")
+            self.gaps.flood(grid, opening, solid, phi, wet, red, inside)
             phi, hidden = self.run.array("phi2", total, wp.float32), run.array("wet2", total + 1, wp.int32)
-            run(cells.find_hidden, total, [*inputs, hidden, phi, run.array("inside", total, wp.int32)])
+            run(cells.find_hidden, total, [*inputs, hidden, phi, inside])
+            self.gaps.settle(grid, opening, phi, hidden, red, inside)
             run.swap("phi", "phi2")
             run(cells.close_buried, total, [grid.near, phi, *self._faces(grid, "opening")])
             wet = hidden
@@ -170,6 +179,8 @@ class CutCells:
         shut.phi = self._of(grid, "phi")[0]
         shut.near, shut.row, shut.cell = grid.near, level.row, run.array("cell", level.rows, wp.int32)
         shut.opening, shut.owner, shut.solids = self._faces(grid, "opening")[0], self._owners(grid), int(self.solids.count > 0)
+        shut.gaps = int(self.gaps.count > 0)
+        shut.part, shut.one, shut.other = self.gaps.parts(grid)
         shut.inside, shut.thin = run.array("inside", grid.cells, wp.int32), run.array("thin", grid.cells, wp.vec3)
         return shut
 

@@ -9,7 +9,7 @@ from .distance_kernels import FAR, REACH, vec8
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 3})
 
-__all__ = ["close_thin", "cut_faces", "find_halves", "tent_overlap", "value_at", "vec6"]
+__all__ = ["close_thin", "cut_faces", "find_halves", "halves_of", "lattice", "tent_overlap", "value_at", "vec6"]
 
 vec6 = wp.types.vector(length=6, dtype=wp.float32)
 vec27 = wp.types.vector(length=27, dtype=wp.float32)
@@ -139,6 +139,55 @@ def tent_room(v: vec27):
     return total / 64.0
 
 
+@wp.func
+def lattice(near: wp.array(dtype=vec6i), points: wp.array(dtype=vec8), c: int):
+    """Distances at a cell's corners and half way between them."""
+    own = points[c]
+    v = vec27()
+    x = near[c][1]
+    y = near[c][3]
+    xy = step_to(near, x, 3)
+    for a in range(2):
+        for b in range(2):
+            base = c
+            if a == 1 and b == 0:
+                base = x
+            if a == 0 and b == 1:
+                base = y
+            if a == 1 and b == 1:
+                base = xy
+            for d in range(2):
+                n = base
+                if d == 1:
+                    n = step_to(near, base, 5)
+                p = own
+                if n >= 0:
+                    p = points[n]
+                for s in range(8):
+                    i = 2 * a + s // 4
+                    j = 2 * b + (s // 2) % 2
+                    k = 2 * d + s % 2
+                    if i < 3 and j < 3 and k < 3:
+                        v[9 * i + 3 * j + k] = p[s]
+    return v
+
+
+@wp.func
+def halves_of(v: vec27):
+    """Open share of the lower and upper half of a cell along each axis."""
+    h = vec6()
+    for s in range(8):
+        i = s // 4
+        j = (s // 2) % 2
+        k = s % 2
+        n = 9 * i + 3 * j + k
+        part = 0.25 * box_part(v[n], v[n + 9], v[n + 3], v[n + 12], v[n + 1], v[n + 10], v[n + 4], v[n + 13])
+        h[i] = h[i] + part
+        h[2 + j] = h[2 + j] + part
+        h[4 + k] = h[4 + k] + part
+    return h
+
+
 @wp.kernel
 def find_halves(
     first: wp.int32, near: wp.array(dtype=vec6i), points: wp.array(dtype=vec8), halves: wp.array(dtype=vec6),
@@ -158,44 +207,9 @@ def find_halves(
             h[s] = 0.0
     around = h[0]
     if wp.abs(own[7]) < REACH:
-        v = vec27()
-        x = near[c][1]
-        y = near[c][3]
-        xy = step_to(near, x, 3)
-        for a in range(2):
-            for b in range(2):
-                base = c
-                if a == 1 and b == 0:
-                    base = x
-                if a == 0 and b == 1:
-                    base = y
-                if a == 1 and b == 1:
-                    base = xy
-                for d in range(2):
-                    n = base
-                    if d == 1:
-                        n = step_to(near, base, 5)
-                    p = own
-                    if n >= 0:
-                        p = points[n]
-                    for s in range(8):
-                        i = 2 * a + s // 4
-                        j = 2 * b + (s // 2) % 2
-                        k = 2 * d + s % 2
-                        if i < 3 and j < 3 and k < 3:
-                            v[9 * i + 3 * j + k] = p[s]
+        v = lattice(near, points, c)
         around = tent_room(v)
-        for s in range(6):
-            h[s] = 0.0
-        for s in range(8):
-            i = s // 4
-            j = (s // 2) % 2
-            k = s % 2
-            n = 9 * i + 3 * j + k
-            part = 0.25 * box_part(v[n], v[n + 9], v[n + 3], v[n + 12], v[n + 1], v[n + 10], v[n + 4], v[n + 13])
-            h[i] = h[i] + part
-            h[2 + j] = h[2 + j] + part
-            h[4 + k] = h[4 + k] + part
+        h = halves_of(v)
     halves[c] = h
     room[c] = room[c] * 0.5 * (h[0] + h[1])
     spread[c] = spread[c] * around

@@ -162,9 +162,10 @@ def corner_distances(
     mesh_owner: wp.array(dtype=wp.int32), sheet_owner: wp.array(dtype=wp.int32), fixed_before: wp.array(dtype=vec8),
     fixed_owner_before: wp.array(dtype=wp.vec4i), moving: Moving, fixed: wp.array(dtype=vec8),
     fixed_owner: wp.array(dtype=wp.vec4i), points: wp.array(dtype=vec8), owner: wp.array(dtype=wp.vec4i),
+    mover: wp.array(dtype=wp.vec4i),
 ):  # fmt: skip
     """Distance to the nearest solid at a cell's corner and at the seven points half a cell beyond it; whose solid is nearest to the corner and to the
-    centres of the cell's three lower faces.
+    centres of the cell's three lower faces, and which moving one, -1 for none.
 
     Distances to fixed solids are kept from step to step.
     """
@@ -197,6 +198,8 @@ def corner_distances(
                         who[slot] = owner_at(more, mesh_owner, sheet_owner)
     fixed[c] = d
     fixed_owner[c] = who
+    nearest = wp.vec4(float(FAR), float(FAR), float(FAR), float(FAR))
+    mine = wp.vec4i(-1, -1, -1, -1)
     for m in range(moving.count):
         low = moving.box_low[m]
         high = moving.box_high[m]
@@ -207,13 +210,17 @@ def corner_distances(
                 if s > 0 and wp.abs(e) < REACH:
                     y = x + 0.5 * wp.vec3(float(s // 4), float((s // 2) % 2), float(s % 2))
                     f = moving_distance(moving, m, y)
-                if f < d[s]:
-                    slot = face_slot(s)
-                    if slot >= 0:
+                slot = face_slot(s)
+                if slot >= 0:
+                    if f < nearest[slot]:
+                        nearest[slot] = f
+                        mine[slot] = moving.row[m]
+                    if f < d[s]:
                         who[slot] = moving.row[m]
                 d[s] = wp.min(d[s], f)
     points[c] = d
     owner[c] = who
+    mover[c] = mine
 
 
 @wp.func

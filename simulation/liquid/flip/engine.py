@@ -89,6 +89,7 @@ class Flip(CutCells):
         self._speed = max(self._speed, fast)
         dt = limit / max(1, math.ceil(limit / self.stable_dt() - 1e-6))
         self.solids.update(bodies)
+        self.sources.look(self.markers, dt)
         if self.markers.live == 0:
             self.markers.total = self.markers.dead = 0
             return self._close(dt, np.zeros((self.solids.count, 6)), np.zeros((self.solids.count, 6)), (0, 0), 0, (0.0, 0.0))
@@ -179,7 +180,7 @@ class Flip(CutCells):
     def _build_grid(self) -> Grid:
         """Sort the particles by column and lay columns of cells around them."""
         head = self.markers.sort(*self._shape[:2])
-        return build(self.run, head, self.markers.position, self._shape, self._reach)
+        return build(self.run, head, self.markers.position, self._shape, self._reach, self.solids.moving, self.gaps.free)
 
     def _to_faces(self, grid: Grid, dt: float) -> None:
         """Velocities of faces and densities of cells from the particles, after gravity."""
@@ -221,6 +222,7 @@ class Flip(CutCells):
         share = self.settings.volume_correction
         state = [run.array("cell", rows, wp.int32), *self._of(grid, "density", "spread"), airy, int(self.solids.count > 0)]
         run(cells.rate_density, rows, [*state, *self._of(grid, "solid"), share, right, excess])
+        self.gaps.quiet(grid, solver.levels[0].row, right, excess)
         found, inner = run.read(excess, rows), run.read(airy, rows) == 0
         bounds = (float(found[inner].mean()) if inner.any() else 0.0, float(found.max(initial=0.0)))
         if share == 0.0:
@@ -289,7 +291,8 @@ class Flip(CutCells):
         travel = np.array([[mouth.travel, mouth.layers] for mouth in self.sources.mouths]).reshape(-1, 2)
         inflows = np.array([mouth.inflow.name for mouth in self.sources.mouths], dtype=str)
         clock = np.array([self.time, self._speed, self.volume])
-        return to_bytes({**self.markers.dump(), "clock": clock, "travel": travel, "inflows": inflows})
+        held = self.sources.stages.held
+        return to_bytes({**self.markers.dump(), "clock": clock, "travel": travel, "inflows": inflows, "stage": held})
 
     def restore(self, state: bytes) -> None:
         """Continue from a checkpoint of the same liquid, or with inflows that this one lacks: they give nothing more.
@@ -298,8 +301,9 @@ class Flip(CutCells):
             EngineError: the bytes are no checkpoint of this engine.
             ValueError: it is of another liquid.
         """
-        found = from_bytes(state, ("position", "clock", "travel", "inflows"))
+        found = from_bytes(state, ("position", "clock", "travel", "inflows", "stage"))
         travels = by_inflow(found["inflows"], found["travel"], self.setup.inflows)
+        self.sources.stages.held[:] = by_inflow(found["inflows"], found["stage"], self.setup.inflows)
         self.markers.load(found)
         self.time, self._speed, self.volume = (float(value) for value in found["clock"])
         for mouth, (travel, layers) in zip(self.sources.mouths, travels, strict=True):

@@ -34,6 +34,12 @@ class Shut:
     """Owner of the solid around a hidden cell (`grid_kernels.find_hidden`): all its closed faces are that one's; -2 elsewhere."""
     thin: wp.array(dtype=wp.vec3)
     """Share, once open, of faces that a thin wall closes: no cell in it carries the pressure at the wall."""
+    gaps: wp.int32
+    """1 where there are gaps thinner than a cell (`gap_kernels.py`)."""
+    part: wp.array(dtype=wp.vec3)
+    """Share of `one` in what is closed of a face, the rest being `other`'s; negative where a single solid closes it."""
+    one: wp.array(dtype=wp.vec3i)
+    other: wp.array(dtype=wp.vec3i)
 
 
 @wp.func
@@ -69,6 +75,41 @@ def owner_of(at: Shut, c: int, side: int):
     if who == -2:
         who = at.owner[face_of(at, c, side)][side // 2]
     return who
+
+
+@wp.func
+def part_of(at: Shut, c: int, side: int, who: int):
+    """Part of what is closed of a cell's side that belongs to an owner."""
+    axis = side // 2
+    face = face_of(at, c, side)
+    w = float(-1.0)
+    if at.gaps == 1:
+        w = at.part[face][axis]
+    p = float(0.0)
+    if w >= 0.0:
+        if at.one[face][axis] == who:
+            p += w
+        if at.other[face][axis] == who:
+            p += 1.0 - w
+    elif owner_of(at, c, side) == who:
+        p = 1.0
+    return p
+
+
+@wp.func
+def closing_speed(at: Shut, walls: Walls, c: int, side: int, x: wp.vec3):
+    """Velocity, along its axis, of what closes a cell's side [m/s]; each of two solids counts by its part."""
+    axis = side // 2
+    face = face_of(at, c, side)
+    w = float(-1.0)
+    if at.gaps == 1:
+        w = at.part[face][axis]
+    v = float(0.0)
+    if w >= 0.0:
+        v = w * wall_speed(walls, at.one[face][axis], x)[axis] + (1.0 - w) * wall_speed(walls, at.other[face][axis], x)[axis]
+    else:
+        v = wall_speed(walls, owner_of(at, c, side), x)[axis]
+    return v
 
 
 @wp.kernel
@@ -137,8 +178,8 @@ def wrench(
             axis = side // 2
             face = face_of(at, c, side)
             if face >= 0:
-                s = shut(at.opening[face][axis])
-                if s > 0.0 and owner_of(at, c, side) == who:
+                s = shut(at.opening[face][axis]) * part_of(at, c, side, who)
+                if s > 0.0:
                     f = wp.vec3()
                     f[axis] = float(2 * (side % 2) - 1) * s * q[r]
                     m = wp.cross(side_center(grid, c, side) - about, f)
@@ -164,9 +205,8 @@ def push_rows(
         sign = float(2 * (side % 2) - 1)
         if face >= 0:
             s = shut(at.opening[face][axis])
-            who = owner_of(at, c, side)
-            if s > 0.0 and who >= 0:
-                total += sign * s * wall_speed(walls, who, side_center(grid, c, side))[axis]
+            if s > 0.0:
+                total += sign * s * closing_speed(at, walls, c, side, side_center(grid, c, side))
     y[r] = y[r] + scale * total
 
 

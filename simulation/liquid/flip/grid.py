@@ -30,8 +30,18 @@ class Grid:
     places: int
 
 
-def build(run: Runner, head: Any, position: Any, shape: tuple[int, ...], reach: int) -> Grid:
-    """Columns of cells around particles that are sorted by column, wide enough for particles to move `reach` - 1 cells."""
+def build(run: Runner, head: Any, position: Any, shape: tuple[int, ...], reach: int, moving: Any, free: Any) -> Grid:
+    """Columns of cells around particles that are sorted by column, wide enough for particles to move `reach` - 1 cells.
+
+    Args:
+        run: arrays and launches.
+        head: first particle of each column.
+        position: of the particles.
+        shape: cells of the domain.
+        reach: by which columns are widened [cells].
+        moving: boundaries that move (`distance_kernels.Moving`).
+        free: for each boundary, 1 if forces move it; columns hold the cells under wide ones too.
+    """
     wp = warp()
     nx, ny, nz = shape
     many = nx * ny
@@ -46,6 +56,10 @@ def build(run: Runner, head: Any, position: Any, shape: tuple[int, ...], reach: 
     wide, tall = run.array("low", many + 1, wp.int32), run.array("high", many + 1, wp.int32)
     run(kernels.dilate, many, [low, high, nx, ny, 0, reach, low2, high2])
     run(kernels.dilate, many, [low2, high2, nx, ny, 1, reach, wide, tall])
+    if moving.count:
+        afloat = run.array("bodies/wide", moving.count, wp.int32)
+        run(kernels.find_wide, moving.count, [moving, free, reach, low, high, nx, ny, afloat])
+        run(kernels.cover, many, [moving, afloat, ny, wide, tall])
     count, start = run.array("count", many + 1, wp.int32), run.array("start", many + 1, wp.int32)
     run(kernels.count_cells, many + 1, [nz, reach, many, wide, tall, count])
     total = run.scan(count, start, many + 1)

@@ -13,6 +13,7 @@ from ....worlds.arrays import F64
 from ....worlds.errors import InputError
 from ...grids.runner import Runner
 from ..engine import Inflow, LiquidSetup, Particles
+from ..stages import Stages
 from . import solid_kernels
 from .markers import Markers
 
@@ -38,6 +39,8 @@ class _Mouth:
         self.size = np.array([2.0 * h / n for h, n in zip(half, counts, strict=True)])
         self.travel = 0.0
         """Way of the flow since the last layer [m]."""
+        self.share = 1.0
+        """Part of its speed at which it flows in this step."""
         self.layers = 0
 
     def world(self, points: F64, ahead: float | F64) -> F64:
@@ -45,8 +48,13 @@ class _Mouth:
         local = np.column_stack([points, np.broadcast_to(ahead, len(points))])
         return np.asarray(self.inflow.center + local @ np.asarray(self.inflow.rotation).T)
 
+    @property
+    def speed(self) -> float:
+        """Speed of the flow in this step [m/s]."""
+        return self.share * self.inflow.speed
+
     def active(self, time: float, dt: float) -> float:
-        """Seconds of a step during which it flows."""
+        """Seconds of a step during which it may flow."""
         return max(0.0, min(time + dt, self.inflow.end) - max(time, self.inflow.start))
 
 
@@ -63,12 +71,11 @@ class Sources:
         def cells(points: Any) -> NDArray[np.float32]:
             return ((np.asarray(points, dtype=np.float64).reshape(-1, 3) - origin) / self._cell).astype(np.float32)
 
+        self._half = np.array([o.half_size for o in setup.outflows]).reshape(many, 3) / self._cell
         self._boxes = [
             run.upload("outflow/center", cells([o.center for o in setup.outflows]), wp.vec3),
             run.upload("outflow/rotation", np.array([o.rotation for o in setup.outflows], np.float32).reshape(many, 3, 3), wp.mat33),
-            run.upload(
-                "outflow/half", (np.array([o.half_size for o in setup.outflows]).reshape(many, 3) / self._cell).astype(np.float32), wp.vec3
-            ),
+            run.upload("outflow/half", self._half.astype(np.float32), wp.vec3),
         ]  # fmt: skip
         count = len(self.mouths)
         self._planes = [
@@ -78,6 +85,18 @@ class Sources:
             ),
         ]
         self._losing = bool(setup.outflows) or "open" in setup.sides
+        self.stages = Stages(setup)
+
+    def look(self, markers: Markers, dt: float) -> None:
+        """Open and shut what holds a level for a step, by where the surface is now."""
+        if not self.stages.acts:
+            return
+        place = self.run.read(markers.position, markers.total)
+        self.stages.look(markers.origin + self._cell * place[:, :3].astype(np.float64), place[:, 3] * self._cell**3, dt)
+        for mouth, share in zip(self.mouths, self.stages.inflow, strict=True):
+            mouth.share = float(share)
+        half = self._half * np.where(self.stages.outflow > 0.0, np.cbrt(self.stages.outflow), -1.0)[:, None]
+        self._boxes[2] = self.run.upload("outflow/half", half.astype(np.float32), warp().vec3)
 
     def clear_solids(self, distance: Any) -> None:
         """Drop the points of openings that lie in solids or outside the domain; `distance` maps world points to cells.
@@ -101,9 +120,9 @@ class Sources:
         half = np.array([(*m.inflow.half_size, 0.0) for m in self.mouths]).reshape(-1, 3) / self._cell
         velocity = np.zeros((len(self.mouths), 3))
         for n, mouth in enumerate(self.mouths):
-            velocity[n] = mouth.inflow.speed * np.asarray(mouth.inflow.rotation)[:, 2]
+            velocity[n] = mouth.speed * np.asarray(mouth.inflow.rotation)[:, 2]
             half[n, 2] = 1.0 if mouth.inflow.round else 0.0
-            if mouth.active(time, dt) <= 0.0:
+            if mouth.active(time, dt) <= 0.0 or mouth.share <= 0.0:
                 half[n, 2] = -1.0
         return velocity, self.run.upload("inflow/half", half.astype(np.float32), warp().vec3)
 
@@ -116,7 +135,7 @@ class Sources:
         added = {}
         for number, mouth in enumerate(self.mouths):
             inflow = mouth.inflow
-            mouth.travel += inflow.speed * mouth.active(time, dt)
+            mouth.travel += mouth.speed * mouth.active(time, dt)
             mass = 0.0
             while mouth.travel >= mouth.step:
                 mouth.travel -= mouth.step
@@ -131,7 +150,7 @@ class Sources:
                 markers.add(
                     Particles(
                         position,
-                        np.tile(inflow.speed * np.asarray(inflow.rotation)[:, 2], (n, 1)),
+                        np.tile(mouth.speed * np.asarray(inflow.rotation)[:, 2], (n, 1)),
                         np.arange(markers.next, markers.next + n, dtype=np.int32),
                         np.full(n, inflow.fluid, np.int32),
                         np.full(n, mouth.part * mouth.step),

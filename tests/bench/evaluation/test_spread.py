@@ -24,20 +24,21 @@ from worldagent.worlds.errors import EngineError, InputError
 pytestmark = pytest.mark.filterwarnings(
     "ignore::pytest.PytestUnraisableExceptionWarning", "ignore::ResourceWarning", "ignore::DeprecationWarning"
 )
-IDS = sample_ids("small")[:4]
+ALL = sample_ids("small")
+IDS = ALL[:4]
 
 
 def table(log: EvalLog) -> list[SampleResult]:
     """Results without what differs from run to run: times and folders."""
     found = [replace(r, seconds=0, working_s=0, device_s=0, workspace="", record="", attempts=0) for r in samples_of(log)]
-    return sorted(found, key=lambda r: IDS.index(r.id))
+    return sorted(found, key=lambda r: (ALL.index(r.id), r.epoch))
 
 
 def documents(folder: Path, gate: Path) -> Path:
     """A script for each sample: one or two calls; the third waits for a gate between them."""
     place = folder / "scripts"
     place.mkdir(exist_ok=True)
-    for k, name in enumerate(IDS):
+    for k, name in enumerate(ALL):
         calls = [
             {
                 "tool": "inspect_world",
@@ -49,10 +50,10 @@ def documents(folder: Path, gate: Path) -> Path:
     return place
 
 
-def spread(root: Path, executor: Executor, gate: Path, **options: Any) -> EvalLog:
+def spread(root: Path, executor: Executor, gate: Path, ids: Sequence[str], **options: Any) -> EvalLog:
     root.mkdir()
     scripts = documents(root, gate)
-    return run_spread(executor, "small", "scripted", IDS, root=root, agent_args={"folder": str(scripts)}, **options)
+    return run_spread(executor, "small", "scripted", ids, root=root, agent_args={"folder": str(scripts)}, **options)
 
 
 def murder(root: Path, gate: Path, parent: bool, died: list[bool]) -> None:
@@ -82,33 +83,37 @@ def gone(pid: int) -> bool:
         return True
 
 
+NO_RAY = pytest.mark.skipif(find_spec("ray") is None, reason="no ray: extra [cluster]")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "kind", ["local", pytest.param("ray", marks=pytest.mark.skipif(find_spec("ray") is None, reason="no ray: extra [cluster]"))]
+    ("kind", "count", "epochs"),
+    [("local", 4, 1), pytest.param("ray", 4, 1, marks=NO_RAY), pytest.param("ray", 20, 2, marks=NO_RAY)],
 )
 def test_a_worker_killed_in_the_middle_changes_nothing_in_the_table(
-    kind: str, tmp_path: Path, fake: Callable[[str], None]
+    kind: str, count: int, epochs: int, tmp_path: Path, fake: Callable[[str], None]
 ) -> None:
     """With Ray the worker is a process of Ray, and that of the sample dies with it."""
-    gate = tmp_path / "gate"
+    gate, ids = tmp_path / "gate", ALL[:count]
     gate.touch()
-    plain = spread(tmp_path / "plain", executor_of(kind, 2), gate)
-    assert [s.id for s in plain.samples or ()] == IDS
-    assert [r.calls for r in table(plain)] == [1, 2, 1, 2]
+    plain = spread(tmp_path / "plain", executor_of(kind, 2), gate, ids, epochs=epochs)
+    assert [(s.id, s.epoch) for s in plain.samples or ()] == [(name, k + 1) for name in ids for k in range(epochs)]
+    assert [r.calls for r in table(plain)] == [1 + k % 2 for k in range(count) for _ in range(epochs)]
     gate.unlink()
     gate.with_suffix(".there").unlink()
     died: list[bool] = []
     killer = threading.Thread(target=murder, args=(tmp_path / "hurt", gate, kind == "ray", died))
     killer.start()
-    hurt = spread(tmp_path / "hurt", executor_of(kind, 2), gate)
+    hurt = spread(tmp_path / "hurt", executor_of(kind, 2), gate, ids, epochs=epochs)
     killer.join()
     assert died == [True]
     assert table(hurt) == table(plain)
     starts = [json.loads(p.read_text())["sample"] for p in (tmp_path / "hurt").glob("*/records/*/start.json")]
-    assert sorted(starts) == sorted([*IDS, IDS[2]])
+    assert sorted(starts) == sorted([*(n for n in ids for _ in range(epochs)), IDS[2]])
     again = read_eval_log(hurt.location)
     assert table(again) == table(plain)
-    assert (again.eval.dataset.sample_ids, again.results.total_samples) == (IDS, 4)
+    assert (again.eval.dataset.sample_ids, again.results.total_samples) == (ids, count * epochs)
 
 
 class Given:

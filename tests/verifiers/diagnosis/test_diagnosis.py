@@ -399,3 +399,58 @@ def test_a_patch_of_density_owns_up_where_a_beat_names_the_body(body: str, mater
     actions = [c.action for c in diagnose(row, spec).corrections if c.patch]
     assert len(actions) == 1
     assert actions[0].endswith(WEAKER) is told
+
+
+LAID = {"position": [0, 0, 0.06], "quaternion": [0.70710678, 0.70710678, 0.0, 0.0]}
+"""Pose of a thing whose own z axis lies level."""
+
+
+def _placed(*, upright: bool, spin: float = 0.0, round_: bool = True, tip: str = "") -> WorldSpec:
+    """The small world with b2 as a slender thing that stands or lies: a tin, or a beam."""
+    document = {**small_spec(), "prompt": PROMPT}
+    size = [0.11, 0.11, 0.18]
+    shape = {"kind": "cylinder", "radius": 0.055, "height": 0.18} if round_ else {"kind": "box", "size": size}
+    document["entities"]["b2"] |= {
+        "dimensions": {"size": size},
+        "parts": {"wall": {"shape": shape}},
+        "pose": {"position": [0.5, 0, 0.0911]} if upright else LAID,
+        "physics": {"category": "rigid", "angular_velocity": [0, spin, 0]},
+    }
+    return parse_spec(document)
+
+
+def _turns(spec: WorldSpec, measured: float = 0.01) -> str:
+    row = _row("beat:topple", check="beat", unit="rad", measured=measured, bound=1.0, comparison=">=", entities=("b2",))
+    row = row.model_copy(update={"first_failing_entity": "b2", "evidence": {"largest_angle": measured}})
+    told = diagnose(row, spec)
+    return " ".join(f"{c.cause} {c.action}" for c in told.corrections) + str(told.evidence["diagnosis"]["symptom"])
+
+
+@pytest.mark.parametrize("spin", [0.0, 20.0])
+def test_a_tin_on_its_side_is_told_of_rolling_and_not_of_dominoes(spin: float) -> None:
+    told = _turns(_placed(upright=False, spin=spin))
+    assert "domino" not in told
+    assert "of the height" not in told
+    assert "speed / radius" in told
+
+
+def test_a_beam_on_its_side_is_told_of_neither() -> None:
+    told = _turns(_placed(upright=False, round_=False))
+    assert "domino" not in told
+    assert "body rolls where friction turns it" not in told
+    assert "above the middle" in told
+
+
+def test_a_tin_that_stands_may_be_one_of_a_row() -> None:
+    assert "0.3 to 0.6 of the height" in _turns(_placed(upright=True, round_=True))
+
+
+@pytest.mark.parametrize(("upright", "said"), [(True, "dominoes"), (False, "into the way of what reaches it")])
+def test_a_broken_chain_speaks_of_dominoes_only_between_things_that_stand(upright: bool, said: str) -> None:
+    """The last body that was reached is the tin: where it lies it rolls on, and its height is no reach."""
+    row = _row("causal:fall:topple", check="causal", entities=("b1",)).model_copy(
+        update={"first_failing_entity": "b1", "evidence": {"tip": "b2", "gap_between_centers": 0.5}}
+    )
+    told = " ".join(c.action for c in diagnose(row, _placed(upright=upright)).corrections)
+    assert said in told
+    assert ("dominoes" in told) == upright

@@ -11,6 +11,7 @@ from worldagent.construction.build import build_entity
 from worldagent.simulation.fracture import breaking
 from worldagent.simulation.rigid import SolverRigid, contact_law
 from worldagent.simulation.rigid import model as rigid_model
+from worldagent.simulation.rigid.stiction import SLIPS
 from worldagent.simulation.schedule import run_frames
 from worldagent.testing.worlds.small_cloth import DRAPE_PROMPT, FLAG_PROMPT, drape_spec, flag_spec
 from worldagent.testing.worlds.small_grains import SAND_PROMPT, sand_spec
@@ -231,6 +232,17 @@ def test_the_larger_friction_and_the_smaller_restitution_are_told_with_the_mater
     assert _any(
         _rigid(_two_balls(material="ice"), materials={"ice": ice}, contacts=own), "but for the 1 of `simulation.contacts`"
     )
+
+
+def test_static_friction_is_told_with_the_speed_at_which_it_ends() -> None:
+    steel = {"density": 7850.0, "friction": 0.4, "static_friction": 0.6}
+    own = {"p": {"a": "floor", "b": "b", "friction": 0.2, "static_friction": 0.3}}
+    lines = _rigid(_two_balls(material="steel"), materials={"steel": steel}, contacts=own)
+    (told,) = (w for w in lines if w.startswith("static friction"))
+    assert "'steel' 0.6 (sliding 0.4)" in told
+    assert "'floor' on 'b' 0.3 (sliding 0.2)" in told
+    assert f"faster than {SLIPS:g} m/s" in lines[told]
+    assert not _any(_rigid(_two_balls()), "static friction")
 
 
 def test_what_rests_sinks_as_far_into_its_skins_as_the_register_says() -> None:

@@ -95,6 +95,22 @@ def test_a_block_on_a_slope_lacks_the_sine_of_what_exceeds_the_friction_angle(tm
     assert rows["support:balance:block"].status == "pass"
 
 
+@pytest.mark.parametrize(("share", "status"), [(0.6, "pass"), (1.4, "fail")])
+def test_what_rests_is_held_by_static_friction(tmp_path: Path, share: float, status: str) -> None:
+    """Between the angle of motion, at which it would slide, and beyond that of rest."""
+    angle = math.atan(0.3 * (1 + 0.5 * share))
+    normal = np.array([math.sin(angle), 0, math.cos(angle)])
+    things = {
+        "slope": box(3, 1, 0.2, at=(0, 0, 2), euler=(0, angle, 0)),
+        "block": box(0.3, 0.2, 0.1, motion="dynamic", at=np.array([0, 0, 2]) + 0.1501 * normal, euler=(0, angle, 0)),
+    }
+    rough = {n: m.model_copy(update={"static_friction": 0.45}) for n, m in wood(0.3).items()}
+    rows = rows_of(tmp_path, things, relations=carried(("slope", "block")), materials=rough)
+    assert rows["support:grip:block"].status == status
+    smooth = rows_of(tmp_path, things, relations=carried(("slope", "block")), materials=wood(0.3))
+    assert smooth["support:grip:block"].status == "fail"
+
+
 def test_a_pair_s_own_friction_counts(tmp_path: Path) -> None:
     angle = 0.5
     normal = np.array([math.sin(angle), 0, math.cos(angle)])

@@ -11,7 +11,9 @@ from worldagent.construction.assets.registry import GENERATORS
 from worldagent.testing.assets import sampled
 from worldagent.testing.defects._rooms import GAP, Room, room
 from worldagent.testing.worlds.small_worlds import entity, make_candidate, pose, world
+from worldagent.verifiers.diagnosis.cite import diagnose
 from worldagent.verifiers.register.assemble import approximations
+from worldagent.verifiers.support.check import check as support_rows
 from worldagent.verifiers.things import sizes
 from worldagent.verifiers.things.kinds import KINDS, MEASURES, VARIANTS, Kind, head_noun, variant_of
 from worldagent.verifiers.things.measures import measured, thing_of
@@ -21,7 +23,25 @@ from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Box, Part
 
 SEEDS = 4
+FURNITURE = (
+    "wardrobe",
+    "cupboard",
+    "desk",
+    "filing_cabinet",
+    "kitchen_base",
+    "fridge",
+    "double_door",
+    "window",
+    "chest_of_drawers",
+)
 BY_GENERATOR = {g: k for k in KINDS.values() for g in k.generators}
+
+
+def empty_room(rng: np.random.Generator) -> Room:
+    """A floor."""
+    found = Room(rng, 0.3, np.zeros(3))
+    found.blocks("floor", "floor", {"slab": ((-4.0, -4.0, -0.2), (4.0, 4.0, 0.0))}, material="concrete_c30")
+    return found
 
 
 def _chair(tmp_path: Path, seat: float, role: str = "chair", *, scale: float = 1.0) -> Row | None:
@@ -194,3 +214,50 @@ def test_leaves_are_measured_in_their_own_frame(tmp_path: Path) -> None:
     thing = thing_of(found.world(tmp_path).candidate, "door")
     assert measured(thing, "leaf_height") == pytest.approx(2.006, abs=1e-3)
     assert measured(thing, "leaf_width") == pytest.approx(0.857, abs=2e-3)
+
+
+@pytest.mark.parametrize("ajar", [0.0, 1.0])
+def test_a_door_that_is_fixed_is_measured_by_its_leaf_and_held(tmp_path: Path, ajar: float) -> None:
+    found = empty_room(np.random.default_rng(4))
+    positions = {"leaf": ajar} if ajar else None
+    found.put("door", "door", (0.0, 0.0, GAP), positions=positions, fixed=True)
+    candidate = found.world(tmp_path).candidate
+    assert candidate.spec.simulation.joints == {}
+    assert candidate.spec.entities["door_leaf"].motion == "static"
+    row = next(r for r in sizes.check(candidate) if r.subject == ("door",))
+    assert row.status == "pass"
+    assert row.evidence["measures_m"]["leaf_width"] == pytest.approx(0.857, abs=2e-3)
+    rows = {r.id: r for r in support_rows(candidate)}
+    assert rows["support:fastened:door_leaf_fixed"].status == "pass"
+    # Ajar, a frame that nothing holds tips over; shut, it stands.
+    assert rows["support:scene"].status == ("fail" if ajar else "pass")
+
+
+def test_the_leaf_of_a_fixed_door_that_is_too_small_is_found(tmp_path: Path) -> None:
+    found = empty_room(np.random.default_rng(4))
+    found.put("door", "door", (0.0, 0.0, GAP), fixed=True)
+    found.resized("door_leaf", 0.5)
+    row = next(r for r in sizes.check(found.world(tmp_path).candidate) if r.subject == ("door",))
+    assert (row.status, row.evidence["kind"]) == ("fail", "door")
+
+
+def test_a_fixed_door_whose_leaf_is_gone_is_unmeasured_and_told_how_to_make_it_again(tmp_path: Path) -> None:
+    found = empty_room(np.random.default_rng(4))
+    found.put("door", "door", (0.0, 0.0, GAP), fixed=True)
+    found.documents["door"]["asset"]["bodies"] = []
+    candidate = found.world(tmp_path).candidate
+    row = diagnose(next(r for r in sizes.check(candidate) if r.subject == ("door",)), candidate.spec)
+    assert row.status == "unverified"
+    assert "width of the leaf" in row.evidence["explanation"]
+    assert "fixed: true" in row.corrections[0].action
+    assert "files" not in row.corrections[0].action
+
+
+@pytest.mark.parametrize("kind", FURNITURE)
+def test_whatever_has_leaves_or_drawers_may_be_fixed_and_is_held(tmp_path: Path, kind: str) -> None:
+    found = empty_room(np.random.default_rng(0))
+    found.put("thing", kind, (0.0, 0.0, GAP), motion="static", fixed=True)
+    candidate = found.world(tmp_path).candidate
+    assert {e.motion for e in candidate.spec.entities.values()} == {"static"}
+    failed = [r.id for r in support_rows(candidate) if r.status not in ("pass", "not_applicable")]
+    assert failed == []

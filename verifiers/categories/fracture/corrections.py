@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from ....worlds.categories.fracture.events import FractureEvent
 from ....worlds.errors import EvidenceError
 from ....worlds.predicates import Breach, Broken, Debris, atoms_of
 from ...rows.corrections import correction
@@ -33,12 +34,14 @@ def breaking(
         details: numbers of the outcome.
         pointer: of the beat or requirement.
     """
-    asked = [a for a in atoms_of(predicate) if isinstance(a, Broken | Breach | Debris) and a.entity == entity]
+    asked = [a for a in atoms_of(predicate) if isinstance(a, Broken | Breach | Debris | FractureEvent) and a.entity == entity]
     contract = candidate.spec.entities[entity]
     if not asked or contract.breakable is None or outcome.comparison != ">=":
         return None
     hitters = _hitters(candidate, entity, asked)
-    who = " and ".join(hitters) or "what hits it"
+    falls = not hitters and any(isinstance(a, FractureEvent) and _still(candidate, a.other) for a in asked)
+    who = " and ".join(hitters) or (f"{entity} itself" if falls else "what hits it")
+    hitters = hitters or ([entity] if falls else [])
     bond = f"/entities/{entity}/breakable/bond"
     found = _apart(predicate, entity, outcome, details, pointer, asked)
     return [
@@ -65,13 +68,18 @@ def breaking(
     ]
 
 
+def _still(candidate: Candidate, name: str | None) -> bool:
+    """True of something static: what is to break on it brings the blow along."""
+    return name in candidate.spec.entities and candidate.spec.entities[name].motion == "static"
+
+
 def _apart(
     predicate: SpecModel,
     entity: str,
     outcome: Outcome,
     details: dict[str, object],
     pointer: str,
-    asked: list[Broken | Breach | Debris],
+    asked: list[Broken | Breach | Debris | FractureEvent],
 ) -> list[Correction]:
     """Corrections of debris: by whether enough lumps came loose at all, and how far they went."""
     one = asked[0]
@@ -102,9 +110,9 @@ def _apart(
     ]
 
 
-def _hitters(candidate: Candidate, entity: str, asked: list[Broken | Breach | Debris]) -> list[str]:
+def _hitters(candidate: Candidate, entity: str, asked: list[Broken | Breach | Debris | FractureEvent]) -> list[str]:
     """Dynamic bodies that are to break it, or else those that broke bonds of it."""
-    named = [a.by for a in asked if isinstance(a, Broken) and a.by is not None]
+    named = [n for a in asked if (n := a.by if isinstance(a, Broken) else getattr(a, "other", None)) is not None]
     if not named:
         solver = next((s for s, i in candidate.spec.simulation.rigid.items() if entity in i.members), None)
         if solver is None:

@@ -3,7 +3,8 @@
 - `mass`: particles' mass + outflow - inflow is that of frame 0 at every frame (`LEDGER`, relative).
 - `start`: the volume of the particles at frame 0 is that of the members' parts less solids in them (`DRIFT`).
 - `records`: every record is what the particles themselves say.
-- `identity`: particles appear at inflows only, vanish at outflows and open sides only, and no two share an id.
+- `identity`: particles appear at inflows only, vanish at outflows and open sides only, and no two share an id. What holds a level lets
+  none in while the surface over its gauge is higher, and none out while it is lower (`stages.py`).
 - `energy`: kinetic + potential energy, less what inflow brought and bodies did, never grows by more than
   `limits.energy_growth` of the energy in play.
 """
@@ -26,6 +27,7 @@ from .questions import BOOKS, IDENTITY
 from .rows import first_over, place
 from .samples import spread
 from .solids import deepest, pieces_of
+from .stages import holds_back
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -206,7 +208,7 @@ class Identity:
         born = np.setdiff1d(step.new, again)
         reach = np.zeros(len(born), dtype=bool)
         for name, driver in liquid.inflows.items():
-            if liquid.active(name, frame.index):
+            if liquid.active(name, frame.index) and not holds_back(step, name):
                 speed = np.linalg.norm(frame.velocity[born], axis=1).max(initial=driver.flow_speed)
                 travel = APPEARS * liquid.spacing + 2.0 * speed * step.duration + liquid.strength * step.duration**2
                 reach |= liquid.near_inflow(name, frame.position[born], travel)
@@ -221,7 +223,8 @@ class Identity:
         travel = travel + liquid.strength * step.duration**2
         taken = liquid.near_open_side(at, travel)
         for name in liquid.outflows:
-            taken |= liquid.near_outflow(name, at, travel)
+            if not holds_back(step, name):
+                taken |= liquid.near_outflow(name, at, travel)
         self._stray(step.now.index, step.gone[~taken], frame.position, "vanish where nothing takes them away")
 
     def _stray(self, index: int, rows: Rows, position: F64, what: str) -> None:

@@ -25,6 +25,8 @@ MEASURED_EVERY = 5
 """Steps after which that engine looks how particles are packed."""
 FULL = (0.9, 1.02)
 """Within which it takes what it finds, in fills of a lattice."""
+WETTED = 0.1
+"""[cells] The grid engine gives gaps under free bodies at least this width."""
 KEPT_OUT = 0.25
 """[spacings] Nearer than this it lets no particle to a surface."""
 SKIN = 0.05
@@ -41,7 +43,8 @@ def liquid_lines(candidate: Candidate) -> list[dict[str, str]]:
         found.append(
             {
                 "what": f"{kind} of {spacing:g} m for the liquid {name!r}",
-                "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved; what lies closely on something is not lifted there",
+                "effect": f"films, jets and gaps thinner than about {spacing:g} m are not resolved"
+                + ("; what lies closely on something is not lifted there" if instance.engine == "dfsph" else ""),
             }
         )
         found.append(
@@ -128,6 +131,13 @@ def _grid(candidate: Candidate, name: str, spacing: float) -> list[dict[str, str
             "effect": "ways that no momentum explains; drops lose the speed that leads into the solid",
         },
     ]
+    if any(e.motion == "dynamic" and e.physics.shape == "solid" for e in candidate.spec.entities.values()):
+        found.append(
+            {
+                "what": f"gaps thinner than a cell between a free body and what it lies on count as wetted by {name!r}, and as {WETTED * spacing:.2g} m wide or more",
+                "effect": "a body sealed to its bed is lifted like one over a gap, and let go sooner; no liquid passes such a gap into air",
+            }
+        )
     if share > 0:
         found.append(
             {

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ....geometry import aabb_of
 from ....worlds.arrays import F64
-from ...ledgers.balance import Books, Flags
+from ...ledgers.balance import Books, Flags, frictions
 from .bounds import FRICTION, REACH, ROLLS, SLIDING, STRAIGHT
 from .corrections import compare_materials
 from .rows import Law
@@ -74,6 +74,7 @@ def friction(books: Books) -> Finding:
     that begins in the interval or the one before may brake it along a normal: no slide is judged there.
     """
     found = books.contacts
+    low, high = (table[found.a, found.b] for table in frictions(books.candidate, books.cache.index.colliders, sliding=True))
     total, least, most = np.zeros((3, books.frames - 1, len(books.entities)))
     moving = np.zeros((books.frames - 1, len(books.entities)), dtype=bool)
     for side, other in ((found.a, found.b), (found.b, found.a)):
@@ -81,8 +82,8 @@ def friction(books: Books) -> Finding:
         mine = row >= 0
         at = (found.frame[mine] - 1, row[mine])
         np.add.at(total, at, found.impulse[mine])
-        np.add.at(least, at, found.impulse[mine] * books.friction[0][mine])
-        np.add.at(most, at, found.impulse[mine] * books.friction[1][mine])
+        np.add.at(least, at, found.impulse[mine] * low[mine])
+        np.add.at(most, at, found.impulse[mine] * high[mine])
         np.logical_or.at(moving, at, moves(books, partner[mine], found.frame[mine] - 1))
     v0, v1 = books.velocities[:-1], books.velocities[1:]
     speeds = np.linalg.norm(v0, axis=2), np.linalg.norm(v1, axis=2)

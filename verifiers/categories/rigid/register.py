@@ -20,6 +20,8 @@ SLOWEST_BOUNCE = 0.01
 """[m/s] Contacts that close slower do not bounce (`simulation/rigid/contact_law.py`, and so the four numbers below)."""
 GRAVITY_STEPS = 4.0
 """Nor do those that close slower than gravity makes them in so many steps."""
+SLIPS = 2e-3
+"""[m/s] Speed of slip from which on a contact has the friction of motion (`simulation/rigid/stiction.py`)."""
 PASSED = 0.03 / 0.97
 """Push that constraints let pass, over the push that they stop."""
 SOFTEST = 200.0
@@ -54,6 +56,7 @@ def _instance(spec: WorldSpec, name: str, instance: RigidInstance) -> list[dict[
         )
         found.append(_impacts(spec, name, instance))
     found += _mixed(spec, name, instance, used)
+    found += _at_rest(spec, name, instance, used)
     sunk = PASSED * pull * (settings.contact_steps * settings.step) ** 2
     if sunk > 0:
         found.append(
@@ -148,6 +151,21 @@ def _mixed(spec: WorldSpec, name: str, instance: RigidInstance, used: dict[str, 
             "what": f"contacts of {name!r} take the larger friction and the smaller restitution of two materials"
             + (f", but for the {own} of `simulation.contacts`" if own else ""),
             "effect": f"what a pair of materials would measure together is not known: {' and '.join(told)}",
+        }
+    ]
+
+
+def _at_rest(spec: WorldSpec, name: str, instance: RigidInstance, used: dict[str, Material]) -> list[dict[str, str]]:
+    """Line about static friction, where materials or pairs have one."""
+    told = [f"{n!r} {m.static_friction:g} (sliding {m.friction:g})" for n, m in used.items() if m.static_friction is not None]
+    pairs = [c for c in spec.simulation.contacts.values() if {c.a, c.b} <= set(instance.members)]
+    told += [f"{c.a!r} on {c.b!r} {c.static_friction:g} (sliding {c.friction:g})" for c in pairs if c.static_friction is not None]
+    if not told:
+        return []
+    return [
+        {
+            "what": f"static friction of {name!r}: {', '.join(told)}",
+            "effect": f"contacts hold with it until they slip faster than {SLIPS:g} m/s, whatever the time they were at rest",
         }
     ]
 

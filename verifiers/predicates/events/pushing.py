@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 from ...ledgers import motion
 from ...ledgers.origins import Origin
 from ..outcome import Outcome
 from .bounds import BLOW_HEIGHT, BLOW_IMPULSE, BLOW_LEAST, BLOW_OWN, PUSH_ALONG, PUSH_TIME, PUSH_WAY
-from .course import Course, between, course_of
+from .course import Between, Course, between, course_of
 from .measures import happened, onset, run_sums, span_of
 
 if TYPE_CHECKING:
@@ -116,6 +117,49 @@ def _at_point(course: Course, point: F64, frame: int) -> F64:
     return result
 
 
+class Knock(NamedTuple):
+    """The longest stretch of pushing between two bodies that is too short for a push, and how the two go on."""
+
+    onset: int
+    """Frame at which it begins."""
+    until: int
+    """Frame by which they have parted."""
+    lasted_s: float
+    """[s]"""
+    way: float
+    """Way of the pushed one [m]."""
+    given: float
+    """Impulse in its first interval [N s]."""
+    pusher_speed: float
+    """At `until`, along that impulse [m/s]."""
+    pushed_speed: float
+    """The same of the pushed one [m/s]."""
+
+    def told(self, one: str, two: str, least: float) -> str:
+        """In words, with the way that a push needs [m]."""
+        return (
+            f"{one} touches {two} from frame {self.onset} to {self.until}, but pushes it for {self.lasted_s:.3g} s over {self.way:.3g} m only, "
+            f"with {self.given:.3g} N s at first; by then {two} goes on at {self.pushed_speed:.3g} m/s and {one} at "
+            f"{self.pusher_speed:.3g} m/s (needed {PUSH_TIME:g} s without a break, and {least:.3g} m)"
+        )
+
+
+def _knock(one: Course, two: Course, span: slice, met: Between, run: NDArray[np.bool_], pushed: F64, lasted: F64) -> Knock | None:
+    """The longest push of two bodies that touch in these intervals, or their first touch; None where one does not push the other."""
+    touched = met.touched[span] & (np.linalg.norm(met.impulse[span], axis=1) > 0.0)
+    if not touched.any() or (_works(two, one, span) > _works(one, two, span)):
+        return None
+    last = int(np.argmax(lasted)) if run.any() else int(np.argmax(touched))
+    first = onset(run, last)
+    while last + 1 < len(touched) and touched[last + 1]:
+        last += 1
+    impulse = met.impulse[span.start + first]
+    along = impulse / max(float(np.linalg.norm(impulse)), 1e-300)
+    until = span.start + last + 1
+    speeds = (float(c.velocities[until] @ along) for c in (one, two))
+    return Knock(span.start + first, until, float(lasted.max()), float(pushed.max()), float(np.linalg.norm(impulse)), *speeds)
+
+
 def pushes(scope: Scope, p: PairEvent) -> Outcome:
     """Measured: way of the other over which it is pushed without a break [m]: work by force."""
     one, two = course_of(scope.candidate, p.entity), course_of(scope.candidate, p.other)
@@ -135,7 +179,11 @@ def pushes(scope: Scope, p: PairEvent) -> Outcome:
     done = run_sums(run, work)
     least = max(PUSH_WAY * two.size, p.min or 0.0)
 
+    knock = _knock(one, two, span, met, run, pushed, lasted) if free and not (lasted >= PUSH_TIME).any() else None
+
     def tell(i: int) -> str:
+        if knock is not None:
+            return knock.told(p.entity, p.other, float(least))
         if pushed[i] <= 0.0:
             if not free:
                 return f"{p.other} is {scope.candidate.spec.entities[p.other].motion}: nothing pushes it"
@@ -149,7 +197,10 @@ def pushes(scope: Scope, p: PairEvent) -> Outcome:
         )
 
     def detail(i: int) -> dict[str, Any]:
-        return {"onset": span.start + onset(run, i), "work": float(done[i]), "lasted_s": float(lasted[i]), "other": p.other}
+        if knock is not None:
+            return {**knock._asdict(), "other": p.other}
+        told = {"onset": span.start + onset(run, i), "work": float(done[i]), "lasted_s": float(lasted[i]), "other": p.other}
+        return told if met.touched[span].any() or not free else told | {"untouched": True}
 
     return happened(scope, p.entity, pushed, least, "m", tell, detail, holds=lasted >= PUSH_TIME)
 

@@ -13,7 +13,7 @@ from .channels import CHANNELS, DIMENSIONS, writers
 from .contacts import unrecorded
 from .couplings import coupling_problems
 from .events import EVENTS
-from .facts import cloth_counts, rest_way
+from .facts import cloth_counts, cloth_seconds, rest_way
 from .models import ClothInstance, ClothPhysics
 from .predicates import PREDICATES
 from .weakened import weakenings
@@ -68,6 +68,7 @@ CLOTH = CategorySpec(
     writers=writers,
     caps=CLOTH_CAPS,
     estimate=cloth_counts,
+    seconds=cloth_seconds,
     audit=Audit(
         "cloth",
         "cloth is made of sheets or meshes that resolve its thickness, and its pins hold it",

@@ -11,6 +11,7 @@ from ..shared import DAMPING, ELASTIC_MODULI, LINEAR_VELOCITY, PINS, RESOLUTION
 from .audit import elastic_problems
 from .channels import CHANNELS, DIMENSIONS, writers
 from .events import EVENTS
+from .facts import elastic_seconds
 from .models import ElasticPhysics
 from .predicates import PREDICATES
 from .unmet import unmet_warnings
@@ -43,6 +44,7 @@ ELASTIC = CategorySpec(
         elastic_problems,
     ),
     warnings=unmet_warnings,
+    seconds=elastic_seconds,
     rest_way=two_skins,
     starts_alone=True,
 )

@@ -11,7 +11,7 @@ from ...arrays import pose_of
 from ...extents import initial_box
 from ...problems import Problem, replaced
 from ..loose import ROUNDED, domain_box, told_box
-from .facts import LEAST_MOUTH, LEAST_SPACINGS, inflows_of, spacing_of
+from .facts import LEAST_MOUTH, LEAST_SPACINGS, gauge_of, inflows_of, spacing_of
 from .reach import gap_warnings, thin_problems, thin_warnings
 from .wave_audit import wave_problems
 
@@ -23,6 +23,8 @@ __all__ = ["liquid_problems", "liquid_warnings"]
 MOST_STRETCH = 0.06
 """Share of a spacing by which a lattice may be stretched between two closed sides. Measured, still water of engine dfsph 4 to 10 spacings
 wide: at 5.4 % all rows pass, at 6.2 % the energy and from 8.3 % on the density fail."""
+LEVEL = 0.01
+"""Slope of gravity across z from which on a level is none."""
 
 
 def liquid_problems(spec: WorldSpec) -> list[Problem]:
@@ -31,7 +33,7 @@ def liquid_problems(spec: WorldSpec) -> list[Problem]:
     for name, instance in spec.simulation.liquid.items():
         found += _instance(spec, name, instance)
         if np.isfinite(spacing_of(spec, name)):
-            found += [*wave_problems(spec, name, instance), *thin_problems(spec, name, instance)]
+            found += [*wave_problems(spec, name, instance), *thin_problems(spec, name, instance), *_levels(spec, name, instance)]
     found += _drivers(spec)
     return found
 
@@ -138,6 +140,41 @@ def _instance(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[
             )
         if not inflow.start < (spec.simulation.frames - 1) / spec.simulation.fps:
             yield Problem(f"{where}/start", f"inflow {key!r} starts at {inflow.start:g} s, after the last frame")
+
+
+def _levels(spec: WorldSpec, name: str, instance: LiquidInstance) -> Iterator[Problem]:
+    """Inflows and outflows that hold a level, which has to be in the domain and to be read there."""
+    low, high = domain_box(instance)
+    least, gravity = LEAST_SPACINGS * spacing_of(spec, name), spec.simulation.gravity
+    for key, driver in spec.simulation.drivers.items():
+        if driver.kind not in ("inflow", "outflow") or driver.entity not in instance.members:
+            continue
+        place = f"/simulation/drivers/{key}"
+        if driver.level is None:
+            if driver.gauge is not None:
+                yield Problem(
+                    f"{place}/gauge",
+                    f"{driver.kind} {key!r} has a gauge and no level that it holds; give level, or leave gauge out",
+                )
+            continue
+        if driver.kind == "inflow" and instance.engine != "flip":
+            text = f"inflow {key!r} holds a level, and engine {instance.engine!r} gives layers at one speed only; use engine flip, or leave level out"
+            yield Problem(f"{place}/level", text)
+        if gravity[2] >= 0.0 or max(abs(gravity[0]), abs(gravity[1])) > LEVEL * abs(gravity[2]):
+            yield Problem(
+                f"{place}/level",
+                f"{driver.kind} {key!r} holds a level, and gravity {gravity!r} does not point down; leave level out",
+            )
+        if not low[2] + least <= driver.level <= high[2] - least:
+            yield Problem(
+                f"{place}/level",
+                f"{driver.kind} {key!r} holds the level {driver.level:g} m; it is read from {least:.3g} m below to as much above, "
+                f"and the domain reaches from {low[2]:g} to {high[2]:g} m",
+            )
+        gauge = np.array(gauge_of(driver))
+        if (gauge < low[:2] - 1e-9).any() or (gauge > high[:2] + 1e-9).any():
+            text = f"{driver.kind} {key!r} reads the surface at x, y = {gauge[0]:g}, {gauge[1]:g} m, outside of the domain {told_box(low, high)}"
+            yield Problem(f"{place}/gauge", text)
 
 
 def _drivers(spec: WorldSpec) -> Iterator[Problem]:

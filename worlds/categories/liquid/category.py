@@ -63,7 +63,7 @@ LIQUID = CategorySpec(
         *OPENING,
         *parameters(
             DRIVER,
-            "round spectrum height period level depth direction spreading peakedness components generate absorb zone",
+            "round spectrum height period level gauge depth direction spreading peakedness components generate absorb zone",
             "drivers",
             "repair",
             "drivers stand in the register",

@@ -15,7 +15,7 @@ from ...extents import initial_volume
 from ..loose import LooseEstimate, domain_box
 
 if TYPE_CHECKING:
-    from ...spec import Entity, InflowDriver, WorldSpec
+    from ...spec import Entity, InflowDriver, OutflowDriver, WorldSpec
 
 __all__ = [
     "LEAST_MOUTH",
@@ -24,6 +24,7 @@ __all__ = [
     "WALL_SLACK",
     "declares_heat",
     "fastest",
+    "gauge_of",
     "inflows_of",
     "liquid_estimate",
     "liquid_seconds",
@@ -66,6 +67,11 @@ def inflows_of(spec: WorldSpec, name: str) -> dict[str, InflowDriver]:
     """Inflows into the liquids of an instance, by driver id."""
     members = spec.simulation.liquid[name].members
     return {k: d for k, d in spec.simulation.drivers.items() if d.kind == "inflow" and d.entity in members}
+
+
+def gauge_of(driver: InflowDriver | OutflowDriver) -> tuple[float, float]:
+    """Where the surface is read that a driver holds: x, y [m]."""
+    return driver.gauge if driver.gauge is not None else (driver.pose.position[0], driver.pose.position[1])
 
 
 def fastest(entity: Entity) -> float:

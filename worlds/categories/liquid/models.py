@@ -105,10 +105,17 @@ class InflowDriver(TimedDriver):
     pose: Pose = Field(default=Pose(), description="of the opening in the world; liquid leaves along its +z")
     size: tuple[Positive, Positive] = Field(description="full extents of the opening along its x and y [m]")
     round: bool = Field(default=False, description="a disc (an ellipse) of this size")
-    speed: Positive | None = Field(default=None, description="[m/s]; give speed or rate")
+    speed: Positive | None = Field(default=None, description="[m/s]; give speed or rate. With a level: at most")
     rate: Positive | None = Field(default=None, description="[m^3/s]")
     start: NonNegative = 0.0
     end: Positive | None = Field(default=None, description="[s]; default: to the end")
+    level: Finite | None = Field(
+        default=None,
+        description="world z [m] at which it holds the surface: it gives what that takes, at most speed or rate, and nothing while it is a cell higher; engine flip",
+    )
+    gauge: tuple[Finite, Finite] | None = Field(
+        default=None, description="x, y where the surface is read [m]; default: the middle of the opening"
+    )
 
     @model_validator(mode="after")
     def _one_speed(self) -> InflowDriver:
@@ -123,7 +130,7 @@ class InflowDriver(TimedDriver):
 
     @property
     def flow_speed(self) -> float:
-        """Speed through the opening [m/s]."""
+        """Speed through the opening [m/s]; with a level, the highest."""
         return self.speed if self.speed is not None else float(self.rate or 0.0) / self.area
 
 
@@ -134,6 +141,13 @@ class OutflowDriver(DriverBase):
     entity: EntityRef = Field(description="the liquid, or any one of its instance")
     pose: Pose = Pose()
     size: tuple[Positive, Positive, Positive] = Field(description="full extents along the box's own axes [m]")
+    level: Finite | None = Field(
+        default=None,
+        description="world z [m] down to which it drains: it takes all that comes while the surface is higher, less within half a spacing of it, nothing below",
+    )
+    gauge: tuple[Finite, Finite] | None = Field(
+        default=None, description="x, y where the surface is read [m]; default: the middle of the box"
+    )
 
 
 class WavesDriver(DriverBase):

@@ -10,7 +10,7 @@ from ..shared import DOMAIN, ELASTIC_MODULI, LINEAR_VELOCITY, OPENING, STEPS
 from .audit import particle_problems, particle_warnings
 from .channels import CHANNELS
 from .events import EVENTS
-from .facts import particle_estimate, rest_way
+from .facts import particle_estimate, particle_seconds, rest_way
 from .models import BallisticInstance, DemInstance, EmitterDriver, ParticlePhysics
 from .predicates import PREDICATES
 
@@ -44,6 +44,7 @@ PARTICLES = CategorySpec(
     knobs={"dem": ("radius",)},
     caps=LOOSE_CAPS,
     estimate=lambda spec: counts(spec, (particle_estimate(spec, name) for name in spec.simulation.particles)),
+    seconds=particle_seconds,
     warnings=particle_warnings,
     rest_way=rest_way,
     audit=Audit(

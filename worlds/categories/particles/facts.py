@@ -14,7 +14,10 @@ from .models import ParticlePhysics
 if TYPE_CHECKING:
     from ...spec import WorldSpec
 
-__all__ = ["grain_step", "particle_estimate", "rest_way"]
+__all__ = ["grain_step", "particle_estimate", "particle_seconds", "rest_way"]
+
+PARTICLE_STEPS = {"dem": 1.7e6, "ballistic": 1.0e6}
+"""Particles times steps a second by engine, once they run: usual rates. Own measurement."""
 
 
 def grain_step(physics: ParticlePhysics, density: float, share: float) -> float:
@@ -47,6 +50,13 @@ def particle_estimate(spec: WorldSpec, name: str) -> LooseEstimate:
                 lasts = max(0.0, min(driver.end or seconds, seconds) - driver.start)
                 count += driver.rate * min(lasts, lasting)
     return LooseEstimate(count, seconds / step if math.isfinite(step) else 0.0)
+
+
+def particle_seconds(spec: WorldSpec) -> float | None:
+    """Seconds that the particles of a world will take, from numbers, steps and a usual rate; None without any."""
+    found = {n: particle_estimate(spec, n) for n in spec.simulation.particles}
+    rates = {n: PARTICLE_STEPS[spec.simulation.particles[n].engine] for n in found}
+    return sum(e.particles * e.steps / rates[n] for n, e in found.items()) if found else None
 
 
 def rest_way(spec: WorldSpec, name: str) -> float:

@@ -7,7 +7,7 @@ from ..category import CategorySpec
 from ..resting import two_skins
 from ..shared import LINEAR_VELOCITY, STEPS
 from .channels import CHANNELS, DIMENSIONS, writers
-from .facts import body_count, rigid_counts
+from .facts import body_count, rigid_counts, rigid_seconds
 from .masses import mass_problems
 from .models import DetachDriver, ForceDriver, MotorDriver, PathDriver, RigidInstance, RigidPhysics
 
@@ -42,6 +42,7 @@ RIGID = CategorySpec(
     dimensions=DIMENSIONS,
     writers=writers,
     estimate=rigid_counts,
+    seconds=rigid_seconds,
     masses=mass_problems,
     bodies=body_count,
     rest_way=two_skins,

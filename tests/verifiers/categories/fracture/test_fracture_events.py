@@ -12,6 +12,7 @@ import pytest
 from worldagent.tests.physics.fracture_world import simulate, struck_wall
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.predicates.outcome import Outcome
+from worldagent.verifiers.story.beat_corrections import corrections_of
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.categories.fracture.events import FractureEvent
@@ -118,3 +119,23 @@ def test_before_the_blow_nothing_has_broken(run: Candidate) -> None:
 def test_what_is_not_breakable_has_no_evidence(run: Candidate) -> None:
     found = evaluate(run, FractureEvent(kind="cracks", entity="ball"), (0, 1))
     assert (found.status, "not breakable" in found.explanation) == ("unverified", True)
+
+
+def test_a_wall_that_does_not_break_is_told_of_blow_and_bonds(run: Candidate, tmp_path: Path) -> None:
+    event = FractureEvent.model_validate({"kind": "breaks", "entity": "wall", "other": "ball"})
+    still = edited(run, tmp_path, whole)
+    outcome = evaluate(still, event, (0, run.last_frame))
+    assert outcome.status == "fail"
+    told = {c.group: c for c in corrections_of(still, event, outcome, "/story/beats/break", (0, run.last_frame))}
+    assert "speed of ball" in told["initial_state"].action
+    assert "/entities/wall/breakable/bond/tension" in told["bonds"].pointers
+
+
+def test_what_is_to_break_on_something_that_stands_still_is_told_to_fall_harder(run: Candidate, tmp_path: Path) -> None:
+    event = FractureEvent.model_validate({"kind": "breaks", "entity": "wall", "other": "floor"})
+    still = edited(run, tmp_path, whole)
+    assert still.spec.entities["floor"].motion == "static"
+    outcome = evaluate(still, event, (0, run.last_frame))
+    told = {c.group: c for c in corrections_of(still, event, outcome, "/story/beats/break", (0, run.last_frame))}
+    assert "speed of wall itself" in told["initial_state"].action
+    assert told["initial_state"].pointers == ("/entities/wall/physics/linear_velocity",)

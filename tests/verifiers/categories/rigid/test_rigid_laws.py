@@ -28,7 +28,7 @@ def books(film: Film, folder: Path) -> Books:
 
 
 @pytest.mark.parametrize(
-    "name", ["flight", "bounce", "slide", "pendulum", "welded", "roped", "sprung", "pushed", "stack", "cradle"]
+    "name", ["flight", "bounce", "slide", "gripped", "pendulum", "welded", "roped", "sprung", "pushed", "stack", "cradle"]
 )
 def test_what_the_engine_runs_keeps_every_law(name: str, tmp_path: Path) -> None:
     rows = rows_of(getattr(scenes, name)(1), tmp_path)

@@ -1,0 +1,65 @@
+"""While only geometry has failed, the story may still be written anew; what a failing row offers may be done (R113, R157)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.workflow.creation import create
+from worldagent.workflow.session import Session
+from worldagent.worlds.errors import RefusedError
+from worldagent.worlds.patch import apply_patch
+from worldagent.worlds.requirements import Correction, Row
+
+
+def _failed(row_id: str, check: str, **more: Any) -> Row:
+    base = {"id": row_id, "check": check, "group": "physical", "question": row_id, "subject": ("b1",)}
+    return Row.model_validate({**base, "predicate": "p", "status": "fail", "measured": 2.0, "bound": 1.0, **more})
+
+
+def _made(workspace: Path) -> Session:
+    workspace.mkdir(exist_ok=True)
+    session, _ = create(workspace, "w", PROMPT, small_spec())
+    session.audit()
+    session.check_static()
+    return session
+
+
+def _edit(session: Session, path: str, value: Any, **more: Any) -> dict[str, Any]:
+    patch = [{"op": "add", "path": path, "value": value}]
+    return session.commit(apply_patch(session.spec, patch), patch=patch, **more)
+
+
+def test_the_story_is_no_weaker_by_what_only_geometry_has_failed_on(tmp_path: Path) -> None:
+    session = _made(tmp_path)
+    session.ledger.put_rows([_failed("support:grip:b1", "support")], revision=session.revision, stage="static")
+    told = _edit(session, "/simulation/frames", 30, hypothesis="shorter is enough for the story that is told")
+    assert "weakenings_recorded" not in told
+    assert session.ledger.weakenings() == []
+
+
+def test_after_a_motion_that_failed_it_is(tmp_path: Path) -> None:
+    session = _made(tmp_path)
+    session.ledger.put_rows([_failed("beat:hit", "beat")], revision=session.revision, stage="probe")
+    with pytest.raises(RefusedError, match=r"/simulation/frames \d+ -> 30"):
+        _edit(session, "/simulation/frames", 30, hypothesis="shorter is enough for the story that is told")
+
+
+def test_any_kind_of_edit_that_a_failing_row_offers_is_taken(tmp_path: Path) -> None:
+    """The diagnosis names a class, and a correction of another class stands beside it."""
+    session = _made(tmp_path)
+    offered = [
+        Correction(cause="hidden", edit_class=c, group=g, action="do it", pointers=(), patch=())
+        for c, g in (("solver", "mass"), ("scene", "shape"))
+    ]
+    row = _failed("scale:hidden:b1", "scale", corrections=offered, evidence={"edit_classes": ["solver"]})
+    session.ledger.put_rows([row], revision=session.revision, stage="static")
+    part = next(iter(session.spec.entities["b1"].parts))
+    size = [0.9 * s for s in session.spec.entities["b1"].parts[part].shape.size]
+    assert _edit(session, f"/entities/b1/parts/{part}/shape/size", size, hypothesis="a smaller block hides nothing")["revision"]
+    other = _made(tmp_path / "other")
+    other.ledger.put_rows([row.model_copy(update={"corrections": tuple(offered[:1])})], revision=other.revision, stage="static")
+    with pytest.raises(RefusedError, match="ask for a solver edit"):
+        _edit(other, f"/entities/b1/parts/{part}/shape/size", size, hypothesis="a smaller block hides nothing")

@@ -1,0 +1,56 @@
+"""Generated things whose leaves and drawers are fixed: made so, made anew, loosed again, and told where they still move."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from worldagent.tests.stories.small_run import small_spec
+from worldagent.workflow.arrangements import AssetAsk
+from worldagent.workflow.generated import asset_operations
+from worldagent.worlds.errors import InputError
+from worldagent.worlds.kinds_said import role_weakenings
+from worldagent.worlds.patch import apply_patch, parse_spec
+from worldagent.worlds.spec import WorldSpec
+
+
+def placed(spec: WorldSpec, name: str = "door", **asked: Any) -> tuple[WorldSpec, dict[str, Any]]:
+    operations, told = asset_operations(spec, name, AssetAsk.model_validate({"generator": "door", **asked}))
+    return apply_patch(spec, operations), told
+
+
+@pytest.fixture
+def spec() -> WorldSpec:
+    return parse_spec({**small_spec(), "prompt": "A block topples another."})
+
+
+def test_a_door_is_fixed_made_anew_and_loosed_again(spec: WorldSpec) -> None:
+    shut, told = placed(spec, fixed=True, motion="static")
+    assert "still_moving" not in told
+    assert shut.entities["door_leaf"].motion == "static"
+    assert "door_leaf" not in {j.child for j in shut.simulation.joints.values()}
+    assert shut.graph.relations["door_leaf_fixed"].kind == "fastened"
+    wider, _ = placed(shut, parameters={"width": 0.9})
+    assert wider.entities["door_leaf"].motion == "static", "it stays fixed where the call does not say"
+    loose, _ = placed(wider, fixed=False)
+    assert loose.entities["door_leaf"].motion == "dynamic"
+    assert "door_leaf" in {j.child for j in loose.simulation.joints.values()}
+    assert "door_leaf_fixed" not in loose.graph.relations
+
+
+def test_a_static_door_whose_leaf_still_turns_is_told(spec: WorldSpec) -> None:
+    loose, told = placed(spec, motion="static")
+    assert loose.entities["door_leaf"].motion == "dynamic"
+    assert "fixed: true" in told["still_moving"]
+
+
+def test_what_has_no_joints_cannot_be_fixed(spec: WorldSpec) -> None:
+    with pytest.raises(InputError, match="no leaves, drawers or lids"):
+        asset_operations(spec, "jar", AssetAsk(generator="glass", fixed=True))
+
+
+def test_fixing_what_failed_to_open_is_a_weakening(spec: WorldSpec, tmp_path: Path) -> None:
+    loose, shut = placed(spec)[0], placed(spec, fixed=True)[0]
+    assert any("hangs on no joint any more" in line for line in role_weakenings(loose, shut, {"door_leaf"}))
+    assert list(role_weakenings(loose, shut, set())) == []

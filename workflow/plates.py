@@ -71,7 +71,7 @@ def make_plates(
     """
     from ..verifiers.shots.wanted import wanted
 
-    began, folder = time.monotonic(), plates_folder(candidate)
+    clock, folder = _Clock(seconds, progress, check), plates_folder(candidate)
     try:
         plan = wanted(candidate)
     except EvidenceError as error:  # the rows of the shot plan say it too
@@ -82,7 +82,7 @@ def make_plates(
         renderer = _Lazy(candidate)
         if distrust and made.views and depart(candidate, made, secrets.choice(made.views), renderer):
             made = _fresh(made, folder)
-        return _taken(made, folder, plan.views, renderer, _Clock(began + seconds, progress, check))
+        return _taken(made, folder, plan.views, renderer, clock)
     except (EngineError, ImportError, RuntimeError) as error:  # Mitsuba and its compiler raise plain ones
         return _left(_empty(candidate, {}), folder, {v.subject: f"no renderer: {error}" for v in plan.views})
 
@@ -102,10 +102,19 @@ class _Lazy:
 
 
 class _Clock:
-    """When to stop, and whom to tell."""
+    """When to stop, and whom to tell.
 
-    def __init__(self, until: float, progress: Tell | None, check: Callable[[], None]) -> None:
-        self.until, self.progress, self.check = until, progress, check
+    What counts is the time on the wall or that of the processors, the lesser: beside other work a plate takes several times as long, and
+    rows must not stay open for that.
+    """
+
+    def __init__(self, seconds: float, progress: Tell | None, check: Callable[[], None]) -> None:
+        self._seconds, self._wall, self._worked = seconds, time.monotonic(), time.process_time()
+        self.progress, self.check = progress, check
+
+    def over(self) -> bool:
+        """Whether the time is spent."""
+        return min(time.monotonic() - self._wall, time.process_time() - self._worked) > self._seconds
 
 
 def _taken(made: Plates, folder: Path, views: tuple[View, ...], renderer: _Lazy, clock: _Clock) -> Plates:
@@ -115,7 +124,7 @@ def _taken(made: Plates, folder: Path, views: tuple[View, ...], renderer: _Lazy,
         if view in made.views:
             continue
         clock.check()
-        if rendered and time.monotonic() > clock.until:
+        if rendered and clock.over():
             left |= {v.subject: "the time for plates was over" for v in views[place:] if v not in made.views}
             break
         if clock.progress is not None:

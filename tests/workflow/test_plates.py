@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import time
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -256,3 +257,14 @@ def test_plates_of_another_bake_or_damaged_ones_are_no_pictures(candidate: Candi
     else:
         (folder / "frame_000000.npz").write_bytes(b"none")
     assert plate_pictures(candidate) == {}
+
+
+@pytest.mark.parametrize(("wall", "worked", "over"), [(1000.0, 10.0, False), (10.0, 1000.0, False), (1000.0, 1000.0, True)])
+def test_time_for_plates_is_that_of_the_processors_where_the_machine_has_other_work(
+    wall: float, worked: float, over: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = plates._Clock(60.0, None, lambda: None)
+    now, used = time.monotonic(), time.process_time()
+    monkeypatch.setattr(time, "monotonic", lambda: now + wall)
+    monkeypatch.setattr(time, "process_time", lambda: used + worked)
+    assert clock.over() is over

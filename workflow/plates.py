@@ -113,7 +113,7 @@ class _Clock:
         self.progress, self.check = progress, check
 
     def over(self) -> bool:
-        """Whether the time is spent."""
+        """True once the time is spent."""
         return min(time.monotonic() - self._wall, time.process_time() - self._worked) > self._seconds
 
 

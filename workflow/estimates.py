@@ -101,7 +101,7 @@ class Usual(NamedTuple):
 def usual_seconds(spec: WorldSpec, frames: int) -> Usual:
     """Seconds that a probe of so many frames will take by the usual rates of the categories of its world."""
     from ..worlds.categories.registry import CATEGORIES
-    from ..worlds.categories.rigid.facts import rerun_seconds
+    from ..worlds.rerun_time import rerun_seconds
 
     plan = spec.simulation
     seconds = plan.lead + (plan.frames - 1) / plan.fps
@@ -113,10 +113,9 @@ def usual_seconds(spec: WorldSpec, frames: int) -> Usual:
 
 def _heaviest(spec: WorldSpec) -> tuple[str, ...]:
     """Entities of rigid instances with most collision pieces; none where there are few in all."""
-    from ..worlds.categories.rigid.facts import collision_pieces
+    from ..worlds.categories.registry import CATEGORIES
 
-    members = {m for solver in spec.simulation.rigid.values() for m in solver.members}
-    pieces = {n: collision_pieces(e) for n, e in spec.entities.items() if n in members}
+    pieces = {n: CATEGORIES[e.physics.category].pieces(e) for n, e in spec.entities.items()}
     if sum(pieces.values()) < MANY_PIECES:
         return ()
     return tuple(f"{n} {pieces[n]}" for n in sorted(pieces, key=lambda n: -pieces[n])[:HEAVIEST])

@@ -92,6 +92,8 @@ class CategorySpec:
     """Edits of an entity's physics that ask for less and that no direction tells: pointer of the physics, before, after."""
     eased: Callable[[str, Entity, Entity], Iterable[str]] = lambda name, old, new: ()
     """Edits of an entity by which it is easier to judge and that no direction tells: its name, before, after."""
+    pieces: Callable[[Entity], int] = lambda entity: 0
+    """Convex pieces with which a body of an entity collides, about; 0 where none are made."""
     seconds: Callable[[WorldSpec], float | None] = lambda spec: None
     """Seconds that its instances take by a usual rate, told before anything was measured; None where none is known."""
 

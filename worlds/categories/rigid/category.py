@@ -7,7 +7,7 @@ from ..category import CategorySpec
 from ..resting import two_skins
 from ..shared import LINEAR_VELOCITY, STEPS
 from .channels import CHANNELS, DIMENSIONS, writers
-from .facts import body_count, rigid_counts, rigid_seconds
+from .facts import body_count, collision_pieces, rigid_counts, rigid_seconds
 from .masses import mass_problems
 from .models import DetachDriver, ForceDriver, MotorDriver, PathDriver, RigidInstance, RigidPhysics
 
@@ -45,6 +45,7 @@ RIGID = CategorySpec(
     seconds=rigid_seconds,
     masses=mass_problems,
     bodies=body_count,
+    pieces=collision_pieces,
     rest_way=two_skins,
     starts_alone=True,
 )

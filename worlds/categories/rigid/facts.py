@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...rerun_time import rerun_seconds
 from ..fracture.facts import piece_count
 
 if TYPE_CHECKING:
     from ...spec import Entity, WorldSpec
 
-__all__ = ["body_count", "collision_pieces", "rerun_seconds", "rigid_counts", "rigid_seconds"]
+__all__ = ["body_count", "collision_pieces", "rigid_counts", "rigid_seconds"]
 
 BODY_STEPS = 5.0e4
 """Steps of bodies a second that the engine makes on a core with two others beside it, contacts included: a usual rate. Own measurement."""
@@ -53,22 +54,3 @@ def rigid_seconds(spec: WorldSpec) -> float | None:
         moving = [e for m in solver.members if (e := spec.entities.get(m)) is not None and e.motion != "static"]
         work += sum(body_count(e) * (1 + collision_pieces(e) / PIECES) for e in moving) * seconds / solver.settings.step
     return work / BODY_STEPS or None
-
-
-def rerun_seconds(spec: WorldSpec) -> float:
-    """Seconds of the world that counterfactual and robustness checks and runs without untold drivers simulate again, at the production step."""
-    plan, beats = spec.simulation, spec.story.beats
-    frames = 0.0
-    for name, beat in beats.items():
-        effects = [e for e in beats.values() if name in e.causes]
-        if effects:  # once per cause, from a checkpoint before it to the last of its effects
-            frames += max(0, max(e.frames[1] for e in effects) - beat.frames[0]) + plan.fps
-    owners = {beat.owner for beat in beats.values()}
-    silent = [d for n, d in plan.drivers.items() if n not in owners and not (d.kind == "field" and d.field.kind == "drag")]
-    if silent and beats:  # once without those that no beat owns, from the first of them on
-        frames += max(0.0, max(b.frames[1] for b in beats.values()) - min(d.begins for d in silent) * plan.fps) + plan.fps
-    for item in spec.story.robustness.values():
-        last = max((beats[b].frames[1] for b in item.beats if b in beats), default=0)
-        runs = item.samples if item.kind == "perturbed" else item.factor
-        frames += runs * (last + plan.lead * plan.fps)
-    return frames / plan.fps

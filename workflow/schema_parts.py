@@ -42,7 +42,7 @@ def schema(pointer: str) -> dict[str, Any]:
     return answer(
         {"part": "schema", "pointer": pointer, **found},
         f"{about}; [3 x number] is a list of three, {{id: X}} an object of X by id",
-        "inspect_world(part='schema', pointer='NAME, NAME, ...') for any names in capitals",
+        "inspect_world(part='schema', pointer='NAME, NAME')",
     )
 
 

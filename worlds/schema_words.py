@@ -43,7 +43,7 @@ SLIP, LIKE = 0.75, 0.5
 """Likenesses to a name of what is a slip of the pen, and of what may be meant where nothing else fits."""
 NAMED = 4
 """Parts that are offered for a word."""
-MANY = 1000
+MANY = 256
 """Items beyond which a largest number is not told. Own choice: nobody writes so many by hand."""
 UNSAID = 1e9
 """Bounds that only keep numbers finite are left out."""
@@ -282,12 +282,13 @@ def _array(node: Mapping[str, Any]) -> str:
     items = _words(node.get("items", {}))
     low, high = node.get("minItems"), node.get("maxItems")
     many = f"{low} x " if low is not None and low == high else ""
-    return f"[{many}{items}{'' if many else ', ...'}{'' if many else _most(high)}]"
+    most = _most(high) if "$ref" in node.get("items", {}) else ""
+    return f"[{many}{items}{'' if many else ', ...' + most}]"
 
 
 def _most(count: int | None) -> str:
     """Largest number of items, where there is one that is met."""
-    return "" if count is None or count > MANY else f", at most {count}"
+    return "" if count is None or count > MANY else f", <= {count}"
 
 
 def _kind(name: str) -> str:

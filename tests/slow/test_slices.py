@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from worldagent.tests.collected import SLOW
-from worldagent.tests.slow.record import Run, assigned, due, read_passes, read_slices, recorded, table
+from worldagent.tests.slow.record import BY_NAME, Run, assigned, due, read_passes, read_slices, recorded, table
 from worldagent.tests.slow.run import ROOT, run_tests, slow_tests
 
 TODAY = date(2026, 11, 23)
@@ -40,6 +40,12 @@ def test_what_never_passed_comes_before_what_passed_longest_ago() -> None:
     passes = {"a": {"passed": _run("2026-11-01")}, "b": {"passed": _run("2026-10-01")}}
     assert due(["a", "b"], passes, today=TODAY) == "b"
     assert due(["a", "b", "c"], passes, today=TODAY) == "c"
+
+
+def test_a_slice_that_is_too_long_for_ci_has_no_turn() -> None:
+    passes = {"a": {"passed": _run("2026-11-01")}}
+    assert due(["long-a", "a"], passes, today=TODAY) == "a"
+    assert all(f"{BY_NAME}" not in n or n.startswith(BY_NAME) for n in read_slices())
 
 
 def test_equally_old_slices_take_turns_by_the_day() -> None:

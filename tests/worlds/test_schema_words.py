@@ -67,7 +67,7 @@ def test_a_member_of_several_kinds_is_found_by_each_of_them() -> None:
 def test_ranges_and_defaults_are_told() -> None:
     fields = described("SimulationPlan")["fields"]
     assert fields["fps"].startswith("integer >= 1 and <= 240; default 24")
-    assert fields["solvers"] == "{id: SolverInstance, at most 16}"
+    assert fields["solvers"] == "{id: SolverInstance, <= 16}"
     assert "required" in fields["frames"]
 
 

@@ -71,7 +71,7 @@ def stale(data: dict[str, Any]) -> dict[str, str]:
 
 def _run(figures: dict[str, Any], checks: Iterable[str] | None) -> str:
     machine = figures["machine"]
-    of = "" if checks is None else f" of {', '.join(checks)}"
+    of = "" if checks is None else f" of {', '.join(checks) or 'the accepted worlds'}"
     return (
         f"Run{of} of {figures['date'][:10]}, commit `{figures['commit']}`, seed {figures['seed']}, {machine['processor']} "
         f"({machine['cores']} cores, shared), {figures['wall_s']:.0f} s."

@@ -238,7 +238,7 @@ def frame_recipe(candidate: Candidate, frame: int, *, width: int, height: int, s
 
 
 def _seen_of(shot: Shot) -> dict[str, Any]:
-    """What decides a shot's pictures: of the others, since all shots of one light share their exposure."""
+    """Fields that decide a shot's pictures: of the others, since all shots of one light share their exposure."""
     found: dict[str, Any] = shot.model_dump(mode="json", exclude={"covers", "subjects", "intent"})
     return found
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.folder import WorldFolder
-from ..worlds.ledger import Ledger
 from .answers import call
 
 if TYPE_CHECKING:
@@ -35,6 +34,8 @@ def left_behind(context: ToolContext, arguments: Mapping[str, Any], began: float
 
 
 def _kept(context: ToolContext, world: str, began: float) -> str:
+    from ..worlds.ledger import Ledger  # listing tools loads no numpy
+
     path = WorldFolder(context.workspace / world).ledger_path
     if not path.is_file():
         return f"Nothing was stored: there is no world {world!r}"

@@ -66,7 +66,7 @@ def pushed(folder: Path, speed: float, mass: float, tension: float) -> Candidate
 
 
 def bonds(candidate: Candidate) -> dict[str, Any]:
-    """What `inspect_world(part='state')` tells of the jar's bonds over the whole run."""
+    """Loads of the jar's bonds over the whole run, as `inspect_world(part='state')` tells them."""
     told, _ = motion_over(candidate, ["jar"], 0, candidate.last_frame, 10, 0)
     found: dict[str, Any] = told["entities"]["jar"]["bonds"]
     return found

@@ -1,4 +1,4 @@
-"""What pushes another thing over an edge: whether it stops before it or drops after it, by the way that friction takes."""
+"""A thing that pushes another over an edge: whether it stops before it or drops after it, by the way that friction takes."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ __all__ = ["FRAMES", "PROMPT", "jelly_spec", "main", "run"]
 
 PROMPT = HAMMOCK_PROMPT
 CLAIMS = (
-    "A [jelly](thing jelly) [drops on](event drops) a [cloth](thing cloth) hung [between four](place posts) [posts](thing posts) over a "
+    "A [jelly](thing jelly) [drops on](event drops) a [cloth](thing cloth) hung [between four](place /graph/regions/among) [posts](thing posts) over a "
     "[tray](thing tray) of [sand](thing sand)."
 )
 FRAMES = 24
@@ -37,6 +37,7 @@ def jelly_spec(frames: int = FRAMES, edge: float = 0.025, radius: float = 0.009)
 
     spec["graph"] = {"regions": {
         "under": below,
+        "among": {"kind": "box", "role": "between the posts", "min": [-0.232, -0.232, 0.0], "max": [0.232, 0.232, 0.33]},
         "tray": {"kind": "box", "min": [-0.14, -0.14, 0.0], "max": [0.14, 0.14, 0.08]},
     }}  # fmt: skip
     spec["story"] = {

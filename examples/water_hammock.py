@@ -15,7 +15,7 @@ __all__ = ["FRAMES", "PROMPT", "held_spec", "main", "run"]
 
 PROMPT = "Water drops on a cloth hung between four posts, which sags and holds it."
 CLAIMS = (
-    "[Water](thing water) [drops](event drops) on a [cloth](thing cloth) hung [between four](place posts) [posts](thing posts), "
+    "[Water](thing water) [drops](event drops) on a [cloth](thing cloth) hung [between four](place /graph/regions/among) [posts](thing posts), "
     "[which](thing same_as=cloth) [sags](property sags) and [holds](property holds) [it](thing same_as=water)."
 )
 FRAMES = 13
@@ -33,7 +33,10 @@ def held_spec(frames: int = FRAMES) -> dict[str, Any]:
     lowest = water["pose"]["position"][2] - water["dimensions"]["size"][2] / 2
     down = {"kind": "liquid_flux_through", "entity": "water", "point": [0, 0, round(lowest, 6)], "normal": [0, 0, -1], "size": [0.4, 0.4],
             "measure": "total", "min": 2e-4}  # fmt: skip
-    spec["graph"] = {"regions": {"under": {"kind": "box", "min": [-0.2, -0.2, 0.0], "max": [0.2, 0.2, 0.15]}}}
+    spec["graph"] = {"regions": {
+        "under": {"kind": "box", "min": [-0.2, -0.2, 0.0], "max": [0.2, 0.2, 0.15]},
+        "among": {"kind": "box", "role": "between the posts", "min": [-0.232, -0.232, 0.0], "max": [0.232, 0.232, 0.33]},
+    }}  # fmt: skip
     spec["story"] = {
         "semantics": "a sheet that is hung up gives way under water until its tension carries it",
         "beats": {

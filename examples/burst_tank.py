@@ -126,7 +126,7 @@ def flood_spec(spacing: float, engine: str = "dfsph", seconds: float = 2.5) -> d
             "semantics": "A dam break in a model street; the crates stand free on its floor.",
             "beats": {
                 "lifts": beat("the gate is lifted", "lift", "gate", [4, 30],
-                              {"kind": "rises", "entity": "gate", "min": 0.3}),
+                              {"kind": "rises", "entity": "gate", "min": 0.15}),
                 "bursts": beat("water bursts out", "water", "water", [6, 36],
                                {"kind": "and", "of": [through, {"kind": "liquid_speed", "entity": "water", "measure": "largest", "min": 2.0}]}, "lifts"),
                 "floods": beat("the far half of the street is flooded", "water", "water", [10, last],

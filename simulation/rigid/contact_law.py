@@ -33,6 +33,7 @@ from .crumbling import scale_rows
 from .impact_friction import stop_slides
 from .impact_sequence import Blow, ImpactSequence
 from .impacts import Impact, calm
+from .pair_values import PairValues
 from .sides import sides_of
 from .stiction import Stiction
 
@@ -122,25 +123,16 @@ class ContactLaw:
         self._found = False
         self._impact: Impact | None = None
         self._needed = np.zeros(model.nv)
-        self.count = int(colliders.max(initial=0)) + 1
         # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
         self._passes = 0 if model.nflex else SLIP_PASSES
         self._sequence = None if model.nflex or kin is not None else ImpactSequence(model)
         self.blow: Blow | None = None
         self._points = ContactPoints(model)
-        table = sorted((min(p) * self.count + max(p), e) for p, e in pairs.items())
-        self._keys = np.array([k for k, _ in table], dtype=np.int64)
-        self._values = np.array([e for _, e in table])
+        self._pairs = PairValues(colliders, pairs)
 
     def restitution_of(self, geoms: Any) -> F64:
         """Restitution of contacts between geoms, shape (n, 2) -> (n,): the smaller one, or the pair's own."""
-        value = self.restitution[geoms].min(axis=1)
-        if len(self._keys):
-            sides = self.colliders[geoms]
-            key = sides.min(axis=1) * self.count + sides.max(axis=1)
-            place = np.minimum(np.searchsorted(self._keys, key), len(self._keys) - 1)
-            value = np.where(self._keys[place] == key, self._values[place], value)
-        return np.asarray(value)
+        return self._pairs.over(self.restitution[geoms].min(axis=1), geoms)
 
     def apply(self, data: Any, dt: float, slowest: float) -> None:
         """Write the reference accelerations of this step's contacts.

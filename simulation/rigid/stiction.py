@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...worlds.arrays import F64
+from .pair_values import PairValues
 
 __all__ = ["SLIPS", "Stiction"]
 
@@ -30,21 +31,11 @@ class Stiction:
     """
 
     def __init__(self, kinetic: F64, colliders: Any, pairs: Mapping[tuple[int, int], float]) -> None:
-        self._kinetic, self._colliders = kinetic, colliders
-        self._count = int(colliders.max(initial=0)) + 1
-        table = sorted((min(p) * self._count + max(p), mu) for p, mu in pairs.items())
-        self._keys = np.array([k for k, _ in table], dtype=np.int64)
-        self._values = np.array([mu for _, mu in table])
+        self._kinetic, self._pairs = kinetic, PairValues(colliders, pairs)
 
     def kinetic_of(self, sides: Any) -> F64:
         """Coefficient of motion of contacts between sides, shape (n, 2) -> (n,): the larger one, or the pair's own."""
-        value = self._kinetic[sides].max(axis=1)
-        if len(self._keys):
-            of = self._colliders[sides]
-            key = of.min(axis=1) * self._count + of.max(axis=1)
-            place = np.minimum(np.searchsorted(self._keys, key), len(self._keys) - 1)
-            value = np.where(self._keys[place] == key, self._values[place], value)
-        return np.asarray(value)
+        return self._pairs.over(self._kinetic[sides].max(axis=1), sides)
 
     def apply(self, data: Any, sides: Any) -> None:
         """Give contacts that slip their coefficient of motion.

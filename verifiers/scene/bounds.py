@@ -21,6 +21,8 @@ HIDDEN_DEPTH = 0.01
 """[1] Own choice: share of its own diagonal by which a part must stand out to be seen; faces in one plane hide each other."""
 HIDDEN_TRIANGLES = 500
 """[1] Own choice: largest triangles of a part that are looked at."""
+FACES_TOLD = 200
+"""[1] Own choice: faces of a mesh that a correction writes out at most; more are no message to an agent."""
 DENSER = 2.0
 """[1] Own choice: what lies in a closed cavity is told of where it is so many times as dense as what can be seen: a shelf in a cupboard
 makes nothing heavier than solid wood, a lump of iron does."""

@@ -8,21 +8,22 @@ from __future__ import annotations
 
 import hashlib
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ...geometry.inside import contains
+from ...geometry.solids import Solid
 from ...worlds.arrays import F64, cross
+from ...worlds.built import TriangleMesh
 from ...worlds.spec import Mesh, RigidPhysics
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
-from .bounds import DENSER, HIDDEN_DEPTH, HIDDEN_MASS, HIDDEN_SURFACE, HIDDEN_TRIANGLES, SHEET
+from .bounds import DENSER, FACES_TOLD, HIDDEN_DEPTH, HIDDEN_MASS, HIDDEN_SURFACE, HIDDEN_TRIANGLES, SHEET
 from .enclosed import nested, shut_in
 from .surfaces import surfaces_of
 
 if TYPE_CHECKING:
-    from ...geometry.solids import Solid
     from ...worlds.built import BuiltPart
     from ...worlds.candidate import Candidate
 
@@ -177,6 +178,9 @@ def hidden_finding(candidate: Candidate, name: str) -> Finding:
     if told is not None:
         text += f"; its role says that it is {told.group(0).lower()}"
     places = [pointer("entities", name, "parts", w.part.part) for w in hidden if not w.lump]
+    meshes = [w.part.part for w in hidden if w.lump]
+    patch: list[dict[str, Any]] = [{"op": "remove", "path": place} for place in places]
+    patch += [edit for part in dict.fromkeys(meshes) for edit in _without_lumps(candidate, name, part)]
     return Finding(
         "fail" if heavy else "pass",
         text,
@@ -186,16 +190,30 @@ def hidden_finding(candidate: Candidate, name: str) -> Finding:
             correction(
                 "a part that no camera sees makes the body heavier than it looks",
                 "mass",
-                f"Drop the hidden part of {name!r}, or choose a material that weighs what the body should; where it is meant to be weighted, "
+                f"Drop the hidden part of {name!r} (of a mesh: the faces of its inner lump), or choose a material that weighs what the body should; where it is meant to be weighted, "
                 "say `weighted` in its role, with a weakening_reason; both are printed.",
                 pointers=(*places, pointer("entities", name, "role")),
-                patch=tuple({"op": "remove", "path": place} for place in places),
+                patch=tuple(patch),
             ),
         ),
         evidence={"hidden": {w.name: w.mass for w in hidden}, "hidden_kg": inside, "seen_kg": seen},
         frames=(0, 0),
         extra=candidate.spec.entities[name].role,
     )
+
+
+def _without_lumps(candidate: Candidate, name: str, part: str) -> list[dict[str, Any]]:
+    """Edit that leaves the lumps inside another lump of a part's mesh out of its faces; none where the faces that stay are too many for a message."""
+    shape = candidate.spec.entities[name].parts[part].shape
+    assert isinstance(shape, Mesh)
+    vertices, faces = np.asarray(shape.vertices, dtype=np.float64), np.asarray(shape.faces, dtype=np.int64)
+    inner = nested(Solid.from_mesh(TriangleMesh(vertices, faces.astype(np.int32)), closed=True))
+    gone = {tuple(v) for s in inner for v in s.vertices[np.unique(s.faces)].tolist()}
+    inside = np.array([tuple(v) in gone for v in vertices.tolist()])
+    kept = faces[~inside[faces].all(axis=1)]
+    if not inner or not 4 <= len(kept) <= FACES_TOLD:
+        return []
+    return [{"op": "replace", "path": pointer("entities", name, "parts", part, "shape", "faces"), "value": kept.tolist()}]
 
 
 def hidden_lines(candidate: Candidate) -> list[dict[str, str]]:

@@ -4,8 +4,8 @@ The log tells the impacts one after another: when, between whom, along which nor
 before, masses and these impulses alone follow the speeds before and after each. `rebounds` asks that a ball leaves
 every impact with the declared share of its closing speed, no less and no more; no more where it meets several things at
 once, for friction at one of them takes part in what another gives back. The log is held against the motion: what it leaves of a frame's change
-of momentum along a normal is the doubt of that impact, normals of two balls lie along the line of their centres, and a contact that begins at
-speed has an impact.
+of momentum along a normal is the doubt of that impact, or the friction of all else that the balls touch, if that is more (it may turn round within
+the frame); normals of two balls lie along the line of their centres, and a contact that begins at speed has an impact.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
-from ...ledgers.balance import Books
+from ...ledgers.balance import Books, frictions
 from ...rows.findings import Finding
 from .bounces import ball_radius, declared_restitution
 from .bounds import ASKEW, BOUNCE, DECIDED, SLOW_BOUNCE, UNTOLD
@@ -141,7 +141,8 @@ def _frame(books: Books, k: int) -> list[_Rebound]:
             found.append((rebound, sides[i], log["impact/normal"][i]))
     balls.fly(float(books.times[k]))
     left = books.velocities[k] - balls.speed
-    judged = (_weighed(*one, left) for one in found)
+    rubbed = _rubbed(books, k, log) if found else np.zeros(0)
+    judged = (_weighed(*one, left, rubbed) for one in found)
     return [r for r in judged if r is not None] + _untold(books, k, log)
 
 
@@ -158,12 +159,27 @@ def _straight(balls: _Balls, sides: tuple[_Side, _Side], normal: F64) -> bool:
     return bool(normal @ line > ASKEW * np.linalg.norm(line))
 
 
-def _weighed(rebound: _Rebound, sides: tuple[_Side, _Side], normal: F64, left: F64) -> _Rebound | None:
-    """The impact with its deviation; None where too much else acted along its normal: the change of velocity that the log leaves, `left` [m/s].
+def _rubbed(books: Books, k: int, log: dict[str, NDArray[Any]]) -> F64:
+    """Most speed that friction outside the impacts of the interval that ends at frame k can have given each entity [m/s], shape (E,)."""
+    names, result = books.cache.index.colliders, np.zeros(len(books.entities))
+    impacts: dict[tuple[int, ...], float] = {}
+    for pair, given in zip(map(tuple, log["impact/pair"].tolist()), _along(log), strict=True):
+        impacts[pair] = impacts.get(pair, 0.0) + given
+    found = books.cache.ragged("contact/pair", "contact/impulse")[k]
+    rough = frictions(books.candidate, names)[1]
+    for (a, b), impulse in zip(found["contact/pair"].tolist(), found["contact/impulse"].tolist(), strict=True):
+        friction = rough[a, b] * max(impulse - impacts.get((a, b), 0.0), 0.0)
+        for row in {books.row[names[c]] for c in (a, b) if names[c] in books.row and a != b}:
+            result[row] += friction / books.mass[row]
+    return result
 
-    That may have been before the impact or after it.
+
+def _weighed(rebound: _Rebound, sides: tuple[_Side, _Side], normal: F64, left: F64, rubbed: F64) -> _Rebound | None:
+    """The impact with its deviation; None where too much else acted along its normal.
+
+    That is the change of velocity that the log leaves, `left` [m/s], or what friction can have given, `rubbed` [m/s], before the impact or after it.
     """
-    doubt = sum(abs(float(normal @ left[s.row])) for s in sides if s.row >= 0)
+    doubt = sum(max(abs(float(normal @ left[s.row])), float(rubbed[s.row])) for s in sides if s.row >= 0)
     if rebound.deviation == UNTOLD:
         return rebound
     if doubt > DECIDED * rebound.closing:
@@ -175,24 +191,17 @@ def _weighed(rebound: _Rebound, sides: tuple[_Side, _Side], normal: F64, left: F
 
 
 def _untold(books: Books, k: int, log: dict[str, NDArray[Any]]) -> list[_Rebound]:
-    """Contacts of balls that begin in the frame at speed, or push in one step as only an impact does, and of which no impact is told."""
+    """Contacts of balls that begin in the frame at speed, or push as only an impact does, and of which no impact is told."""
     events, names = books.ragged("event/pair", "event/speed")[k], books.cache.index.colliders
-    pairs, slowest = [tuple(p) for p in log["impact/pair"].tolist()], _slowest(books)
+    pairs, slowest = {tuple(p) for p in log["impact/pair"].tolist()}, _slowest(books)
     suspects = {
         (a, b): speed
         for (a, b), speed in zip(events["event/pair"].tolist(), events["event/speed"].tolist(), strict=True)
-        if speed >= slowest and (a, b) not in set(pairs)
+        if speed >= slowest and (a, b) not in pairs
     }
     if pairs:
-        struck, step = {c for p in pairs for c in p if names[c] in books.row}, float(books.record("step")[k])
-        told: dict[tuple[int, ...], dict[float, float]] = {}
-        for pair, time, given in zip(pairs, log["impact/time"].tolist(), _along(log), strict=True):
-            steps = told.setdefault(pair, {})
-            steps[time] = steps.get(time, 0.0) + given
-        forces = books.cache.ragged("contact/pair", "contact/max_force")[k]
-        for (a, b), force in zip(forces["contact/pair"].tolist(), forces["contact/max_force"].tolist(), strict=True):
-            light = sum(1.0 / books.mass[books.row[names[c]]] for c in (a, b) if names[c] in books.row)
-            speed = light * (force * step - max(told.get((a, b), {0.0: 0.0}).values()))
+        struck = {c for p in pairs for c in p if names[c] in books.row}
+        for (a, b), speed in _pushes(books, k, log).items():
             if {a, b} & struck and speed > slowest:
                 suspects.setdefault((a, b), speed)
     found = []
@@ -202,6 +211,50 @@ def _untold(books: Books, k: int, log: dict[str, NDArray[Any]]) -> list[_Rebound
             declared = declared_restitution(books, names[a], names[b])
             found.append(_Rebound(k, (names[a], names[b]), speed, np.nan, declared, alone=True, deviation=UNTOLD))
     return found
+
+
+def _pushes(books: Books, k: int, log: dict[str, NDArray[Any]]) -> dict[tuple[int, int], float]:
+    """Speed that each pair of colliders gave each other as only an impact does, beside the impacts told [m/s].
+
+    By the largest force of a step; and by all that the pair gave in the frame, less what can have pressed balls that touch together: what
+    anything else gives them.
+    """
+    names, step = books.cache.index.colliders, float(books.record("step")[k])
+    told: dict[tuple[int, ...], dict[float, float]] = {}
+    for pair, time, given in zip(map(tuple, log["impact/pair"].tolist()), log["impact/time"].tolist(), _along(log), strict=True):
+        steps = told.setdefault(pair, {})
+        steps[time] = steps.get(time, 0.0) + given
+    found = books.cache.ragged("contact/pair", "contact/impulse", "contact/max_force")[k]
+    pressed, result = _pressed(books, k, found), {}
+    for i, ((a, b), impulse, force) in enumerate(
+        zip(found["contact/pair"].tolist(), found["contact/impulse"].tolist(), found["contact/max_force"].tolist(), strict=True)
+    ):
+        light = sum(1.0 / books.mass[books.row[names[c]]] for c in (a, b) if names[c] in books.row)
+        steps = told.get((a, b), {0.0: 0.0})
+        in_a_step, in_all = force * step - max(steps.values()), impulse - sum(steps.values()) - float(pressed[i])
+        result[a, b] = light * max(in_a_step, in_all)
+    return result
+
+
+def _pressed(books: Books, k: int, found: dict[str, NDArray[Any]]) -> F64:
+    """Most that anything but balls can press into the set of touching balls that each contact of a frame belongs to [N s], shape (n,)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    names, pair, count = books.cache.index.colliders, found["contact/pair"], len(books.cache.index.colliders)
+    is_ball = np.zeros(count, dtype=bool)
+    for c in np.unique(pair).tolist():
+        side = _side(books, k, c)
+        is_ball[c] = side.row >= 0 and side.known
+    both = is_ball[pair].all(axis=1)
+    graph = coo_array((np.ones(both.sum()), (pair[both, 0], pair[both, 1])), shape=(count, count))
+    group = connected_components(graph, directed=False)[1]
+    rough = frictions(books.candidate, names)[1][pair[:, 0], pair[:, 1]]
+    outside = np.where(both, 0.0, found["contact/impulse"] * (1.0 + rough))
+    given = np.zeros(count)
+    for side in (0, 1):
+        np.add.at(given, group[pair[:, side]], np.where(is_ball[pair[:, side]], outside, 0.0))
+    return np.where(both, given[group[pair[:, 0]]], np.inf)
 
 
 def _along(log: dict[str, NDArray[Any]]) -> list[float]:

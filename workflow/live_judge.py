@@ -116,10 +116,13 @@ def _watch(root: Path, pipe: Connection) -> None:
 def judge_begun(candidate: Candidate, unmoved: frozenset[str], say: Callable[[Sequence[Row]], None]) -> None:
     """Judge the frames so far by one check after the other; `say` takes the mandatory rows that each finds failing.
 
-    Rows about entities of `unmoved`, which no instance has moved yet, are not decided.
+    Rows about entities of `unmoved`, which no instance has moved yet, are not decided. Frame 0 alone decides nothing: what holds a body
+    there is read from the impulses of the interval that ends at frame 1.
     """
     from ..verifiers.checks import run_checks
 
+    if candidate.last_frame < 1:
+        return
     for check in DECISIVE:
         rows = run_checks(candidate, only=(check,), reruns=False, plates=False)
         say([r for r in rows if r.mandatory and r.status == "fail" and not unmoved & {*r.entities}])

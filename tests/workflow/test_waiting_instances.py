@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from worldagent.construction.build import build_entity
 from worldagent.simulation.schedule import run_frames
+from worldagent.testing.worlds.simulated_worlds import simulate
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.verifiers.story.phases import check
 from worldagent.workflow.live_judge import judge_begun
@@ -45,3 +46,16 @@ def test_the_judge_of_a_running_probe_does_not_end_it_for_what_has_not_begun(beg
     found: list[Row] = []
     judge_begun(begun.candidate, begun.unmoved, found.extend)
     assert "probe:phases" not in {row.id for row in found}
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_a_body_afloat_does_not_end_its_probe_at_frame_0(tmp_path: Path, declared: bool) -> None:
+    """What the water bears is read from the interval that ends at frame 1: at frame 0 alone it bears nothing."""
+    document = tank_spec(frames=3, spacing=0.05, crate_at=0.2)
+    if declared:
+        document["graph"]["relations"]["bears"] = {"kind": "supports", "a": "water", "b": "crate", "frames": [0, 2]}
+    whole = simulate(tmp_path, parse_spec({**document, "prompt": PROMPT}))
+    found: list[Row] = []
+    for end in range(3):
+        judge_begun(whole.until(end), frozenset(), found.extend)
+    assert [row.id for row in found if row.check == "support"] == []

@@ -126,7 +126,9 @@ class Gas(GasFields):
         grown = after.room - before.room
         middle = Solids(0.5 * (before.room + after.room), passable(before, after), after.velocity)
         self._fit(middle, before.room, after.room)
-        self.run.upload("gas/growth", (grown / seconds).ravel(), warp().float32)
+        # Gas shut up where nothing is left at the end has nowhere to go: it is counted as crushed.
+        shut = np.append(self.regions.sealed & (self.regions.volume <= 0.0), False)[self.regions.number].reshape(grown.shape)
+        self.run.upload("gas/growth", (np.where(shut, 0.0, grown) / seconds).astype(np.float32).ravel(), warp().float32)
         self._grown = self.regions.sums(grown)
         self._at, self._turned = after, True
 

@@ -187,6 +187,25 @@ def test_a_plate_that_sweeps_through_smoke_keeps_it() -> None:
     assert front > 8.0  # it was at 7.5: the plate has pushed it on
 
 
+def test_a_sealed_sliver_that_solids_close_within_a_step_is_crushed_and_the_rest_stays_at_rest() -> None:
+    """Its gas has nowhere to go: no pressure can be asked for, and air elsewhere does not hear of it."""
+
+    def solids(left: float) -> Solids:
+        room, opening = np.zeros((9, 9, 9), np.float32), np.zeros((9, 9, 9, 3), np.float32)
+        room[3, :8, :8], room[5:8, :8, :8] = left, 1.0
+        opening[3, :8, :8, 1:], opening[5:8, :8, :8], opening[6:9, :8, :8, 0] = 10.0 * left, 1.0, 1.0
+        opening[5, ..., 0] = 0.0
+        return Solids(room, opening, np.zeros((9, 9, 9, 3), np.float32))
+
+    sides = ("closed", "open", *CLOSED[2:])
+    gas = Gas((8,) * 3, 1.0 / 8, sides, GasSettings(expands=True), solids=solids(0.01), moves=True, gravity=(0, 0, 0))
+    report = gas.step(0.01, solids(0.0))
+    assert np.abs(gas.velocity).max() < 1e-3
+    assert report.divergence < 1e-3
+    assert gas.transport.crushed[0] == pytest.approx(0.64, rel=1e-3)
+    assert gas.state[5:] == pytest.approx(0.0, abs=1e-6)
+
+
 def test_solids_that_stand_refuse_to_move() -> None:
     gas = Gas((8,) * 3, 1.0 / 8, CLOSED, GasSettings(), solids=cut(ball(8)))
     with pytest.raises(ValueError, match="moves=True"):

@@ -139,7 +139,8 @@ class Projection:
         run, regions, rows = self.run, self.regions, self.rows
         right = run.read(self.right, rows).astype(np.float64)
         sums = np.bincount(self._region_of_row, right, len(regions.sealed))
-        self.asked = np.where(regions.sealed, sums / np.maximum(regions.volume, 1e-30), 0.0)
+        # Rounding alone would be an endless pressure where nothing is left at the end.
+        self.asked = np.where(regions.sealed & (regions.volume > 0.0), sums / np.maximum(regions.volume, 1e-30), 0.0)
         self._asked = run.upload("gas/asked", self.asked.astype(np.float32), warp().float32)
         run(kernels.shift, rows, [self.element, regions.numbers, self.room, self._asked, self.right])
 

@@ -131,7 +131,8 @@ class Regions:
         made = asked * seconds + grown / np.maximum(self.volume, 1e-30)
         start = self.volume - grown
         squeezed = start / np.maximum(self.volume, np.maximum(LEAST_LEFT * start, 1e-30))
-        self.set(run, np.where(self.sealed & (start > 0.0), self.ratio * (1.0 + HEAT_RATIO * made) * squeezed**HEAT_RATIO, 1.0))
+        shut = self.sealed & (start > 0.0) & (self.volume > 0.0)
+        self.set(run, np.where(shut, self.ratio * (1.0 + HEAT_RATIO * made) * squeezed**HEAT_RATIO, 1.0))
 
     def sums(self, amounts: NDArray[np.float32]) -> F64:
         """(n,) sums of an amount of elements over regions."""

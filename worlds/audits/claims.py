@@ -22,6 +22,7 @@ from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
 from ..problems import Problem
+from ..pronouns import misread_pronouns
 from ..prompts.languages import Held
 from ..prompts.marks import occurrence
 from ..prompts.numbers import number_in, ordinal_in
@@ -86,6 +87,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
     told = [
         *misplaced_roles(spec, reading.spans, reading.language),
         *misplaced_subjects(spec, reading.spans, reading.language),
+        *misread_pronouns(spec, reading.spans, reading.language),
     ]
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
     for readers in (misnamed_rows, hedged_events, miscounted, contradicted_words):

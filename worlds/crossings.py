@@ -1,4 +1,4 @@
-"""What an event of crossing is told to cross: the thing right behind its verb (R131, R155).
+"""The thing that an event of crossing is told to cross: that right behind its verb (R131, R155).
 
 `A cart crosses the bridge`: from one side of the bridge to the other, over it. A plane in space, which the predicate `crosses` asks for, may stand
 anywhere; the thing that is named does not. The rule that measures it: `verifiers/claims/crossings.py`. Open ground has no sides that one
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 
 __all__ = ["crossed_by", "crossing_warnings"]
 
+
+def _listed(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
 VERBS: Mapping[str, str] = {
     "en": r"cross(?:es|ed|ing)?|travers(?:es?|ed|ing)",
     "de": r"überquer(?:t|en|te|ten)|kreuz(?:t|en)",
@@ -37,11 +42,11 @@ VERBS: Mapping[str, str] = {
     "ja": r"横切|渡",
 }
 """Verbs of crossing. Reviewed by hand; what passes, enters or leaves something needs no other side."""
-OPEN = frozenset(
-    "floor ground earth room hall kitchen yard courtyard field meadow lawn grass plain desert sand snow ice sea ocean sky air scene screen picture frame image stage "
+OPEN = _listed(
+    "floor ground earth room hall kitchen yard courtyard field meadow lawn grass plain desert sand snow ice sea ocean sky air scene screen picture frame image stage park lot playground square valley "
     "boden fußboden zimmer raum halle hof feld wiese rasen ebene wüste meer himmel bild bühne sol plancher pièce salle cour champ pré désert mer ciel suelo piso sala habitación "
     "patio campo prado desierto mar cielo pavimento stanza cortile prato deserto mare cielo chão quarto campo gramado deserto vloer grond kamer zaal veld weide woestijn zee "
-    "пол земля земле земля комнату двор поле пустыню море небо 地板 地面 房间 床 部屋".split()
+    "пол земля земле земля комнату двор поле пустыню море небо 地板 地面 房间 床 部屋"
 )
 """Nouns of what has no sides that one comes to. Reviewed by hand."""
 

@@ -105,7 +105,9 @@ _PLURAL = regex.compile(r"(?:(?<![su])s|\band \S+|\b(?:people|men|women|children
 _DENIED = regex.compile(r"\b(?:not|never|no longer|nicht|nie|kein\w*|ne|pas|no|non|nunca|mai|não|nao|niet|nooit|не)\s*$|n['’]t\s*$|[不没]$", regex.IGNORECASE)  # fmt: skip
 _SENTENCE = regex.compile(r"[.!?…;。！？；\n]")
 _CLAUSE = regex.compile(r"[.!?…;。！？；\n，,、:：]")
-_JUTS = regex.compile(r"\b(?:edge|rim|brink|side|end|lip|kante|rand|bord|borde|bordo|beira|borda|край|края)\b|边", regex.IGNORECASE)
+_JUTS = regex.compile(
+    r"\b(?:edge|rim|brink|side|end|lip|kante|rand|bord|borde|bordo|beira|borda|край|края)\b|边", regex.IGNORECASE
+)
 """Nouns beside which *hangs* says that something juts out: `hangs over the edge of the table`."""
 _UNSPACED = frozenset(("zh", "ja"))
 _OWN = frozenset(("place", "property", "route", "look"))
@@ -118,14 +120,14 @@ class Posed(NamedTuple):
     pose: Pose
     word: str
     start: int
-    """Where its verb begins in the prompt."""
+    """Place in the prompt at which its verb begins."""
 
 
 def pose_said(spec: WorldSpec, name: str) -> Posed | None:
     """The posture that the words of a claim of place say, or those beside it; None where there is none, or it is denied or judged elsewhere."""
     claim, prompt = spec.claims[name], spec.prompt
     language = language_of(prompt)
-    if claim.type != "place" or claim.waived is not None or language not in VERBS:
+    if claim.type != "place" or claim.waived is not None or language is None or language not in VERBS:
         return None
     span = _span(spec, name)
     if span is None:
@@ -171,7 +173,12 @@ def _is_meant(spec: WorldSpec, verb: tuple[int, int], language: str | None) -> b
     before = _SENTENCE.split(spec.prompt[: verb[0]])[-1]
     if _DENIED.search(before):
         return False
-    if language == "en" and _BARE.fullmatch(spec.prompt[verb[0] : verb[1]]) and before.strip() and not _PLURAL.search(before.rstrip()):
+    if (
+        language == "en"
+        and _BARE.fullmatch(spec.prompt[verb[0] : verb[1]])
+        and before.strip()
+        and not _PLURAL.search(before.rstrip())
+    ):
         return False
     for name, claim in spec.claims.items():
         span = _span(spec, name) if claim.type not in _OWN else None

@@ -1,4 +1,4 @@
-"""Whom `it` and `they` mean before an event, where the words leave no choice, and what is read where they leave one (R131, R155).
+"""Antecedents of `it` and `they` before an event: the only one where the words leave no choice, the one that is read where they do (R131, R155).
 
 English. A pronoun before a verb takes up a thing named before it, as a rule the subject of its own sentence or of the one before (Hobbs, J. R. (1978),
 Resolving pronoun references, Lingua 44, doi:10.1016/0024-3841(78)90006-2: the nearest antecedent of the search from the left is right in nine of ten).
@@ -29,7 +29,9 @@ _HELPERS = (
     r"slowly|quickly|briefly|gently|hardly|almost|nearly|first|again|in turn|in the end|\w+ly"
 )
 _BEFORE = regex.compile(rf"\b(it|they)(?:['’](?:ll|s|d|ve|re))?(?:\s+(?:{_HELPERS}))*\s*$", regex.IGNORECASE)
-_SUBORDINATE = regex.compile(r"\b(?:when|whenever|as|while|if|once|after|before|until|till|because|since|where|although|though|unless)\b", regex.IGNORECASE)
+_SUBORDINATE = regex.compile(
+    r"\b(?:when|whenever|as|while|if|once|after|before|until|till|because|since|where|although|though|unless)\b", regex.IGNORECASE
+)
 
 
 class Antecedents(NamedTuple):
@@ -37,7 +39,7 @@ class Antecedents(NamedTuple):
 
     pronoun: str
     start: int
-    """Where it begins in the prompt."""
+    """Place in the prompt at which it begins."""
     nouns: tuple[tuple[str, frozenset[str]], ...]
     """Words of the nouns of its sentence before it, or of the sentence before that where it has none, each with its bodies; none of an unclaimed noun."""
     earlier: frozenset[str]
@@ -55,7 +57,9 @@ def pronoun_before(prompt: str, start: int) -> tuple[str, int] | None:
 def antecedents_of(spec: WorldSpec, spans: Sequence[Span], pronoun: str, start: int) -> Antecedents:
     """Things that a pronoun at a place of an English prompt may take up."""
     ends = [0, *(m.end() for m in SENTENCE.finditer(spec.prompt, 0, start))]
-    earlier = frozenset(b for s in spans if s.start < start and s.type in ("thing", "count") and s.claim for b in bodies_of(spec, s.claim))
+    earlier = frozenset(
+        b for s in spans if s.start < start and s.type in ("thing", "count") and s.claim for b in bodies_of(spec, s.claim)
+    )
     for k in range(len(ends) - 1, max(len(ends) - 3, -1), -1):
         low, high = ends[k], start if k == len(ends) - 1 else ends[k + 1]
         nouns = tuple(_nouns(spec, spans, low, high))
@@ -117,7 +121,12 @@ def misread_pronouns(spec: WorldSpec, spans: Sequence[Span], language: str | Non
 def _claimed(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[tuple[Span, Antecedents]]:
     """Claims of things whose words are a pronoun, with what it may take up."""
     for span in spans if language == "en" else ():
-        if span.claim is not None and span.type == "thing" and span.text.strip().casefold() in PRONOUNS and spec.claims[span.claim].waived is None:
+        if (
+            span.claim is not None
+            and span.type == "thing"
+            and span.text.strip().casefold() in PRONOUNS
+            and spec.claims[span.claim].waived is None
+        ):
             yield span, antecedents_of(spec, spans, span.text.strip().casefold(), span.start)
 
 

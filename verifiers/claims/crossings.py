@@ -40,7 +40,9 @@ def uncrossed(candidate: Candidate, name: str, beats: Sequence[str]) -> str | No
 def _why(candidate: Candidate, beat: str, bodies: Sequence[str]) -> str | None:
     subject, last = candidate.spec.story.beats[beat].subject, candidate.last_frame
     way = judge_of(candidate.spec, subject).centers(candidate, subject)[: last + 1]
-    shift = np.array([np.mean([candidate.center(n, k) - candidate.center(n, 0) for n in bodies], axis=0) for k in range(last + 1)])
+    shift = np.array(
+        [np.mean([candidate.center(n, k) - candidate.center(n, 0) for n in bodies], axis=0) for k in range(last + 1)]
+    )
     thing, half, most = _corners(candidate, bodies), 0.5 * min(candidate.spec.entities[subject].dimensions.size), 0.0
     for along, across in _ways(candidate, beat, bodies):
         ends, sides = thing @ along, thing @ across
@@ -67,7 +69,9 @@ def _goes(path: F64, side: F64, ends: Sequence[float], slack: float, width: tupl
     """
     before = path <= ends[0] + slack
     for end in np.flatnonzero(path >= ends[1] - slack):
-        if before[:end].any() and _over(path, side, int(np.flatnonzero(before[:end])[-1]), int(end), 0.5 * (ends[0] + ends[1]), width):
+        if before[:end].any() and _over(
+            path, side, int(np.flatnonzero(before[:end])[-1]), int(end), 0.5 * (ends[0] + ends[1]), width
+        ):
             return True
     return False
 

@@ -22,10 +22,10 @@ from ..predicates.events import EVENT_KINDS, event_atoms
 from ..predicates.ordering import orderings_of
 from ..predicates.registry import is_invariant
 from ..problems import Problem
-from ..pronouns import misread_pronouns
 from ..prompts.languages import Held
 from ..prompts.marks import occurrence
 from ..prompts.numbers import number_in, ordinal_in
+from ..pronouns import misread_pronouns
 from ..references import kinds_of, resolves
 from ..roles import SENTENCE, misplaced_roles
 from ..row_words import misnamed_rows

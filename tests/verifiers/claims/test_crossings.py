@@ -1,4 +1,4 @@
-"""What crosses a thing goes from one of its sides to the other, over it; a plane that is passed somewhere is not enough (R131, R155)."""
+"""A body that crosses a thing goes from one of its sides to the other, over it; a plane that is passed somewhere is not enough (R131, R155)."""
 
 from __future__ import annotations
 
@@ -39,7 +39,9 @@ def claims(noun: str, verb: str = "crosses", more: Any = None) -> dict[str, Any]
     }
 
 
-def judged(folder: Path, thing: Entity, noun: str, x: float, *, normal: float = 1.0, prompt: str = PROMPT, verb: str = "crosses") -> Any:
+def judged(
+    folder: Path, thing: Entity, noun: str, x: float, *, normal: float = 1.0, prompt: str = PROMPT, verb: str = "crosses"
+) -> Any:
     plane = {"kind": "crosses", "entity": "ball", "point": [x, 0, 0], "normal": [normal, 0, 0]}
     found = rows(folder, scene(thing), claims(noun, verb), beats={"cross": ("ball", plane)}, prompt=prompt.format(noun))
     return found["cross"]
@@ -59,7 +61,9 @@ def judged(folder: Path, thing: Entity, noun: str, x: float, *, normal: float = 
         (LONG, "floor", 0.3, "pass"),
     ],
 )
-def test_the_named_thing_is_crossed_and_not_a_plane_alone(thing: Entity, noun: str, x: float, status: str, tmp_path: Path) -> None:
+def test_the_named_thing_is_crossed_and_not_a_plane_alone(
+    thing: Entity, noun: str, x: float, status: str, tmp_path: Path
+) -> None:
     row = judged(tmp_path, thing, noun, x)
     assert row.status == status, row.evidence
     assert status == "pass" or "from one side of thing to the other" in row.evidence["explanation"]
@@ -72,7 +76,9 @@ def test_a_preposition_or_another_verb_asks_for_no_other_side(tmp_path: Path) ->
 
 def test_another_language_is_measured_too(tmp_path: Path) -> None:
     for name, thing, status in (("a", LINE, "pass"), ("b", FAR, "fail")):
-        row = judged(tmp_path / name, thing, "Linie", 0.1, prompt="Ein ball überquert die {}, und dann ist er hier.", verb="überquert")
+        row = judged(
+            tmp_path / name, thing, "Linie", 0.1, prompt="Ein ball überquert die {}, und dann ist er hier.", verb="überquert"
+        )
         assert row.status == status, row.evidence
 
 
@@ -81,5 +87,7 @@ def test_a_plane_beside_no_thing_is_the_agents_reading(tmp_path: Path) -> None:
 
     plane = {"kind": "crosses", "entity": "ball", "point": [0.5, 0, 0], "normal": [1, 0, 0]}
     for noun, told in (("line", False), ("floor", True)):
-        made = candidate_of(tmp_path / noun, scene(LINE), claims(noun), beats={"cross": ("ball", plane)}, prompt=PROMPT.format(noun))
+        made = candidate_of(
+            tmp_path / noun, scene(LINE), claims(noun), beats={"cross": ("ball", plane)}, prompt=PROMPT.format(noun)
+        )
         assert any("where the plane stands is the agent's reading" in w for w in reading_of(made.spec).warnings) is told

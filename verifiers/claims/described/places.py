@@ -60,7 +60,7 @@ ENTAILED: dict[str, tuple[type, ...]] = {
 }
 """Kinds of relation that may stand for a word."""
 ON_AS: Mapping[str, Callable[[Place, str], bool]] = {"lean": against, "hang": touching}
-"""What *on* says beside a posture: a ladder leans on its wall, and a picture hangs on it, whatever bears them."""
+"""Rules of *on* beside a posture: a ladder leans on its wall, and a picture hangs on it, whatever bears them."""
 MUTUAL = (Adjacent, Interacts, Fastened)
 """Kinds of relation whose ends say nothing of who is where: the sentence does."""
 DOWNWARD = frozenset(("under",))
@@ -100,7 +100,7 @@ def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
             "not_applicable", f"{quote!r} names land alone; rows of `terrain` and of the thing judge what was built and is seen"
         )
     if any(not a.ok for a in answers) and _misnamed(spec, name, grounds):
-        pointers, action = [f"/claims/{name}/by"], _naming(spec, name, words[0])
+        pointers, action = [f"/claims/{name}/by"], _naming(spec, name, (words or posed)[0])
     return finding_of(quote, answers, group="placement", action=action, pointers=pointers, entities=grounds)
 
 
@@ -111,7 +111,9 @@ def _postures(
     spec = candidate.spec
     if not relations and not regions and any(w.term in TESTS for w in words):
         return []
-    things = things_of(spec, name, grounds)
+    posed = pose_said(spec, name)
+    # What stands in a row is what the place names; what hangs from a beam is not the beam.
+    things = things_of(spec, name, grounds if posed is not None and posed.pose in ("hang", "lean") else ())
     if relations:
         ends = [(r.a, r.b) for r in map(spec.graph.relations.__getitem__, relations)]
         behind = _behind(spec, name)
@@ -232,11 +234,17 @@ def _first(candidate: Candidate, name: str, word: Word, things: list[str], groun
             elif rest is not None and not still_at(candidate, thing, grounds, frame):
                 passing.append(f"{is_there} and not at rest there")
             else:
-                return Answer(word.text, True, is_there if posed is None else f"{is_there} and {SAYS[posed.pose]} there", 1.0, 1.0)
+                return Answer(
+                    word.text, True, is_there if posed is None else f"{is_there} and {SAYS[posed.pose]} there", 1.0, 1.0
+                )
     text = f"none of {', '.join(things[:4]) or 'no thing of the sentence'} is {where} at frames {', '.join(map(str, frames))}"
     told = "comes to rest" if rest == "comes" else SAYS[posed.pose] if posed is not None else "lies" if rest else ""
     return Answer(
-        word.text, False, (passing[0] if passing else text) + (f"; the prompt says that it {told} there" if told else ""), 0.0, 1.0
+        word.text,
+        False,
+        (passing[0] if passing else text) + (f"; the prompt says that it {told} there" if told else ""),
+        0.0,
+        1.0,
     )
 
 

@@ -26,7 +26,7 @@ LOOKS = 9
 OPENS = 4
 """Own choice: frames of the first quarter of a second that are looked at where the prompt begins with a posture."""
 SAYS = {"stand": "stands", "sit": "sits", "hang": "hangs", "lean": "leans", "lie": "lies"}
-"""How a posture is told."""
+"""Verbs by which a posture is told."""
 
 
 def posed_things(spec: WorldSpec, posed: Posed | None, things: Sequence[str]) -> list[str]:
@@ -56,7 +56,7 @@ def pose_answers(candidate: Candidate, name: str, things: Sequence[str], grounds
         grounds: bodies of the place, as seen from which it is at rest.
     """
     posed = pose_said(candidate.spec, name)
-    about = posed_things(candidate.spec, posed, [t for t in things if t not in grounds])
+    about = posed_things(candidate.spec, posed, things)
     if posed is None or not about or not all(is_measured(candidate, t) for t in about):
         return []
     why: list[str] = []

@@ -37,7 +37,6 @@ from .rests import still_at
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ....worlds.arrays import F64
     from ....worlds.candidate import Candidate
     from ....worlds.poses import Pose
     from .placed import Place
@@ -67,7 +66,7 @@ def why_not(place: Place, pose: Pose, thing: str) -> str | None:
 
 
 class _Held:
-    """What bears a thing at a frame: bodies from below its centre of mass, and what holds it above that or from the side."""
+    """Bearers of a thing at a frame: bodies from below its centre of mass, and what holds it above that or from the side."""
 
     def __init__(self, place: Place, thing: str) -> None:
         self.place, self.thing, self.candidate = place, thing, place.candidate
@@ -110,7 +109,7 @@ class _Held:
                     yield key, float(self.place.box(other)[1, 2])
 
     def _end(self, name: str) -> tuple[float, float, float] | None:
-        """Where a joint or rope holds the thing, in the world as specified [m]; None of a pin."""
+        """Point at which a joint or rope holds the thing, in the world as specified [m]; None of a pin."""
         spec = self.candidate.spec
         joint = spec.simulation.joints.get(name)
         if isinstance(joint, SpringJoint):
@@ -160,7 +159,7 @@ class _Held:
             return None
 
     def from_below(self) -> float | None:
-        """The same of those below it alone."""
+        """Share of its weight that those below it alone bear."""
         if self.share() is None:
             return None
         course, total = course_of(self.candidate, self.thing), 0.0
@@ -215,7 +214,7 @@ def _moves(place: Place, thing: str, held: _Held) -> str | None:
     """Why it is not at rest; None where it is."""
     extent = float(np.linalg.norm(np.ptp(place.box(thing), axis=0)))
     most = max(float(RestsOn.model_fields["max_speed"].default), PACE * extent)
-    seen = dict.fromkeys([*place.grounds, *(n for n in held.below if n in place.candidate.solids)])
+    seen = dict.fromkeys([*(g for g in place.grounds if g != thing), *(n for n in held.below if n in place.candidate.solids)])
     if not seen or still_at(place.candidate, thing, list(seen), place.frame, most=most):
         return None
     return f"it is not at rest: its centre moves faster than {most:.3g} m/s, as seen from {', '.join(seen)}"

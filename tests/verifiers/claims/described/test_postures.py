@@ -1,4 +1,4 @@
-"""What stands, sits, hangs, leans or lies somewhere has that posture there, at the frames that the words speak of (R131, R155)."""
+"""A body that stands, sits, hangs, leans or lies somewhere has that posture there, at the frames that the words speak of (R131, R155)."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from worldagent.testing.defects._films import film_of
 from worldagent.testing.worlds.claimed_worlds import claimed
-from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, entity, ground, make_candidate, world
+from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
 from worldagent.verifiers.claims.described.check import check
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import BallJoint, CameraKey, Cylinder, Entity, Shot, Supports, WorldSpec
+from worldagent.worlds.spec import BallJoint, CameraKey, Entity, Shot, Supports, WorldSpec
 
 N = 25
 HIGH = 0.3
@@ -57,10 +57,15 @@ SOUND: dict[str, tuple[str, str, dict[str, Any]]] = {
     "stands": ("A vase stands on the table.", "on", {"vase": thing(ON_TABLE), "table": TABLE}),
     "stands, in the claim's words": ("A vase stands on the table.", "stands on", {"vase": thing(ON_TABLE), "table": TABLE}),
     "stands, modelled lying": (
-        "A vase stands on the table.", "on",
+        "A vase stands on the table.",
+        "on",
         {"vase": box(HIGH, 0.1, 0.1, motion="dynamic", at=ON_TABLE, euler=LAID), "table": TABLE},
     ),
-    "stands, of a wide body": ("A bench stands on the table.", "on", {"bench": box(0.9, 0.3, 0.2, motion="dynamic", at=(0, 0, 0.6)), "table": TABLE}),
+    "stands, of a wide body": (
+        "A bench stands on the table.",
+        "on",
+        {"bench": box(0.9, 0.3, 0.2, motion="dynamic", at=(0, 0, 0.6)), "table": TABLE},
+    ),
     "stands beside": ("A vase stands beside the table.", "beside", {"vase": thing((0.6, 0, HIGH / 2)), "table": TABLE}),
     "stehen": ("Eine vase steht auf dem table.", "auf", {"vase": thing(ON_TABLE), "table": TABLE}),
     "fronted": ("Auf dem table steht eine vase.", "Auf", {"vase": thing(ON_TABLE), "table": TABLE}),
@@ -69,10 +74,19 @@ SOUND: dict[str, tuple[str, str, dict[str, Any]]] = {
     "hangs, glued": ("A vase hangs from the beam.", "hangs from", {"vase": thing(UNDER_BEAM, motion="static"), "beam": BEAM}),
     "hangs on a wall": ("A vase hangs on the wall.", "on", {"vase": thing((0, 0.45, 1.5), motion="static"), "wall": WALL}),
     "hangs on a wall, on a nail": (
-        "A vase hangs on the wall.", "on",
-        {"vase": thing((0, 0.45, 1.5), motion="static"), "wall": WALL, "nail": box(0.02, 0.02, 0.02, at=(0, 0.45, 1.5 - HIGH / 2 - 0.01))},
+        "A vase hangs on the wall.",
+        "on",
+        {
+            "vase": thing((0, 0.45, 1.5), motion="static"),
+            "wall": WALL,
+            "nail": box(0.02, 0.02, 0.02, at=(0, 0.45, 1.5 - HIGH / 2 - 0.01)),
+        },
     ),
-    "juts out": ("A bar hangs over the edge of the table.", "over", {"bar": box(0.8, 0.1, 0.05, motion="dynamic", at=(0.3, 0, 0.525)), "table": TABLE}),
+    "juts out": (
+        "A bar hangs over the edge of the table.",
+        "over",
+        {"bar": box(0.8, 0.1, 0.05, motion="dynamic", at=(0.3, 0, 0.525)), "table": TABLE},
+    ),
     "leans": ("A rod leans against the wall.", "against", {"rod": SLANTED, "wall": WALL_DOWN}),
     "leans on": ("A rod leans on the wall.", "leans on", {"rod": SLANTED, "wall": WALL_DOWN}),
     "lies": ("A bar lies on the table.", "on", {"bar": thing((0, 0, 0.55), LAID), "table": TABLE}),
@@ -150,7 +164,11 @@ def test_an_event_before_may_bring_it_there(tmp_path: Path) -> None:
     made = claimed(
         scene({"vase": thing((-0.4, 0, 1.5)), "table": TABLE}),
         "A vase drops and stands on the table.",
-        {"vase": ("vase", "thing", ["/entities/vase"]), "drop": ("drops", "event", ["/story/beats/drop"]), "it": ("on", "place", ["/entities/table"])},
+        {
+            "vase": ("vase", "thing", ["/entities/vase"]),
+            "drop": ("drops", "event", ["/story/beats/drop"]),
+            "it": ("on", "place", ["/entities/table"]),
+        },
     )
     (row,) = [r for r in check(make_candidate(tmp_path, made, tracks={"vase": COMES})) if r.id == "claim:place:it"]
     assert row.status == "pass", row.evidence
@@ -160,6 +178,23 @@ def test_what_hangs_may_sway(tmp_path: Path) -> None:
     bodies = {"vase": thing(UNDER_BEAM), "beam": BEAM, "joints": PINNED}
     row = row_of(tmp_path, "A vase hangs from the beam.", "hangs from", ["/entities/beam"], tracks={"vase": SWAYS}, **bodies)
     assert row.status == "pass", row.evidence
+
+
+def test_what_stands_in_a_row_is_what_the_place_names(tmp_path: Path) -> None:
+    rolls = moved((0, -2.0, 0.1), (N - 1, 2.0, 0.1))
+    for name, euler, z, status in (("up", (0, 0, 0), HIGH / 2, "pass"), ("laid", LAID, 0.05, "fail")):
+        bodies = {n: thing((x, 1.0, z), euler) for n, x in (("first", 0.0), ("second", 0.5))}
+        made = claimed(
+            scene({**bodies, "ball": ball(0.1, motion="dynamic", at=(-2, 0, 0.1))}),
+            "Two slabs stand in a row, and a ball rolls past.",
+            {
+                "slabs": ("slabs", "thing", ["/entities/first", "/entities/second"]),
+                "ball": ("ball", "thing", ["/entities/ball"]),
+                "it": ("in a row", "place", ["/entities/first", "/entities/second"]),
+            },
+        )
+        (row,) = check(make_candidate(tmp_path / name, made, tracks={"ball": rolls}))
+        assert row.status == status, row.evidence
 
 
 def test_a_relation_says_where_and_not_how(tmp_path: Path) -> None:

@@ -57,6 +57,8 @@ def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | N
         told = _told(spec, span.claim)
         said = pronoun_before(spec.prompt, span.start)
         found = antecedents_of(spec, spans, *said) if said is not None else None
+        if found is not None and not found.sure and told & found.earlier:
+            continue  # which of them it means is the agent's reading
         subject = _subject(spec, spans, index) or (_taken_up(found) if found is not None else frozenset())
         if not told or not subject or told & subject or not _solid(spec, told | subject):
             continue
@@ -69,17 +71,12 @@ def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | N
         quote = spec.claims[span.claim].quote
         text = f"{quote!r} is told of {others}, and its words are about {names}: name a beat or requirement about {names}, or what {others} is in the words"
         known = bool(kinds and kinds & known_kinds()) or says_touch(spec.prompt, span)
-        yield Misplaced(span.claim, text, sure=known and (found is None or not found.nouns or _leaves_none(found, told)))
+        yield Misplaced(span.claim, text, sure=known)
 
 
 def _taken_up(found: Antecedents) -> frozenset[str]:
     """Bodies that a pronoun can only mean, of things that the sentence before names."""
     return found.nouns[0][1] if found.sure else frozenset()
-
-
-def _leaves_none(found: Antecedents, told: frozenset[str]) -> bool:
-    """True where a pronoun can mean none of the bodies that an event is told of."""
-    return found.sure or not told & found.earlier
 
 
 def _told(spec: WorldSpec, claim: str) -> frozenset[str]:

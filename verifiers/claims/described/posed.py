@@ -40,7 +40,9 @@ def frames_of(candidate: Candidate, name: str) -> list[int]:
     posed = pose_said(candidate.spec, name)
     if rest_said(candidate.spec, name) == "comes":
         return [candidate.last_frame]
-    if posed is not None and posed.pose != "lie" and not spoken_later(candidate.spec, posed):
+    # What lies somewhere in a prompt that tells of no event may have come there.
+    told = posed is not None and (posed.pose != "lie" or any(c.type == "event" for c in candidate.spec.claims.values()))
+    if posed is not None and told and not spoken_later(candidate.spec, posed):
         last = min(round(OPENING * candidate.spec.simulation.fps), candidate.last_frame)
         return samples((0, last), OPENS)
     return samples((0, candidate.last_frame), LOOKS)

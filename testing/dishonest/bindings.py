@@ -119,7 +119,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
     "posture of another kind": (
         Case("hangs, and stands", DOMINOES, "claim:place:over", "bears it from below",
              marked=DOMINOES.marked.replace("[slab](thing first) [tips over]", "[slab](thing first) that hangs [over](place floor) a [floor](thing floor) [tips over]")),
-        Case("lies, and stands", DOMINOES, "claim:place:beside", "it stands",
+        Case("lies, and stands", DOMINOES, "claim:place:beside", "does not lie there",
              marked=DOMINOES.marked.replace("[slab](thing first) [tips over]", "[slab](thing first) that lies [beside](place second) a [second one](thing second) [tips over]").replace(
                  "[knocks](event knock) a [second one](thing second)", "[knocks](event knock) [it](thing same_as=second_one)")),
         Case("stands, and slides from the start", BLOCKS, "claim:place:on", "not at rest",

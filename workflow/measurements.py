@@ -185,7 +185,7 @@ def measured(
         raise InputError(f"unknown entities {unknown}{hint} the world has {sorted(session.spec.entities)[:30]}")
     first, last = _span(candidate, frames)
     unjudged = session.shown(candidate, last)
-    head = {"source": candidate.artifact, "stage": run_of(candidate), **({"unjudged": unjudged} if unjudged else {})}
+    head: dict[str, Any] = {"source": candidate.artifact, "stage": run_of(candidate), **({"unjudged": unjudged} if unjudged else {})}
     head |= {"run": left} if (left := unfinished(candidate)) else {}
     if frames is not None and frames[1] > last:
         head |= {"warnings": [f"the {run_of(candidate)} run has frames 0..{last}: told is up to there"]}

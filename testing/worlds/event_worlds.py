@@ -25,6 +25,7 @@ from ...worlds.spec import (
 )
 from ...worlds.spec.fields import FieldDriver, WindField
 from ...worlds.vocabulary import SpecModel
+from .cart_worlds import parked, wedged
 from .small_worlds import ball, box, entity, ground, pose, world
 
 __all__ = ["EVENT_WORLDS", "event_world"]
@@ -428,6 +429,8 @@ EVENT_WORLDS: Mapping[str, Callable[[], WorldSpec]] = {
         jam,
         seesaw,
         seesaw_struck,
+        wedged,
+        parked,
     )
 }
 """By name."""

@@ -50,7 +50,7 @@ def test_the_judge_of_a_running_probe_does_not_end_it_for_what_has_not_begun(beg
 
 @pytest.mark.parametrize("declared", [True, False])
 def test_a_body_afloat_does_not_end_its_probe_at_frame_0(tmp_path: Path, declared: bool) -> None:
-    """What the water bears is read from the interval that ends at frame 1: at frame 0 alone it bears nothing."""
+    """The lift is read from the interval that ends at frame 1: at frame 0 alone the water bears nothing."""
     document = tank_spec(frames=3, spacing=0.05, crate_at=0.2)
     if declared:
         document["graph"]["relations"]["bears"] = {"kind": "supports", "a": "water", "b": "crate", "frames": [0, 2]}

@@ -4,6 +4,8 @@ OUTSIDE = 0.002
 """[m] Own choice: how far the centre of mass may seem to stand outside the contact polygon (facets, gap tolerance)."""
 MISSING = 0.01
 """[1] Own choice: share of a body's weight that contact and friction may seem to lack (facets, rounded friction pyramids)."""
+FLATS = 0.1
+"""[1] Own choice: half width of a wheel's flats, of its radius, up to which it counts as round: 32 sides and more."""
 LEVEL_CONTACT = 1e-3
 """[1] Own choice: contact normals this near to the vertical (sine) make a contact of which the polygon decides."""
 SAME_PLACE = 1e-4

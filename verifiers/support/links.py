@@ -17,7 +17,7 @@ from ..scene.bounds import SUPPORT_SLOPE
 if TYPE_CHECKING:
     from ..scene.surfaces import Surfaces
 
-__all__ = ["Link", "links_of"]
+__all__ = ["Link", "links_of", "path_of"]
 
 
 class Link(NamedTuple):
@@ -66,13 +66,13 @@ def _taut(surfaces: Surfaces, joint: SpringJoint) -> NDArray[np.bool_]:
     """At which frames a spring that only pulls is as long as its rest length, less the contact tolerance (S3)."""
     start, end = np.array(joint.parent_point, dtype=np.float64), np.array(joint.child_point, dtype=np.float64)
     rest = float(np.linalg.norm(end - start)) if joint.rest_length is None else joint.rest_length
-    ends = [_path(surfaces, owner, point) for owner, point in ((joint.parent, start), (joint.child, end))]
+    ends = [path_of(surfaces, owner, point) for owner, point in ((joint.parent, start), (joint.child, end))]
     with np.errstate(invalid="ignore", over="ignore"):
         length = np.linalg.norm(ends[1] - ends[0], axis=1)
         return np.asarray(length >= rest - surfaces.candidate.spec.simulation.limits.contact_gap)
 
 
-def _path(surfaces: Surfaces, entity: str | None, point: F64) -> F64:
+def path_of(surfaces: Surfaces, entity: str | None, point: F64) -> F64:
     """Path of a point fixed to an entity's first body [m], shape (frames, 3); `point` is its place in the specification."""
     if entity is None or surfaces.is_static(entity):
         return np.repeat(point[None], surfaces.frames, 0)

@@ -10,6 +10,7 @@ from ..categories.registry import CATEGORIES, shape_of
 from ..drivers import acts_from, since
 from ..errors import EvidenceError
 from ..predicates import atoms_of
+from ..predicates.registry import is_invariant
 from ..problems import Problem
 from ..spec import Beat, PathDriver, WorldSpec
 from .pairs import materials_of
@@ -26,9 +27,12 @@ NARROWEST = 5.0
 
 
 def foreseen(spec: WorldSpec) -> list[Problem]:
-    """Warnings of the categories, then of drivers that no beat owns, bodies that turn in place, subjects too fast for any camera and bounces off what gives none."""
+    """Warnings of the categories, then of drivers that no beat owns, states that are to bring something about, bodies that turn in place, subjects
+    too fast for any camera and bounces off what gives none."""
     found = [p for category in CATEGORIES.values() for p in category.warnings(spec)]
-    return [*found, *_unowned(spec), *turning_in_place(spec), *_too_fast(spec), *_dead_bounces(spec)]
+    return [
+        *found, *_unowned(spec), *_states_as_causes(spec), *turning_in_place(spec), *_too_fast(spec), *_dead_bounces(spec),
+    ]  # fmt: skip
 
 
 def _unowned(spec: WorldSpec) -> Iterator[Problem]:
@@ -48,6 +52,20 @@ def _unowned(spec: WorldSpec) -> Iterator[Problem]:
             f"0 beats are owned by {driver.kind} {name!r}, which acts on {told} {since(spec, name)}; 1 is wanted: causal:untold runs the world "
             f"again without it and fails every beat that does not come then. Give it a beat (owner {name}), or take it away",
         )
+
+
+def _states_as_causes(spec: WorldSpec) -> Iterator[Problem]:
+    """Beats that last from frame 0 on without causes and are named as a cause: where they come true, `beat:vacuous` fails."""
+    beats = spec.story.beats
+    for name, beat in beats.items():
+        effects = [n for n, other in beats.items() if name in other.causes]
+        if effects and not beat.causes and beat.frames[0] == 0 and is_invariant(beat.predicate):
+            yield Problem(
+                f"/story/beats/{name}",
+                f"{name!r} lasts from frame 0 on and has no causes: it is an initial state, which brings nothing about, and {', '.join(effects)} "
+                f"{'names' if len(effects) == 1 else 'name'} it as a cause, so beat:vacuous:{name} fails where it comes true. Take it out of these "
+                f"causes, and name the event that starts them: a release, a push, a body that arrives",
+            )
 
 
 def _dead_bounces(spec: WorldSpec) -> Iterator[Problem]:

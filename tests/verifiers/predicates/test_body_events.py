@@ -45,7 +45,7 @@ TRUE: dict[str, list[tuple[str, ...]]] = {
     "lifts": [("lifted", "hand", "box"), ("toss", "hand", "box"), ("seesaw", "beam", "cube")],
     "lowers": [("lowered", "hand", "box")],
     "throws": [("toss", "hand", "box")],
-    "rests_against": [("lean", "plank", "wall")],
+    "rests_against": [("lean", "plank", "wall"), ("wedged", "cart", "block")],
     "jams": [("jam", "box", "wall")],
 }
 """World, entity and other of each kind where it happens."""
@@ -141,7 +141,15 @@ FALSE: dict[str, list[tuple[str, ...]]] = {
         ("rest", "lower", "box"),
     ],
     # Touches and would stay without it, has it lean on itself, lies on it, moves along it.
-    "rests_against": [("beside", "box", "wall"), ("lean", "wall", "plank"), ("lean", "plank", "floor"), ("rest", "box", "lower")],
+    "rests_against": [
+        ("beside", "box", "wall"),
+        ("lean", "wall", "plank"),
+        ("lean", "plank", "floor"),
+        ("rest", "box", "lower"),
+        ("parked", "cart", "block"),
+        ("wedged", "cart", "ramp"),
+        ("wedged", "cart", "fl"),
+    ],
     # Still and driven by nothing, driven and not held by it, held by friction alone, roles exchanged.
     "jams": [
         ("beside", "box", "wall"),

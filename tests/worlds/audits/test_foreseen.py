@@ -57,6 +57,19 @@ def test_a_driver_that_a_beat_owns_and_still_air_are_not_told() -> None:
     assert audit(changed(("/simulation/drivers/air", AIR))).warnings == ()
 
 
+def test_a_state_from_frame_0_that_is_to_cause_something_is_told_and_one_that_causes_nothing_is_not() -> None:
+    still = {"kind": "speed", "entity": "b1", "max": 0.1, "when": "always"}
+    beat = {"text": "b1 rests", "owner": "rigid", "subject": "b1", "frames": [0, 4], "predicate": still}
+    state = changed(("/story/beats/rests", beat))
+    assert audit(state).warnings == ()
+    cause = apply_patch(state, [{"op": "add", "path": "/story/beats/strike/causes/-", "value": "rests"}])
+    (told,) = audit(cause).warnings
+    assert told.startswith("/story/beats/rests: 'rests' lasts from frame 0 on and has no causes")
+    assert "strike names it as a cause, so beat:vacuous:rests fails" in told
+    caused = apply_patch(cause, [{"op": "replace", "path": "/story/beats/rests/frames", "value": [2, 4]}])
+    assert audit(caused).warnings == ()
+
+
 def test_of_many_warnings_a_reply_shows_the_first_and_how_many_more() -> None:
     many = [(f"/simulation/drivers/p{k}", PUSH) for k in range(MOST_WARNINGS + 3)]
     report = audit(changed(*many))

@@ -252,8 +252,8 @@ def _pressed(books: Books, k: int, found: dict[str, NDArray[Any]]) -> F64:
     rough = frictions(books.candidate, names)[1][pair[:, 0], pair[:, 1]]
     outside = np.where(both, 0.0, found["contact/impulse"] * (1.0 + rough))
     given = np.zeros(count)
-    for side in (0, 1):
-        np.add.at(given, group[pair[:, side]], np.where(is_ball[pair[:, side]], outside, 0.0))
+    for end in (0, 1):
+        np.add.at(given, group[pair[:, end]], np.where(is_ball[pair[:, end]], outside, 0.0))
     return np.where(both, given[group[pair[:, 0]]], np.inf)
 
 

@@ -18,7 +18,7 @@ from .land.preview import LandLayer
 from .land.scenery import cut_from, is_stems
 from .panes import LAYERS, PANE, Glass, glazed
 from .shades import pattern_shade
-from .views import active, camera_for, focus_bounds, part_frame
+from .views import active, camera_for, focus_bounds, pattern_frame
 
 __all__ = ["PreviewRenderer", "id_view", "preview"]
 
@@ -68,7 +68,7 @@ class PreviewRenderer:
             np.array([look.transmission for look in self._looks]),
         )
         self._stems = [k for k, (name, part) in enumerate(self.parts) if is_stems(candidate, name, part.part)]
-        self._frames = [part_frame(candidate, name, part) for name, part in self.parts]
+        self._frames = [pattern_frame(candidate, name, part) for name, part in self.parts]
 
     def _part_colors(self) -> F32:
         """Linear RGB by id of parts and of opaque loose matter, shape (n, 3)."""

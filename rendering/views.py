@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..geometry.camera import Camera, camera_at
-from ..worlds.arrays import F64, RigidPose, pose_of
+from ..worlds.arrays import F64, RigidPose, compose, pose_of, rotation_matrix
 from ..worlds.built import BuiltPart
 from ..worlds.candidate import Candidate
 from ..worlds.errors import InputError
@@ -153,7 +153,18 @@ def camera_for(candidate: Candidate, frame: int, *, shot: str | None = None, wid
     return camera_at(plan, frame, width, height, _follow_offset(candidate, plan, frame))
 
 
-def part_frame(candidate: Candidate, entity: str, part: BuiltPart) -> RigidPose:
-    """The part's own frame in its body's frame; identity for generated parts."""
+def pattern_frame(candidate: Candidate, entity: str, part: BuiltPart) -> RigidPose:
+    """The frame in its body's frame in which a part's pattern lies: its own one, or the body's for generated parts.
+
+    Tiles of what never moves lie in the world's, where its faces are square to that: they go on from one part and entity to the next.
+    """
     declared = candidate.spec.entities[entity].parts.get(part.part)
-    return RigidPose(np.zeros(3), np.array([1.0, 0, 0, 0])) if declared is None else pose_of(declared.pose)
+    own = RigidPose(np.zeros(3), np.array([1.0, 0, 0, 0])) if declared is None else pose_of(declared.pose)
+    if (
+        candidate.spec.materials[part.material].appearance.pattern != "tiles"
+        or candidate.spec.entities[entity].motion != "static"
+    ):
+        return own
+    body = candidate.pose(entity, 0, part.body)
+    turn = np.abs(rotation_matrix(compose(body, own).quaternion))
+    return body.inverse() if np.isclose(turn, np.round(turn), atol=1e-6).all() else own

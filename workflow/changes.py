@@ -129,6 +129,10 @@ class Change:
             "inspect_world(part='claims') proposes spans"
         ]
 
+    def takes_back(self) -> bool:
+        """True if the edit sets every cause to what it was before the changes that are not tested yet."""
+        return bool(self._undone())
+
     def _undone(self) -> list[dict[str, Any]]:
         """The untested changes that the edit takes back, all of them; none unless its causes are those last tested."""
         untested = self.world.ledger.open_iterations()

@@ -145,14 +145,14 @@ def refuted(session: Session, freeze: str) -> bool:
 
 
 def _span(candidate: Candidate, frames: tuple[int, int] | None) -> tuple[int, int]:
-    """First and last frame that are asked for, all by default.
+    """First and last frame that are asked for, all by default; those that are there, where the range ends beyond them.
 
     Raises:
-        InputError: they are not there.
+        InputError: none of them is there.
     """
     first, last = frames or (0, candidate.last_frame)
-    if 0 <= first <= last <= candidate.last_frame:
-        return first, last
+    if 0 <= first <= min(last, candidate.last_frame):
+        return first, min(last, candidate.last_frame)
     more = "; probe_sim gives motion" if candidate.stage == "static" else f" ({left})" if (left := unfinished(candidate)) else ""
     raise InputError(
         f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {run_of(candidate)} run{more}"
@@ -185,8 +185,10 @@ def measured(
         raise InputError(f"unknown entities {unknown}{hint} the world has {sorted(session.spec.entities)[:30]}")
     first, last = _span(candidate, frames)
     unjudged = session.shown(candidate, last)
-    head = {"source": candidate.artifact, "stage": run_of(candidate), **({"unjudged": unjudged} if unjudged else {})}
+    head: dict[str, Any] = {"source": candidate.artifact, "stage": run_of(candidate), **({"unjudged": unjudged} if unjudged else {})}
     head |= {"run": left} if (left := unfinished(candidate)) else {}
+    if frames is not None and frames[1] > last:
+        head |= {"warnings": [f"the {run_of(candidate)} run has frames 0..{last}: told is up to there"]}
     same = {"entities": entities, "frames": None if frames is None else [first, last]}
     if part == "state":
         names = entities or list(session.spec.entities)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ..worlds.errors import InputError
 from .answers import MAX_CHARACTERS, answer, size_of
 
 __all__ = ["schema"]
@@ -47,15 +48,27 @@ def schema(pointer: str) -> dict[str, Any]:
 
 
 def _schemas(pointers: Sequence[str]) -> dict[str, Any]:
-    """Several parts of the schema in one reply, as many as fit it."""
+    """Several parts of the schema in one reply, as many as fit it; names that are none are told beside them.
+
+    Raises:
+        InputError: none of the names is one.
+    """
     from ..worlds.schema_words import described
 
     parts: dict[str, Any] = {}
-    left = list(dict.fromkeys(pointers))
+    left, unknown = list[str](), list[str]()
+    for name in dict.fromkeys(pointers):
+        try:
+            described(name)
+            left.append(name)
+        except InputError as error:
+            unknown.append(str(error).partition(" Parts:")[0])
+    if not left:
+        described(pointers[0])
     while left and (not parts or size_of([parts, left, described(left[0])]) < MAX_CHARACTERS - SPARE):
         parts |= {(name := left.pop(0)): described(name)}
     rest = (
         f"inspect_world(part='schema', pointer='{', '.join(left)}')" if left else "edit_spec(world=..., ...) with what they say"
     )
     about = f"{len(parts)} parts of the schema" + (f"; {len(left)} more do not fit one reply" if left else "")
-    return answer({"part": "schema", "parts": parts}, about, rest)
+    return answer({"part": "schema", "parts": parts}, about, rest, warnings=unknown)

@@ -80,6 +80,8 @@ class Session(OpenedWorld):
         change = Change(
             self, after, hypothesis=hypothesis, reason=weakening_reason, derived=derived, follows=follows, joint=joint
         )
+        if change.causal and not derived and not change.takes_back():
+            self._test_static()
         with self.step():
             objections = change.objections()
             if objections:
@@ -104,6 +106,12 @@ class Session(OpenedWorld):
             **({"stale_rows": sorted(lost)[:NAMED]} if lost else {}),
             **weakened,
         }
+
+    def _test_static(self) -> None:
+        """Test the last change by the static checks where they are all that it waits for: a call of `place_object` that the next edit would ask for."""
+        untested = self.ledger.open_iterations()
+        if untested and all(is_static(self.ledger, i) for i in untested) and self.buildable(self.audit()):
+            self.check_static()
 
     def _add(self, change: Change, patch: Sequence[Mapping[str, Any]]) -> int:
         """Number of the revision that the ledger makes of a change."""

@@ -1,7 +1,7 @@
 """Who speaks of what in a specification: fields that are bound, and bodies that nothing speaks of (R156, R157).
 
 A beat, a requirement or a claim that names a body binds the quantities of nature on which its motion depends. Sizes, friction and
-restitution are bound by claims of quantities and properties that point at them alone: rows judge a body of another form as it is, and how it rubs and
+restitution are bound by claims of quantities and of properties other than material and colour that point at them alone: rows judge a body of another form as it is, and how it rubs and
 bounces is what a repair changes.
 """
 
@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
+from .prompts.descriptions import WordKind, meanings
+from .prompts.languages import language_of
+from .prompts.units import units_of
 from .references import references
 from .vocabulary import SpecModel
 
@@ -21,6 +24,8 @@ __all__ = ["Bound", "binders_of", "bound_fields", "dressing", "natures", "spoken
 
 _SIZED = ("quantity", "property")
 """Types of claims that may be about the size of a body, or how it rubs."""
+_MATTER: tuple[WordKind, ...] = ("material", "colour")
+"""Kinds of words that say of what a thing is."""
 _RUBS = ("friction", "rolling_friction", "restitution")
 """Fields that only such a claim binds."""
 _PERMIT = "fastened"
@@ -39,7 +44,7 @@ def bound_fields(spec: WorldSpec) -> Bound:
     """Everybody that binds fields of a specification."""
     found: dict[str, dict[str, None]] = {}
     measured: dict[str, dict[str, None]] = {}
-    nature = natures(spec)
+    nature, language = natures(spec), language_of(spec.prompt)
 
     def bind(places: Iterable[str], who: str, *, told: bool = False) -> None:
         for place in places:
@@ -54,12 +59,18 @@ def bound_fields(spec: WorldSpec) -> Bound:
     for key, claim in _claims(spec):
         for place in claim.by:
             name = _entity_at(place)
-            told = claim.type in _SIZED
+            told = claim.type in _SIZED and not (place == f"/entities/{name}" and _of_matter(claim, language))
             if place != f"/entities/{name}" or told:
                 bind([place], f"claim {key!r}", told=told)
             if place == f"/entities/{name}":
                 bind(nature.get(name, ()), f"claim {key!r}")
     return Bound(found, measured)
+
+
+def _of_matter(claim: Claim, language: str | None) -> bool:
+    """True if a claim says of what a thing is or which colour it has, and nothing else: it leaves its size alone."""
+    words = [m.word for kind in _MATTER for m in meanings(claim.quote, language, kind)]
+    return claim.type == "property" and sum(len(units_of(word)) for word in words) == len(units_of(claim.quote))
 
 
 def binders_of(bound: Bound, pointer: str) -> tuple[str, ...]:

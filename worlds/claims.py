@@ -9,6 +9,7 @@ from typing import Any
 from .amounts import miscounted
 from .claim_targets import Span, named_in, targets_of
 from .contradicted_words import contradicted_words
+from .crossings import crossing_warnings
 from .deciding import deciding_warnings
 from .decoys import decoy_warnings
 from .denials import denied_verb, misdenied
@@ -27,6 +28,7 @@ from .prompts.marks import occurrence
 from .prompts.numbers import number_in, quantity_in
 from .prompts.odd import odd_characters
 from .prompts.units import boundaries, letters, units_of, word_count
+from .pronouns import misread_pronouns, pronoun_readings
 from .repeats import is_repeat
 from .roles import misplaced_roles
 from .row_words import misnamed_rows
@@ -142,6 +144,8 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from _idle(spec)
     yield from (m.text for m in misplaced_roles(spec, spans, language) if not m.sure)
     yield from (m.text for m in misplaced_subjects(spec, spans, language) if not m.sure)
+    yield from (m.text for m in misread_pronouns(spec, spans, language) if not m.sure)
+    yield from crossing_warnings(spec, spans, language)
     yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
     yield from stillness_warnings(spec, language)
@@ -270,7 +274,8 @@ def prompt_record(spec: WorldSpec) -> dict[str, Any]:
             for s in found.spans
             if s.claim and spec.claims[s.claim].waived
         },
-        "readings": {
+        "readings": pronoun_readings(spec, found.spans, found.language)
+        | {
             spec.claims[s.claim].quote: targets_of(spec.claims, s.claim)
             for s in found.spans
             if s.claim and _only_read(spec, found.spans, s.claim, found.language)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from .claim_targets import named_in
+from .poses import pose_said
 from .prompts.descriptions import WordKind, meanings
 from .prompts.languages import language_of
 from .prompts.units import folded, units_of
@@ -55,6 +56,9 @@ def judged_words(spec: WorldSpec, name: str) -> tuple[Word, ...]:
         for m in meanings(claim.quote, language, kind)
         if m.term != "-" and _has_rule(spec, name, kind, m.term)
     ]
+    posed = pose_said(spec, name)
+    if posed is not None:
+        found.append(Word("place", posed.pose, posed.word))
     return () if any(w.term == "past" for w in found) else tuple(found)
 
 

@@ -1,8 +1,8 @@
 """Whom an event or a negation is told of, against the body that stands before its verb (R131, R155).
 
 In English the subject stands before its verb, in the same clause (Quirk, R. et al. (1985), A Comprehensive Grammar of the English Language, 10.9);
-behind `and`, a comma or a relative pronoun it may be any body of the sentence that was named before. What is told has to name
-a body that may be its subject, or, of an active verb, the one that stands behind it: `a ball knocks over a vase` may be told of the vase,
+behind `and`, a comma or a relative pronoun it may be any body of the sentence that was named before; of `it` and `they`, also across
+sentences, see `pronouns.py`. What is told has to name a body that may be its subject, or, of an active verb, the one that stands behind it: `a ball knocks over a vase` may be told of the vase,
 `the block does not fall` not of the ball. It is sure of rigid bodies and verbs that the lexicon knows; of matter that bodies hold or make,
 as a kettle its steam, nothing is said.
 """
@@ -17,6 +17,7 @@ from .claim_targets import Span, named_in
 from .postures import upright_said
 from .predicates import entities_of
 from .prompts.lexicon import known_kinds, verb_kinds
+from .pronouns import antecedents_of, pronoun_before
 from .roles import (
     JOINS,
     PREPOSITIONS,
@@ -32,6 +33,7 @@ from .roles import (
 )
 
 if TYPE_CHECKING:
+    from .pronouns import Antecedents
     from .spec import WorldSpec
 
 __all__ = ["misplaced_subjects"]
@@ -53,7 +55,11 @@ def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | N
         if span.type not in ("event", "negation") and upright_said(spec.claims[span.claim], language) is None:
             continue
         told = _told(spec, span.claim)
-        subject = _subject(spec, spans, index)
+        said = pronoun_before(spec.prompt, span.start)
+        found = antecedents_of(spec, spans, *said) if said is not None else None
+        if found is not None and not found.sure and told & found.earlier:
+            continue  # which of them it means is the agent's reading
+        subject = _subject(spec, spans, index) or (_taken_up(found) if found is not None else frozenset())
         if not told or not subject or told & subject or not _solid(spec, told | subject):
             continue
         place = surroundings(spec, spans, index)
@@ -64,7 +70,13 @@ def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | N
         names, others = (", ".join(repr(n) for n in sorted(group)[:3]) for group in (subject, told))
         quote = spec.claims[span.claim].quote
         text = f"{quote!r} is told of {others}, and its words are about {names}: name a beat or requirement about {names}, or what {others} is in the words"
-        yield Misplaced(span.claim, text, sure=bool(kinds and kinds & known_kinds()) or says_touch(spec.prompt, span))
+        known = bool(kinds and kinds & known_kinds()) or says_touch(spec.prompt, span)
+        yield Misplaced(span.claim, text, sure=known)
+
+
+def _taken_up(found: Antecedents) -> frozenset[str]:
+    """Bodies that a pronoun can only mean, of things that the sentence before names."""
+    return found.nouns[0][1] if found.sure else frozenset()
 
 
 def _told(spec: WorldSpec, claim: str) -> frozenset[str]:

@@ -132,6 +132,8 @@ def _duck_head(body: Body, beak: str, foot: tuple[float, float], r: float, neck:
         way = np.array([s, -1, 0]) / math.sqrt(2)
         eye = np.array([0, at, low + 1.1 * flat]) + reach * way
         body.cylinder(f"eye_{name}", eye, eye + max(0.06 * r, 0.0012) * way, 0.11 * r, material="abs")
+        # Painted on: as a collider so thin a disc would ask for short steps of all that could meet it.
+        body.parts[f"eye_{name}"] = body.parts[f"eye_{name}"].model_copy(update={"collides": False})
 
 
 GENERATORS = (

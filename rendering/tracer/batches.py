@@ -16,7 +16,7 @@ from ..categories.liquid.wet_look import Link, Wetness, film_at
 from ..categories.registry import Layers
 from ..categories.soft_part import SoftPart
 from ..land.scenery import cut_from, landscapes_of
-from ..views import active, part_frame
+from ..views import active, pattern_frame
 from .materials import PANE
 from .surfaces import Surface, textured_surfaces
 from .textures import Tile
@@ -131,7 +131,7 @@ def _pieces(
             tiles=tiles[part.material],
             pattern=look.pattern,
             scale=look.pattern_scale,
-            frame=part_frame(candidate, entity, part),
+            frame=pattern_frame(candidate, entity, part),
             key=f"{entity}/{part.part}",
         )
         lamp = lamps.get((entity, part.part), "")

@@ -116,6 +116,39 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
              marked=_STAYS, changes=_never({"kind": "and", "of": [{"kind": "falls", "entity": "b3"}, {"kind": "spins", "entity": "b3"}]})),
         Case("without tipping over, by falls", BLOCKS, AUDIT, "of kind tips", changes={"/story/requirements/upright/predicate": {"kind": "falls", "entity": "wooden_block"}}),
     ),
+    "posture of another kind": (
+        Case("hangs, and stands", DOMINOES, "claim:place:over", "bears it from below",
+             marked=DOMINOES.marked.replace("[slab](thing first) [tips over]", "[slab](thing first) that hangs [over](place floor) a [floor](thing floor) [tips over]")),
+        Case("lies, and stands", DOMINOES, "claim:place:beside", "does not lie there",
+             marked=DOMINOES.marked.replace("[slab](thing first) [tips over]", "[slab](thing first) that lies [beside](place second) a [second one](thing second) [tips over]").replace(
+                 "[knocks](event knock) a [second one](thing second)", "[knocks](event knock) [it](thing same_as=second_one)")),
+        Case("stands, and slides from the start", BLOCKS, "claim:place:on", "not at rest",
+             marked=BLOCKS.marked.replace("[block](thing steel_block) [slides](event slide) across a [stone](property floor) [floor](thing floor).",
+                                          "[block](thing steel_block) that stands [on](place floor) a [stone](property floor) [floor](thing floor) [slides](event slide).")),
+        Case("steht, und rutscht von Anfang an", BLOCKS_DE, "claim:place:auf", "not at rest",
+             marked=BLOCKS_DE.marked.replace("[rutscht](event slide) über einen [Steinboden](thing floor).", "steht [auf](place floor) einem [Steinboden](thing floor) und [rutscht](event slide).")),
+    ),
+    "crossing of a plane alone": (
+        Case("a block that is pushed along", BLOCKS, "claim:event:crosses", "from one side of wooden_block to the other",
+             marked="A [steel](property steel_block) [block](thing steel_block) [crosses](event slide) a [wooden](property wooden_block) [block](thing wooden_block) on a [floor](thing floor).",
+             changes={"/story/beats/slide/predicate": {"kind": "crosses", "entity": "steel_block", "point": [-0.3, 0, 0], "normal": [1, 0, 0]}}),
+        Case("ein Klotz wird überquert", BLOCKS_DE, "claim:event:*", "from one side of wooden_block to the other",
+             marked="Ein [Stahlklotz](thing steel_block) [überquert](event slide) einen [Holzklotz](thing wooden_block) auf einem [Steinboden](thing floor).",
+             changes={"/story/beats/slide/predicate": {"kind": "crosses", "entity": "steel_block", "point": [-0.3, 0, 0], "normal": [1, 0, 0]}}),
+        Case("a line that is never reached", SHELF, "claim:event:crosses", "from one side of b3 to the other",
+             marked="A [ball](thing ball) [crosses](event roll) a [block](thing b3) on a [shelf](thing shelf).",
+             changes={"/story/beats/roll/predicate": {"kind": "crosses", "entity": "ball", "point": [-0.19, 0, 0], "normal": [1, 0, 0]}}),
+    ),
+    "pronoun of another body": (
+        Case("it, marked as what comes later", PASSING, AUDIT, "the only thing named before it",
+             marked="A [steel](property ball) [ball](thing ball) [rolls](event roll). [It](thing cube) is alone, past a [wooden](property cube) [cube](thing cube), [never touches it](negation apart), "
+                    "and [hits](event strike) a [board](thing wall)."),
+        Case("it, of the body that is hit", BLOCKS, AUDIT, "its words are about",
+             marked="A [steel](property steel_block) [block](thing steel_block) is there. It [slides](event push) and, across a [floor](thing floor), meets a [wooden](property wooden_block) "
+                    "[block](thing wooden_block)."),
+        Case("it suddenly, of another", SHELF, AUDIT, "its words are about",
+             marked="A [ball](thing ball) [rolls](event roll). It suddenly [falls off](event fall). There are [blocks](thing b1 b2 b3) on a [shelf](thing shelf)."),
+    ),
     "unusual beside the result": (
         Case("half of the Earth's gravity", BLOCKS, says="unusual: gravity of 5", changes={"/simulation/gravity": [0, 0, -5]}),
         Case("a floor that is a slope", SHELF, says="degrees off straight down", changes={"/simulation/gravity": [0.4, 0, -9.8]}),

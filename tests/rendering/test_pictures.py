@@ -254,3 +254,24 @@ def test_tiles_show_joints_on_the_face_one_sees_and_tones_between_them():
     inside = [shade[10 + 100 * i : 90 + 100 * i, 10 + 100 * j : 90 + 100 * j] for i in range(3) for j in range(3)]
     assert all(np.ptp(cell) == 0 and cell.min() > 0.9 for cell in inside)
     assert len({float(cell[0, 0]) for cell in inside}) == 9
+
+
+def test_tiles_go_on_from_one_static_wall_to_the_next(tmp_path):
+    """A wall of one box looks like the same wall of two boxes that meet off a joint, as two entities."""
+    tiled = Material(
+        density=2300.0, substance="ceramic", appearance=Appearance(color=(0.8, 0.8, 0.75), pattern="tiles", pattern_scale=0.3)
+    )
+    camera = Camera((0.0, -1.4, 0.5), (0.0, 0.0, 0.5), 40.0, 320, 240)
+
+    def picture(name, walls):
+        candidate = make_candidate(tmp_path / name, world(walls, materials={"wall": tiled}), tracks={})
+        return preview(candidate, 0, camera=camera).astype(int)
+
+    whole = picture("one", {"wall": box(1.4, 0.1, 1.0, at=(0, 0.05, 0.5), material="wall")})
+    parts = {
+        "left": box(0.64, 0.1, 1.0, at=(-0.38, 0.05, 0.5), material="wall"),
+        "right": box(0.76, 0.1, 1.0, at=(0.32, 0.05, 0.5), material="wall"),
+    }
+    assert np.ptp(whole[100:140, 60:260].mean(axis=2)) > 60, "joints are seen"
+    off = np.abs(picture("two", parts) - whole).max(axis=2)
+    assert (off > 12).mean() < 0.01

@@ -117,6 +117,9 @@ def test_the_frames_of_a_sketch_can_be_looked_at(slow: Agent) -> None:
     assert drawn["source"].endswith("/sketch")
     state = slow.call("inspect_world", world="w", part="state", entities=["ball"], frames=[0, 10])
     assert state["stage"] == "sketch"
+    beyond = slow.call("inspect_world", world="w", part="state", entities=["ball"], frames=[0, 20])
+    assert beyond["warnings"] == ["the sketch run has frames 0..10: told is up to there"]
+    assert beyond["entities"] == state["entities"]
     assert "allowed 0..10 in the sketch run" in slow.refused("inspect_world", world="w", part="state", frames=[11, 11])
 
     slow.call("edit_spec", world="w", patch=CURE, hypothesis="the ball is too slow to come there in time")

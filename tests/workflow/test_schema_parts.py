@@ -29,6 +29,11 @@ def test_what_does_not_fit_one_reply_is_told_with_the_call_for_it() -> None:
     assert told == list(every)
 
 
-def test_an_unknown_part_among_known_ones_is_named() -> None:
+def test_an_unknown_part_among_known_ones_is_named_and_the_others_are_told() -> None:
+    found = schema("Entity, Spheres")
+    assert list(found["parts"]) == ["Entity"]
+    (told,) = found["warnings"]
+    assert "no part 'Spheres'" in told
+    assert "did you mean Sphere" in told
     with pytest.raises(InputError, match=r"no part 'Spheres'.*did you mean Sphere"):
-        schema("Entity, Spheres")
+        schema("Spheres, Spheres")

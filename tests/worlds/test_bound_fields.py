@@ -72,6 +72,18 @@ def test_how_a_body_rubs_is_a_repair_unless_a_property_or_quantity_points_at_it(
     assert line.endswith(", bound by claim 'c7'")
 
 
+@pytest.mark.parametrize(
+    ("quote", "bound"),
+    [("wooden", False), ("red", False), ("red wooden", False), ("large", True), ("large red", True), ("nice", True)],
+)
+def test_a_word_of_material_or_colour_leaves_the_size_alone(quote: str, bound: bool) -> None:
+    claim = {"quote": quote, "type": "property", "by": ["/entities/crate"]}
+    grown = told("/entities/crate/dimensions/size", [0.12, 0.1, 0.1], base(c7=claim))
+    assert [line.endswith(", bound by claim 'c7'") for line in grown] == [True] * bound
+    (line,) = told("/entities/crate/material", "stone", base(c7=claim))
+    assert line.endswith(", bound by claim 'c7'")
+
+
 @pytest.mark.parametrize(("pointer", "value"), OF_THE_CRATE)
 def test_a_claim_that_names_a_body_binds_what_its_motion_depends_on(pointer: str, value: Any) -> None:
     claim = {"quote": "crate", "type": "thing", "by": ["/entities/crate"]}

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "48d8481f8d41484518ed5a3d9259d27ac5c72c7c0ebf30cb667b18ad40c9b622"
+SCHEMA = "918708cb281ff4b4500d450771c0dbbf169990a6fca7b55666e14a43967b0707"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

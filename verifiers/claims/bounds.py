@@ -14,3 +14,7 @@ ALIKE = 0.1
 red, green and blue, look the same at a glance."""
 NEARER = 1.414
 """[1] Ratio at which a value lies as near to a number as to twice it. Own choice: nearness is measured in ratios, as half and twice are."""
+CROSS_ENDS = 0.1
+"""[1] Own choice: share of the extent of what is crossed, within which what comes from one of its ends, or to the other, may begin and end."""
+CROSS_BODY = 0.25
+"""[1] Own choice: the same at most by half of the size of who crosses: a cart's centre stands that far upon a bridge with its wheels at the end."""

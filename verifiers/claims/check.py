@@ -3,7 +3,7 @@
 - `claim:thing:<claim>`: what a span names is in a picture: the least shown of its entities and lands fills `limits.visible_pixels` of one.
 - `claim:count:<claim>`: exactly so many separate bodies are there, and do what is told of them (`counts.py`).
 - `claim:quantity:<claim>`: what is measured is the number of its words, and neither half nor twice of it (`quantities.py`).
-- `claim:event:<claim>`: its beats come true, and no rival reading of its words does (`rivals.py`).
+- `claim:event:<claim>`: its beats come true, no rival reading of its words does (`rivals.py`), and what its words say is crossed is (`crossings.py`).
 - `claim:order:<claim>`: what it says comes first does, and neither the reverse nor simultaneity is true (`order.py`).
 - `claim:negation:<claim>`: its requirements, negated by the server, hold over all frames, and what they deny could happen (`negations.py`).
 
@@ -28,6 +28,7 @@ from ..shots.sight import sight_of
 from . import counts, quantities, unseen_help
 from .bounds import LOOKS
 from .counts import count_of
+from .crossings import uncrossed
 from .described.check import check as described
 from .described.lands import lands_of, share_of_pictures
 from .naming import beats_of, requirements_of
@@ -136,7 +137,8 @@ def _event(candidate: Candidate, name: str) -> Finding:
             evidence=evidence,
             frames=(0, last_needed(candidate.spec, beats)),
         )
-    bad = len(missed) + len(true)
+    crossed = None if missed or true else uncrossed(candidate, name, beats)
+    bad = len(missed) + len(true) + (crossed is not None)
     if missed:
         said = f"{claim.quote!r} is judged by {missed[0]}, which does not come true: {outcomes[missed[0]].explanation}"
         hint = correction(said, "story", f"mend beat {missed[0]!r}: see its own row", pointers=(f"/story/beats/{missed[0]}",))
@@ -146,6 +148,10 @@ def _event(candidate: Candidate, name: str) -> Finding:
         if "roles swapped" in true[0].text:
             action += "; where the two do it to each other, as in a collision, ask `contact`, which has no roles"
         hint = correction(said, "story", action, pointers=(f"/story/beats/{true[0].beat}/predicate",))
+    elif crossed is not None:
+        said = f"{claim.quote!r}: {crossed}"
+        action = "let it go from one side of what the words name to the other, over it, or mark as a thing right behind the verb what it crosses"
+        hint = correction(said, "story", action, pointers=(f"/claims/{name}/by",))
     else:
         asked = ", ".join(describe_predicate(candidate.spec.story.beats[b].predicate) for b in beats[:3])
         return Finding(

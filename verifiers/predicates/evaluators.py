@@ -70,6 +70,7 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "liquid_speed": liquid.liquid_speed,
     "liquid_temperature": liquid.liquid_temperature,
     "floats": floating.floats,
+    "bobs": floating.bobs,
     "sinks": floating.sinks,
     "pours": vessels.pours,
     "fills": vessels.fills,

@@ -25,6 +25,7 @@ from ..problems import Problem
 from ..prompts.languages import Held
 from ..prompts.marks import occurrence
 from ..prompts.numbers import number_in, ordinal_in
+from ..pronouns import misread_pronouns
 from ..references import kinds_of, resolves
 from ..roles import SENTENCE, misplaced_roles
 from ..row_words import misnamed_rows
@@ -86,6 +87,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
     told = [
         *misplaced_roles(spec, reading.spans, reading.language),
         *misplaced_subjects(spec, reading.spans, reading.language),
+        *misread_pronouns(spec, reading.spans, reading.language),
     ]
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
     for readers in (misnamed_rows, hedged_events, miscounted, contradicted_words):

@@ -21,7 +21,7 @@ _MOVES: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(
         ("rolls", "slides", "tips", "lands", "bounces", "goes_uphill", "comes_loose", "opens", "closes"), ("entity",)
     ),
-    **dict.fromkeys(("hits", "rests_against", "jams", "floats", "sinks", "splashes"), ("entity",)),
+    **dict.fromkeys(("hits", "rests_against", "jams", "floats", "bobs", "sinks", "splashes"), ("entity",)),
     **dict.fromkeys(("pushes", "pulls", "lifts", "lowers", "throws"), ("entity", "other")),
 }
 """By kind, fields that name whoever has to move for it."""

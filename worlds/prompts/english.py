@@ -188,6 +188,8 @@ KINDS: dict[str, frozenset[str]] = {
     **_kinds("come", "_to_rest", "stops"),
     **_kinds("rush surge", "", "flows"),
     **_kinds("carry", "", "drifts", "floats", "lifts"),
+    **_kinds("bob", "", "bobs"),
+    **_kinds("bob", "_up", "rises", "bobs"),
 }
 """Reviewed by hand: kinds of event of verbs that are one thing with the word behind them and another without, and of verbs that the lexicon's
 seeds do not reach. A door that bursts open neither breaks nor jumps."""

@@ -333,17 +333,22 @@ def _after_verb(word: Word, following: Word | None, nominal: bool) -> str:
 
 
 def _rescue(clause: list[Word]) -> None:
-    """A clause without a verb gets the likeliest word after a noun that has the form of one."""
+    """A clause without a verb gets the likeliest word after a noun that has the form of one: of several that `and` joins, its bare form before a preposition."""
     if len(clause) < 2 or any(word.part == "v" for word in clause):
         return
+    several = clause[0].text == "and" and not clause[0].fresh
     found = [
         word
-        for before, word in itertools.pairwise(clause)
+        for before, word, after in zip(clause, clause[1:], [*clause[2:], None], strict=False)
         if word.part in ("n", "m", "a")
         and not word.joined
         and word.of("v") >= LEAST_VERB
         and before.part in ("n", "m", "u")
-        and (word.ends_as_verb or before.text.endswith("s"))
+        and (
+            word.ends_as_verb
+            or before.text.endswith("s")
+            or (several and after is not None and after.text in english.PREPOSITIONS - {"of"})
+        )
     ]
     if found:
         best = max(found, key=lambda word: word.of("v"))

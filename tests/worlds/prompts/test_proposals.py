@@ -130,3 +130,9 @@ def test_share_of_marks_that_a_proposal_meets_stays_above_its_floor() -> None:
     assert shares["en"] >= 0.82
     low = {"de": 0.65, "es": 0.50, "fr": 0.71, "it": 0.83, "ja": 0.77, "nl": 0.73, "pt": 0.54, "ru": 0.76, "zh": 0.66}
     assert {language: shares[language] for language, floor in low.items() if shares[language] < floor} == {}
+
+
+def test_of_several_things_that_and_joins_the_bare_form_before_a_preposition_is_the_verb() -> None:
+    found = proposal_text("A rubber duck and a wooden soap dish float in it.")
+    assert found == "A [rubber](property) [duck](thing) and a [wooden](property) [soap dish](thing) [float](event) in it."
+    assert "[boat house](thing)" in proposal_text("A bird and a boat house at the lake.")

@@ -11,6 +11,7 @@ from ....worlds.categories.elastic.events import DeformEvent
 from ....worlds.errors import EvidenceError
 from ...ledgers.strains import require_deforming
 from ...predicates.conditions import Condition, happens
+from ...predicates.turns import turning_points
 from .bounds import BEND_SHARE, LINE_PARTS, STRETCH_SHARE, TURNS, WOBBLE_SHARE
 
 if TYPE_CHECKING:
@@ -77,25 +78,10 @@ def wobbles(scope: Scope, p: DeformEvent) -> Outcome:
     along = np.einsum("fvi,vi->fv", away, main[:, 0])
     least = WOBBLE_SHARE * line.length
     wide = np.argsort(np.ptp(along, axis=0))[::-1][:MOST_POINTS]
-    turns = np.array([_turns(along[:, v], least) for v in wide]).max(axis=0)
+    turns = np.array([turning_points(along[:, v], least) for v in wide]).max(axis=0)
     count = Condition("turning points against the rest of it", turns, max(TURNS, p.min or 0.0))
     return happens(scope, p.entity, [count], lambda i: {"least_swing_m": least})
 
 
 MOST_POINTS = 50
 """Points that go farthest, which are looked at."""
-
-
-def _turns(path: F64, least: float) -> F64:
-    """Number of turning points up to each frame, of those that are at least so far [m] from the one before."""
-    found, extreme, way, count = np.zeros(len(path)), path[0], 0, 0
-    for k, x in enumerate(path.tolist()):
-        if way == 0:
-            if abs(x - path[0]) >= least:
-                way, extreme = (1 if x > path[0] else -1), x
-        elif way * (x - extreme) >= 0.0:
-            extreme = x
-        elif way * (extreme - x) >= least:
-            way, extreme, count = -way, x, count + 1
-        found[k] = count
-    return found

@@ -189,6 +189,14 @@ FLOAT_FREE = 0.99
 """[1] Share of the span in which gravity acts on the body: none of what a path or a release holds."""
 FLOAT_GOES_DOWN = 0.1
 """[1] Own choice: of its height. What is wholly under and goes down farther sinks at the speed at which drag and buoyancy carry it."""
+BOB_TURNS = 2.0
+"""[1] Own choice: down and up again, or up and down: two turning points of its height."""
+BOB_SWING = 0.02
+"""[1] Own choice: of its height, how far a turning point lies from the one before: as far as a displacement that is seen."""
+BOB_LEAST = 0.001
+"""[m] Own choice: the same at least, above the noise of a liquid's surface."""
+BOB_CARRIED = 0.5
+"""[1] Own choice: share of its weight that the liquid carries over half a second: what bobs leaves it for moments."""
 UNDER = 0.98
 """[1] Share of a body under the surface from which on it is wholly under: what 600 points inside it tell."""
 SINK_WAY = 1.0

@@ -1,4 +1,4 @@
-"""Evaluators of `floats` and `sinks`: what carries a body in a liquid, from the impulses on it by origin (R28, R131)."""
+"""Evaluators of `floats`, `bobs` and `sinks`: what carries a body in a liquid, from the impulses on it by origin (R28, R131)."""
 
 from __future__ import annotations
 
@@ -12,9 +12,14 @@ from ....worlds.categories.liquid.events import FloatEvent, SinkEvent
 from ....worlds.errors import EvidenceError
 from ...ledgers.motion import centers, entity_mass
 from ...predicates.conditions import Condition, happens, lasts
+from ...predicates.turns import turning_points
 from ..registry import judge_of
 from .bodies import Bodies, exchanged
 from .bounds import (
+    BOB_CARRIED,
+    BOB_LEAST,
+    BOB_SWING,
+    BOB_TURNS,
     FLOAT_CARRIED,
     FLOAT_FREE,
     FLOAT_GOES_DOWN,
@@ -38,7 +43,7 @@ if TYPE_CHECKING:
     from ...predicates.scope import Scope
     from .frames import Liquid
 
-__all__ = ["floats", "sinks"]
+__all__ = ["bobs", "floats", "sinks"]
 
 
 class _Carried:
@@ -145,6 +150,32 @@ def floats(scope: Scope, p: FloatEvent) -> Outcome:
             )
         return lasts(scope, p.entity, shares, span, detail)
     return happens(scope, p.entity, shares, detail)
+
+
+def bobs(scope: Scope, p: SinkEvent) -> Outcome:
+    """Measured: turning points of its height so far, while the liquid and nothing else carries it."""
+    found = liquid_or_none(scope.candidate, p.other)
+    if isinstance(found, str):
+        return painted(scope, "1", p.other, found)
+    own = _Carried(scope.candidate, p.entity, found[0])
+    span = max(2, round(FLOAT_SECONDS / own.duration))
+    wanted = own.weight * span * own.duration
+
+    def mean(values: F64) -> F64:
+        """Share of the weight over the span that ends at each frame; NaN where it would begin before frame 0."""
+        frames = range(scope.frames[0], scope.frames[1] + 1)
+        return np.array([values[f - span : f].sum() / wanted if f >= span else np.nan for f in frames])
+
+    swing = max(BOB_SWING * own.height, BOB_LEAST)
+    turns = turning_points(own.place[scope.frames[0] : scope.frames[1] + 1], swing)
+    others = sum((np.maximum(mean(v), 0.0) for v in own.others.values()), np.zeros(scope.length))
+    conditions = (
+        Condition("turning points of its height", turns, max(BOB_TURNS, p.min or 0.0)),
+        Condition(f"share of its weight that {p.other} carries over half a second", mean(own.pushed), BOB_CARRIED),
+        Condition("share of the last half second in which it is free", mean(own.gravity), FLOAT_FREE),
+        Condition("share of its weight that others carry", others, FLOAT_OTHERS, "1", "<="),
+    )
+    return happens(scope, p.entity, conditions, lambda i: {"liquid": p.other, "least_swing_m": swing})
 
 
 def sinks(scope: Scope, p: SinkEvent) -> Outcome:

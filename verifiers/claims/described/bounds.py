@@ -49,3 +49,14 @@ RISES = 0.1
 """[1] Own choice: part of a body's size by which it goes down or up; less is a wobble."""
 MOVES = 0.5
 """[1] Own choice: part of a body's size by which it goes along a way at all."""
+TILT = 0.6
+"""[rad] Greatest tilt of what still stands: that from which on `topples` speaks of a fall, and `worlds/postures.py` of upright."""
+PACE = 0.1
+"""[1/s] Own choice: of its own diagonal, how fast what stands, sits, leans or lies may creep or sway; a vase of 30 cm by 3 cm in a second. A fall is
+faster within a frame of 24 up to 2 m of diagonal, and bears nothing besides."""
+BORNE = 0.5
+"""[1] Share of its weight that others bear where it does not fall: the threshold of the event `falls`."""
+OPENING = 0.25
+"""[s] From frame 0 on, within which what the prompt begins with stands, lies or hangs: as long as `stops` asks for rest; bodies settle into their contacts by then."""
+SCENERY = 5.0
+"""[m] Own choice: what never moves and is taller is scenery, which lies in its valley however tall."""

@@ -11,7 +11,7 @@ level ones; *outdoors*: none closes the one upward.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,29 +19,31 @@ import numpy as np
 from ....geometry.triangles import ray_hits
 from ....worlds.claim_targets import named_in
 from ....worlds.errors import EvidenceError, InputError
+from ....worlds.poses import POSES, pose_said
 from ....worlds.predicates import Reaches
 from ....worlds.prompts.marks import occurrence
 from ....worlds.spec import Adjacent, Contains, Fastened, Interacts, Supports
 from ...predicates.evaluators import evaluate
 from ...rows.findings import Finding
-from ...shots.views import samples
 from .answers import Answer, finding_of
 from .bounds import WALLS
+from .facing import against
 from .placed import Place
+from .posed import SAYS, frames_of, pose_answers, posed_things
+from .postures import why_not
 from .required import required
 from .rests import SENTENCE, rest_said, still_at
-from .standing import TESTS
+from .standing import TESTS, touching
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64
     from ....worlds.candidate import Candidate
     from ....worlds.described import Word
+    from ....worlds.poses import Pose
     from ....worlds.spec import WorldSpec
 
 __all__ = ["judge", "things_of"]
 
-LOOKS = 9
-"""Own choice: frames at which a place is looked at; the first, the last and between."""
 ENTAILED: dict[str, tuple[type, ...]] = {
     "on": (Supports, Fastened, Interacts),
     "in": (Contains,),
@@ -57,6 +59,8 @@ ENTAILED: dict[str, tuple[type, ...]] = {
     "outdoors": (Contains,),
 }
 """Kinds of relation that may stand for a word."""
+ON_AS: Mapping[str, Callable[[Place, str], bool]] = {"lean": against, "hang": touching}
+"""Rules of *on* beside a posture: a ladder leans on its wall, and a picture hangs on it, whatever bears them."""
 MUTUAL = (Adjacent, Interacts, Fastened)
 """Kinds of relation whose ends say nothing of who is where: the sentence does."""
 DOWNWARD = frozenset(("under",))
@@ -71,11 +75,13 @@ def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
     regions = [n for n in named_in(spec, name, "graph/regions") if n in spec.graph.regions]
     grounds = [n for n in named_in(spec, name, "entities") if n in spec.entities]
     asked = [n for n in named_in(spec, name, "story/requirements") if n in spec.story.requirements]
+    posed, words = [w for w in words if w.term in POSES], [w for w in words if w.term not in POSES]
     pointers = [f"/graph/relations/{r}" for r in relations] or [f"/entities/{g}/pose" for g in grounds] or ["/graph/regions"]
     action = "put it where the words say, or name the relation, region or body that they are about"
     if relations or regions or grounds or any(w.term in ("indoors", "outdoors") for w in words):
         answers = [_answer(candidate, name, w, relations, regions, grounds) for w in words]
-    elif asked:
+        answers += _postures(candidate, name, words, relations, regions, grounds) if posed else []
+    elif asked and words:
         naming = _naming(spec, name, words[0])
         found = required(candidate, asked, words, things_of(spec, name), naming)
         if isinstance(found, Finding):
@@ -84,12 +90,37 @@ def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
         if any(not a.ok and a.text.endswith(naming) for a in found):
             action = naming
     else:
+        answers = []
+    if posed and not (relations or regions or grounds):
+        answers = [*answers, *pose_answers(candidate, name, things_of(spec, name), ())]
+    if not answers and posed and (relations or regions or grounds or asked):
+        return Finding("not_applicable", f"{quote!r}: nothing of its sentence is one rigid body, whose posture is measured")
+    if not answers:
         return Finding(
             "not_applicable", f"{quote!r} names land alone; rows of `terrain` and of the thing judge what was built and is seen"
         )
     if any(not a.ok for a in answers) and _misnamed(spec, name, grounds):
-        pointers, action = [f"/claims/{name}/by"], _naming(spec, name, words[0])
+        pointers, action = [f"/claims/{name}/by"], _naming(spec, name, (words or posed)[0])
     return finding_of(quote, answers, group="placement", action=action, pointers=pointers, entities=grounds)
+
+
+def _postures(
+    candidate: Candidate, name: str, words: list[Word], relations: list[str], regions: list[str], grounds: list[str]
+) -> list[Answer]:
+    """Answers to a posture where no word of place is measured between the same bodies at the same frame."""
+    spec = candidate.spec
+    if not relations and not regions and any(w.term in TESTS for w in words):
+        return []
+    posed = pose_said(spec, name)
+    # What stands in a row is what the place names; what hangs from a beam is not the beam.
+    things = things_of(spec, name, grounds if posed is not None and posed.pose in ("hang", "lean") else ())
+    if relations:
+        ends = [(r.a, r.b) for r in map(spec.graph.relations.__getitem__, relations)]
+        behind = _behind(spec, name)
+        turned = [isinstance(spec.graph.relations[k], MUTUAL) and b in behind for k, (_, b) in zip(relations, ends, strict=True)]
+        pairs = [(b, a) if t else (a, b) for (a, b), t in zip(ends, turned, strict=True)]
+        things, grounds = [thing for _, thing in pairs], [place for place, _ in pairs if place in spec.entities]
+    return pose_answers(candidate, name, [t for t in things if t in spec.entities], grounds)
 
 
 def _answer(candidate: Candidate, name: str, word: Word, relations: list[str], regions: list[str], grounds: list[str]) -> Answer:
@@ -180,10 +211,6 @@ def things_of(spec: WorldSpec, name: str, but: Sequence[str] = ()) -> list[str]:
     return list(dict.fromkeys(found[0] or found[1]))
 
 
-def _frames(candidate: Candidate) -> list[int]:
-    return samples((0, candidate.last_frame), LOOKS)
-
-
 def _first(candidate: Candidate, name: str, word: Word, things: list[str], grounds: list[str]) -> Answer:
     """The first thing and frame at which a word holds, of those that the verb of its sentence is about."""
     if word.term not in TESTS:
@@ -192,23 +219,46 @@ def _first(candidate: Candidate, name: str, word: Word, things: list[str], groun
         return Answer(
             word.text, False, "a claim of `between` names two bodies, so that what lies between them can be measured", 0.0, 1.0
         )
-    rest, test, where = rest_said(candidate.spec, name), TESTS[word.term], f"{word.term} {', '.join(grounds)}"
-    frames = [candidate.last_frame] if rest == "comes" else _frames(candidate)
-    passing: list[str] = []
+    rest, posed = rest_said(candidate.spec, name), pose_said(candidate.spec, name)
+    test = TESTS[word.term] if posed is None or word.term != "on" else ON_AS.get(posed.pose, TESTS["on"])
+    where, frames, passing = f"{word.term} {', '.join(grounds)}", frames_of(candidate, name), list[str]()
     for frame in frames:
         place = Place(candidate, grounds, frame)
-        for thing in (t for t in things if t in candidate.solids):
+        for thing in (t for t in posed_things(candidate.spec, posed, things) if t in candidate.solids):
             if not test(place, thing):
                 continue
-            if rest is None or still_at(candidate, thing, grounds, frame):
-                return Answer(word.text, True, f"{thing!r} is {where} at frame {frame}", 1.0, 1.0)
-            passing.append(f"{thing!r} is {where} at frame {frame} and not at rest there")
+            is_there = f"{thing!r} is {where} at frame {frame}"
+            why = None if posed is None else _unposed(place, posed.pose, word, thing)
+            if why is not None and posed is not None:
+                passing.append(f"{is_there} and does not {posed.pose} there: {why}")
+            elif rest is not None and not still_at(candidate, thing, grounds, frame):
+                passing.append(f"{is_there} and not at rest there")
+            else:
+                return Answer(
+                    word.text, True, is_there if posed is None else f"{is_there} and {SAYS[posed.pose]} there", 1.0, 1.0
+                )
     text = f"none of {', '.join(things[:4]) or 'no thing of the sentence'} is {where} at frames {', '.join(map(str, frames))}"
-    if rest is not None:
-        text = (
-            passing[0] if passing else text
-        ) + f"; the prompt says that it {'comes to rest' if rest == 'comes' else 'lies'} there"
-    return Answer(word.text, False, text, 0.0, 1.0)
+    told = "comes to rest" if rest == "comes" else SAYS[posed.pose] if posed is not None else "lies" if rest else ""
+    return Answer(
+        word.text,
+        False,
+        (passing[0] if passing else text) + (f"; the prompt says that it {told} there" if told else ""),
+        0.0,
+        1.0,
+    )
+
+
+def _unposed(place: Place, pose: Pose, word: Word, thing: str) -> str | None:
+    """Why a thing that is where a word says has not the posture that stands beside it; None where it has.
+
+    What hangs over or above a place may jut out from what bears it, unless that is the place itself; Romance words for leaning say of what is upon
+    something that it is borne by it.
+    """
+    if pose == "hang" and word.term == "above" and not any(place.touches(thing, g) for g in place.grounds):
+        return None
+    if pose == "lean" and word.term not in ("on", "against"):
+        return None
+    return why_not(place, pose, thing)
 
 
 def _in_regions(candidate: Candidate, word: Word, things: list[str], regions: list[str]) -> Answer:

@@ -70,14 +70,23 @@ def rest_said(spec: WorldSpec, name: str) -> Rest | None:
     return None
 
 
-def still_at(candidate: Candidate, thing: str, grounds: Sequence[str], frame: int) -> bool:
-    """True where a body's centre is as slow as what `rests_on` takes for at rest, as seen from one of the places, about a frame."""
+def still_at(candidate: Candidate, thing: str, grounds: Sequence[str], frame: int, *, most: float | None = None) -> bool:
+    """True where a body's centre is slow as seen from one of the places, about a frame.
+
+    Args:
+        candidate: what is judged.
+        thing: the body.
+        grounds: the places.
+        frame: about which its way is taken.
+        most: greatest speed [m/s]; what `rests_on` takes for at rest when left out.
+    """
     first, last = max(frame - 1, 0), min(frame + 1, candidate.last_frame)
     if first == last:
         return True
-    most = RestsOn.model_fields["max_speed"].default * (last - first) / candidate.spec.simulation.fps
+    speed = float(RestsOn.model_fields["max_speed"].default) if most is None else most
+    way = speed * (last - first) / candidate.spec.simulation.fps
     return any(
-        float(np.linalg.norm(_from(candidate, g, thing, last) - _from(candidate, g, thing, first))) <= most for g in grounds
+        float(np.linalg.norm(_from(candidate, g, thing, last) - _from(candidate, g, thing, first))) <= way for g in grounds
     )
 
 

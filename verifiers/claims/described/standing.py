@@ -24,7 +24,7 @@ from .facing import against, behind, in_front
 from .outlines import in_hull
 from .placed import Place, apart
 
-__all__ = ["TESTS"]
+__all__ = ["TESTS", "touching"]
 
 
 def _on(place: Place, thing: str) -> bool:
@@ -34,6 +34,11 @@ def _on(place: Place, thing: str) -> bool:
             if place.bears(ground, thing) or not any(place.touches(thing, n) and place.bears(n, thing) for n in others):
                 return True
     return False
+
+
+def touching(place: Place, thing: str) -> bool:
+    """True where the thing touches the place, from whatever side."""
+    return any(place.touches(thing, g) for g in place.grounds)
 
 
 def _in(place: Place, thing: str) -> bool:

@@ -23,9 +23,9 @@ class FloatEvent(MatterEvent):
 
 
 class SinkEvent(MatterEvent):
-    """A body sinks in a liquid."""
+    """A body sinks in a liquid, or bobs in it."""
 
-    kind: Literal["sinks"]
+    kind: Literal["sinks", "bobs"]
     other: Subject = Field(description="the liquid")
 
 
@@ -59,6 +59,21 @@ EVENTS = (
         gloss="For half a second the push of `other` carries at least 0.8 of its weight, in 0.9 of the time some of it, and nothing else more than 0.2, while part of it is "
         "above the surface or it goes down by no more than 0.1 of its height; with `when` always, every half second of the interval.",
         source="Archimedes, On Floating Bodies I, 5: what floats is borne by the liquid that it displaces; shares and span are own choice",
+    ),
+    PredicateInfo(
+        "bobs",
+        "1",
+        _PUSHES,
+        {"min": "up"},
+        frames="narrower",
+        bodily=True,
+        matter="other",
+        event=True,
+        directed=True,
+        adds_up=True,
+        gloss="Its height turns twice, by 0.02 of the height of its box and 1 mm at least, while `other` carries 0.5 of its weight over half a second and "
+        "others no more than 0.2.",
+        source="own choice; what a path or a rope moves up and down does not bob",
     ),
     PredicateInfo(
         "sinks",

@@ -19,6 +19,7 @@ AFLOAT = 0.2
 FLOATS = FloatEvent(kind="floats", entity="crate", other="pool")
 LASTS = FloatEvent(kind="floats", entity="crate", other="pool", when="always")
 SINKS = SinkEvent(kind="sinks", entity="crate", other="pool")
+BOBS = SinkEvent(kind="bobs", entity="crate", other="pool")
 
 
 def judged(flow: Flow, folder: Path, event: FloatEvent | SinkEvent) -> Outcome:
@@ -61,6 +62,36 @@ def test_a_stone_that_falls_in_and_comes_to_a_shallow_bottom_sinks(tmp_path: Pat
 def test_a_crate_that_bobs_floats(tmp_path: Path) -> None:
     z = AFLOAT + 0.01 * np.sin(2 * np.pi * np.arange(FRAMES) / 12)
     assert judged(crate_in_tank(z), tmp_path, FLOATS).status == "pass"
+
+
+def bobbing(size: float, frames: int = 30) -> np.ndarray:
+    """Heights about its draft, with a period of half a second."""
+    return AFLOAT + size * np.sin(2 * np.pi * np.arange(frames) / 12)
+
+
+def test_a_crate_that_goes_up_and_down_in_water_bobs(tmp_path: Path) -> None:
+    found = judged(crate_in_tank(bobbing(0.005)), tmp_path, BOBS)
+    assert (found.status, found.unit, found.value) == ("pass", "1", 5.0), found.explanation
+    assert judged(crate_in_tank(bobbing(0.005)), tmp_path / "b", BOBS.model_copy(update={"min": 6.0})).status == "fail"
+
+
+@pytest.mark.parametrize("frames", [30, 60])
+def test_a_crate_that_lies_still_or_shivers_in_water_does_not_bob(tmp_path: Path, frames: int) -> None:
+    for name, heights in (("still", still(AFLOAT, frames)), ("shivers", bobbing(0.0004, frames))):
+        found = judged(crate_in_tank(heights), tmp_path / name, BOBS)
+        assert (found.status, found.value) == ("fail", 0.0), found.explanation
+
+
+def test_a_crate_that_a_rope_moves_up_and_down_does_not_bob(tmp_path: Path) -> None:
+    found = judged(crate_in_tank(bobbing(0.005), density=2000.0, other_share=0.75), tmp_path, BOBS)
+    assert (found.status, found.value) == ("fail", pytest.approx(0.25, abs=0.05)), found.explanation
+
+
+def test_a_crate_that_sinks_or_comes_up_once_does_not_bob(tmp_path: Path) -> None:
+    down = judged(crate_in_tank(sunk(0.4, 30), density=2500.0, depth=0.4), tmp_path / "down", BOBS)
+    rising = np.minimum(0.1 + 0.01 * np.arange(30), AFLOAT)
+    up = judged(crate_in_tank(rising), tmp_path / "up", BOBS)
+    assert [down.status, up.status] == ["fail", "fail"]
 
 
 def test_a_crate_floats_always_where_it_floats_over_every_half_second(tmp_path: Path) -> None:
@@ -143,15 +174,15 @@ def test_a_stone_that_a_rope_lets_down_does_not_sink(tmp_path: Path) -> None:
     assert (found.status, found.comparison, found.value) == ("fail", "<=", pytest.approx(0.5, abs=0.03))
 
 
-@pytest.mark.parametrize("kind", ["floats", "sinks"])
+@pytest.mark.parametrize("kind", ["floats", "sinks", "bobs"])
 def test_a_crate_at_rest_on_the_bottom_throughout_neither_floats_nor_sinks(kind: str, tmp_path: Path) -> None:
     flow = crate_in_tank(still(EDGE / 2), density=2000.0, depth=0.2, tank_share=0.5)
-    assert judged(flow, tmp_path, FLOATS if kind == "floats" else SINKS).status == "fail"
+    assert judged(flow, tmp_path, {"floats": FLOATS, "sinks": SINKS, "bobs": BOBS}[kind]).status == "fail"
 
 
-@pytest.mark.parametrize("kind", ["floats", "sinks"])
+@pytest.mark.parametrize("kind", ["floats", "sinks", "bobs"])
 def test_nothing_floats_or_sinks_in_painted_water(kind: str, tmp_path: Path) -> None:
     painted = {"other": "tank"}
-    event = FLOATS.model_copy(update=painted) if kind == "floats" else SINKS.model_copy(update=painted)
+    event = {"floats": FLOATS, "sinks": SINKS, "bobs": BOBS}[kind].model_copy(update=painted)
     found = judged(crate_in_tank(still(AFLOAT)), tmp_path, event)
     assert (found.status, found.details.get("painted")) == ("fail", True)

@@ -142,7 +142,7 @@ AT = {
     ],
 )  # fmt: skip
 def test_a_word_of_place_is_measured_between_the_thing_and_the_place(quote: str, good: str, bad: str, tmp_path: Path) -> None:
-    prompt = f"A ball lies {quote} the blocks."
+    prompt = f"A ball is {quote} the blocks."
     for where, status in ((good, "pass"), (bad, "fail")):
         spec = scene({"ball": ball(0.1, motion="dynamic", at=AT[where]), "block": TABLE})
         row = judged(tmp_path / where, spec, prompt, quote, "place", ["/entities/block"])

@@ -13,8 +13,9 @@ from worldagent.verifiers.claims.check import check
 from worldagent.verifiers.claims.described.lands import share_of_pictures, slopes
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.folder import WorldFolder
+from worldagent.worlds.predicates import LandscapeField
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import CameraKey, Shot, WorldSpec
+from worldagent.worlds.spec import CameraKey, Requirement, Shot, Story, WorldSpec
 from worldagent.worlds.spec.terrain import Terrain
 
 LAND: dict[str, Any] = {
@@ -89,6 +90,28 @@ def test_a_steep_hill_is_measured_on_the_land(folder: Path) -> None:
         update={"claims": {**flat.claims, "steep": flat.claims["steep"].model_copy(update={"by": ["/terrains/land/zones/far"]})}}
     )
     assert judged(folder, flat)["claim:property:steep"].status == "fail"
+
+
+@pytest.mark.parametrize(
+    ("prompt", "field", "zone", "status"),
+    [
+        ("The hill is high on the west side.", {"min": 1.0}, "west", "pass"),
+        ("The hill is high on the west side.", {"min": 900.0}, "west", "fail"),
+        ("The hill is high on the west side.", {"min": -50.0}, None, "fail"),
+        ("The hill is high on the west side.", {"max": 900.0}, "west", "fail"),
+        ("A wall stands on the west side of the hill.", {"min": 1.0}, "west", "fail"),
+    ],
+)
+def test_a_field_of_a_zone_says_where_on_the_land_and_of_no_body(
+    folder: Path, prompt: str, field: dict[str, float], zone: str | None, status: str
+) -> None:
+    """The zone is the agent's reading of *the west side*; a wall is nowhere by what the land is like."""
+    asked = Requirement(text="high there", predicate=LandscapeField(terrain="land", field="height", zone=zone, **field))
+    made = spec().model_copy(update={"story": Story(requirements={"high": asked})})
+    claims = {"hill": ("hill", "thing", ["/terrains/land"]), "side": ("on the west side", "place", ["/story/requirements/high"])}
+    claims |= {"wall": ("wall", "thing", ["/entities/wall"])} if "wall" in prompt else {}
+    row = judged(folder, claimed(made, prompt, claims))["claim:place:side"]
+    assert row.status == status, row.evidence
 
 
 def test_land_that_is_not_built_is_no_evidence(tmp_path: Path) -> None:

@@ -145,13 +145,13 @@ def refuted(session: Session, freeze: str) -> bool:
 
 
 def _span(candidate: Candidate, frames: tuple[int, int] | None) -> tuple[int, int]:
-    """First and last frame that are asked for, all by default; those that are there, where the range ends beyond them.
+    """First and last frame that are asked for, all by default; those that are there, where the range ends beyond a motion.
 
     Raises:
-        InputError: none of them is there.
+        InputError: none of them is there, or nothing moves yet.
     """
     first, last = frames or (0, candidate.last_frame)
-    if 0 <= first <= min(last, candidate.last_frame):
+    if 0 <= first <= last <= candidate.last_frame or (candidate.stage != "static" and 0 <= first <= candidate.last_frame < last):
         return first, min(last, candidate.last_frame)
     more = "; probe_sim gives motion" if candidate.stage == "static" else f" ({left})" if (left := unfinished(candidate)) else ""
     raise InputError(
@@ -185,7 +185,11 @@ def measured(
         raise InputError(f"unknown entities {unknown}{hint} the world has {sorted(session.spec.entities)[:30]}")
     first, last = _span(candidate, frames)
     unjudged = session.shown(candidate, last)
-    head: dict[str, Any] = {"source": candidate.artifact, "stage": run_of(candidate), **({"unjudged": unjudged} if unjudged else {})}
+    head: dict[str, Any] = {
+        "source": candidate.artifact,
+        "stage": run_of(candidate),
+        **({"unjudged": unjudged} if unjudged else {}),
+    }
     head |= {"run": left} if (left := unfinished(candidate)) else {}
     if frames is not None and frames[1] > last:
         head |= {"warnings": [f"the {run_of(candidate)} run has frames 0..{last}: told is up to there"]}

@@ -31,10 +31,10 @@ def bound(
     limit: wp.array(dtype=wp.vec4d),
 ):
     """Share of each vertex's displacement in this step after which it is still on its side of the plane between the pair, which moves
-    along with both (after `divide and truncate`, Chen et al. 2025). Below 0: how far [m] a solid carries the plane on over it."""
+    along with both (after `divide and truncate`, Chen et al. 2025). Below 0: how far [m] a solid carries the plane on over it. Nothing of
+    pairs that are left alone."""
     p = first + wp.tid()
     if wanted[p] < wp.float64(-1.5e30):
-        limit[p] = wp.vec4d(wp.float64(1.0), wp.float64(1.0), wp.float64(1.0), wp.float64(1.0))
         return
     q = pairs[p]
     c = share[p]
@@ -125,6 +125,7 @@ def move(
     first: wp.int32,
     clock: wp.array(dtype=wp.float64),
     start: wp.array(dtype=wp.int32),
+    end: wp.array(dtype=wp.int32),
     items: wp.array(dtype=wp.int32),
     kinds: wp.array(dtype=wp.vec2i),
     wanted: wp.array(dtype=wp.float64),
@@ -148,14 +149,14 @@ def move(
     speed = u[i]
     if inverse[i] > wp.float64(0.0):
         part = wp.float64(1.0)
-        for k in range(start[i], start[i + 1]):
+        for k in range(start[i], end[i]):
             item = items[k]
             p = item / 4
             if wanted[p] > wp.float64(-1.5e30):
                 part = wp.min(part, limit[p][item - 4 * p])
         if part < wp.float64(1.0):
             speed = wp.max(part, wp.float64(0.0)) * speed
-            for k in range(start[i], start[i + 1]):
+            for k in range(start[i], end[i]):
                 item = items[k]
                 p = item / 4
                 c = limit[p][item - 4 * p]

@@ -131,6 +131,7 @@ def meet(
 def crowd(
     first: wp.int32,
     start: wp.array(dtype=wp.int32),
+    end: wp.array(dtype=wp.int32),
     items: wp.array(dtype=wp.int32),
     wanted: wp.array(dtype=wp.float64),
     inverse: wp.array(dtype=wp.float64),
@@ -140,7 +141,7 @@ def crowd(
     doi:10.1145/2185520.2185601)."""
     i = first + wp.tid()
     n = wp.int32(0)
-    for k in range(start[i], start[i + 1]):
+    for k in range(start[i], end[i]):
         if wanted[items[k] / 4] > wp.float64(-1.0e29):
             n += 1
     split[i] = inverse[i] * wp.float64(n)
@@ -195,6 +196,7 @@ def press(
 def yield_to(
     first: wp.int32,
     start: wp.array(dtype=wp.int32),
+    end: wp.array(dtype=wp.int32),
     items: wp.array(dtype=wp.int32),
     wanted: wp.array(dtype=wp.float64),
     share: wp.array(dtype=wp.vec4d),
@@ -208,7 +210,7 @@ def yield_to(
     if w == wp.float64(0.0):
         return
     total = wp.vec3d()
-    for k in range(start[i], start[i + 1]):
+    for k in range(start[i], end[i]):
         item = items[k]
         p = item / 4
         if wanted[p] > wp.float64(-1.0e29):
@@ -257,6 +259,7 @@ def lean(
     first: wp.int32,
     held: wp.array(dtype=wp.int32),
     start: wp.array(dtype=wp.int32),
+    end: wp.array(dtype=wp.int32),
     items: wp.array(dtype=wp.int32),
     wanted: wp.array(dtype=wp.float64),
     share: wp.array(dtype=wp.vec4d),
@@ -266,7 +269,7 @@ def lean(
     """Contacts' impulses on held vertices, which what holds them feels."""
     i = held[first + wp.tid()]
     total = wp.vec3d()
-    for k in range(start[i], start[i + 1]):
+    for k in range(start[i], end[i]):
         item = items[k]
         p = item / 4
         if wanted[p] > wp.float64(-1.0e29):

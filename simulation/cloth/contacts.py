@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import partial
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...geometry.launch import warp
-from ...worlds.arrays import F64, I32
-from ..passes import Pass, Passes
+from ...geometry.launch import cores, warp
+from ...worlds.arrays import F64
+from ..passes import FEW, Pass, Passes
+from ..team import team
 from . import bound_kernels as bounds
 from . import contact_kernels as contact
 from . import list_kernels as lists
 from . import near_kernels as near
 from . import soft_kernels as softly
+from .near_lists import Corners, Slots, Surface, Surfaces
+from .near_part_kernels import near_self_parts
+from .pick_kernels import bounds as bounds_of
+from .pick_kernels import pick
 
 if TYPE_CHECKING:
     from .setup import ClothSetup
 
-__all__ = ["Contacts", "Surfaces", "ownership"]
+__all__ = ["Contacts"]
 
 FAR = 0.6
 """Reach of the search within sheets, in shortest edges: in a flat sheet nothing but neighbours lies within."""
@@ -26,83 +33,6 @@ SPARE = 0.6
 """Share of what may be moved until the lists no longer hold, after which they are made anew."""
 FARTHEST = 2.5
 """Most reach of the search for solids in shortest edges."""
-
-
-def ownership(faces: I32) -> I32:
-    """For each triangle bits of the vertices (1, 2, 4) and of the edges from vertex c to the next (8, 16, 32) that it stands for."""
-    owned = np.zeros(len(faces), dtype=np.int32)
-    flat = faces.ravel()
-    _, first = np.unique(flat, return_index=True)
-    np.bitwise_or.at(owned, first // 3, (1 << (first % 3)).astype(np.int32))
-    ends = np.sort(np.stack([flat, np.roll(faces, -1, axis=1).ravel()], axis=1), axis=1)
-    _, first = np.unique(ends[:, 0].astype(np.int64) * (int(flat.max(initial=0)) + 1) + ends[:, 1], return_index=True)
-    np.bitwise_or.at(owned, first // 3, (8 << (first % 3)).astype(np.int32))
-    return owned
-
-
-class _Surface:
-    """Triangles with their bounds and a tree over them."""
-
-    def __init__(self, faces: I32, device: str) -> None:
-        wp = warp()
-        self.count = len(faces)
-        self.faces = wp.array(np.ascontiguousarray(faces, dtype=np.int32), dtype=wp.vec3i, device=device)
-        self.owned = wp.array(ownership(faces), dtype=wp.int32, device=device)
-        self.lower = wp.zeros(self.count, dtype=wp.vec3, device=device)
-        self.upper = wp.zeros(self.count, dtype=wp.vec3, device=device)
-        self.tree: Any = None
-
-    def fit(self, passes: Passes, name: str, x: Any, u: Any, span: Any, drift: Any) -> None:
-        passes(name, near.boxes, self.count, [x, u, span, drift, self.faces, self.lower, self.upper])()
-        if self.tree is None:
-            self.tree = warp().Bvh(self.lower, self.upper)
-        else:
-            self.tree.refit()
-
-
-class _Slots:
-    """Room for what each triangle finds."""
-
-    def __init__(self, count: int, room: int, device: str) -> None:
-        self.count, self.room, self.device = count, room, device
-        self._make()
-
-    def _make(self) -> None:
-        wp = warp()
-        self.found, self.before = (wp.zeros(self.count, dtype=wp.int32, device=self.device) for _ in range(2))
-        self.pairs = wp.zeros(self.count * self.room, dtype=wp.vec4i, device=self.device)
-        self.kinds = wp.zeros(self.count * self.room, dtype=wp.vec2i, device=self.device)
-
-    def fits(self) -> bool:
-        """True if all found room; if not there is more from now on."""
-        most = int(self.found.numpy().max(initial=0))
-        if most <= self.room:
-            return True
-        self.room = int(1.5 * most) + 1
-        self._make()
-        return False
-
-    def total(self) -> int:
-        """Number of pairs found; where each triangle's begin among them is known from then on."""
-        warp().utils.array_scan(self.found, self.before, inclusive=False)
-        return int(self.before[-1:].numpy()[0]) + int(self.found[-1:].numpy()[0])
-
-
-class Surfaces(NamedTuple):
-    """The triangles that can meet."""
-
-    faces: I32
-    """Triangles of the sheets, shape (m, 3)."""
-    sheet_vertices: int
-    """Number of vertices that are the sheets'; the others are the solids'."""
-    solid_faces: I32
-    """Triangles of all solids, indices among all vertices."""
-    solid_body: I32
-    """Row of each of those triangles."""
-    holder: I32
-    """Row of the body that holds each vertex; -1: the world, -2: nothing."""
-    kin: I32
-    """A number for each vertex of the sheets, the same for those that were one before a tear."""
 
 
 class Contacts:
@@ -136,39 +66,55 @@ class Contacts:
         self.passes, self.state, self.n = passes, state, sheet_vertices
         self.self_collision, self.iterations = setup.self_collision, setup.iterations
         self.touch, self.shortest = touch, shortest
-        self.sheet = _Surface(faces, device)
+        self.sheet = Surface(faces, device)
         self._kin = wp.array(np.ascontiguousarray(kin[faces], dtype=np.int32), dtype=wp.vec3i, device=device)
-        self.solid = _Surface(solid_faces, device) if len(solid_faces) else None
+        self.solid = Surface(solid_faces, device) if len(solid_faces) else None
         self.active = self.self_collision or self.solid is not None
         self.held_count = int((holder != -2).sum())
         self.body_of = wp.array(solid_body.astype(np.int32), dtype=wp.int32, device=device)
         self.holder = wp.array(holder.astype(np.int32), dtype=wp.int32, device=device)
         self.friction = wp.array(friction, dtype=wp.float64, device=device)
         self.bodies = len(friction) - 1
-        self._own = _Slots(self.sheet.count, 8, device)
-        self._others = _Slots(self.sheet.count, 16, device)
-        self.count, self._room = 0, 0
         self._soft, self._felt = soft, np.zeros((len(state["x"]) - sheet_vertices if soft else 0, 3))
         self._work_by_row, self._yielding = np.zeros(self.bodies), len(state["x"]) if soft else sheet_vertices
-        self._start = wp.zeros(self._yielding + 1, dtype=wp.int32, device=device)
+        self._make_lists()
         self.split = wp.zeros(len(state["x"]), dtype=wp.float64, device=device)
         self.anchor = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
-        self.drift, self._none = (wp.zeros(1, dtype=wp.vec3d, device=device) for _ in range(2))
+        self.drift, self.none = (wp.zeros(1, dtype=wp.vec3d, device=device) for _ in range(2))
         self.plan = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
         self.span = wp.zeros(1, dtype=wp.float64, device=device)
         self.budget = wp.zeros(4, dtype=wp.float64, device=device)
         self.reach = wp.zeros(2, dtype=wp.float64, device=device)
-        self.over = wp.zeros(2, dtype=wp.int32, device=device)
+        self.over = wp.zeros(3, dtype=wp.int32, device=device)
         self.held_back = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
         # Trees are made of the first places, so that a run that goes on from a checkpoint walks them in the same order.
         self.sheet.fit(passes, "boxes", *self._moving(self.drift))
         if self.solid is not None:
-            self.solid.fit(passes, "solid_boxes", *self._moving(self._none))
+            self.solid.fit(passes, "solid_boxes", *self._moving(self.none))
         self.fresh = False
-        self.far = FAR
         self.searches = 0
         self.solid_margin = 0.0
         self._grow(256)
+
+    def _make_lists(self) -> None:
+        """Room for what triangles find, and for corners of pairs by vertex."""
+        wp, passes, device = warp(), self.passes, self.passes.device
+        self.gathers = device != "cpu"
+        self._nearby, self._box = (
+            Slots(passes, 1 if self.gathers else self.sheet.count, 40, bare=True),
+            np.empty((self.sheet.count, 6)),
+        )
+        self.own = Slots(passes, (6 if self.gathers else 1) * self.sheet.count, 8)
+        self._all = wp.ones(self.sheet.count, dtype=wp.int32, device=device)
+        self.others = Slots(passes, self.sheet.count, 16)
+        self.count, self._room, self.looked_at = 0, 0, 0
+        self._start = wp.zeros(self._yielding + 1, dtype=wp.int32, device=device)
+        self._ranges = self._start[:-1], self._start[1:]
+        if self.gathers:
+            self._pressing, self._cut = (
+                Corners(passes, "enlist", self._yielding, 32),
+                Corners(passes, "enlist_cut", self.n, 8),
+            )
 
     def _moving(self, drift: Any) -> tuple[Any, Any, Any, Any]:
         return self.state["x"], self.state["u"], self.span, drift
@@ -203,11 +149,11 @@ class Contacts:
             speed: fastest of the sheets' vertices against their mean velocity [m/s].
             drift: that mean velocity [m/s].
         """
-        own = 0.5 * (self.far * self.shortest - self.touch[0])
+        own = 0.5 * (FAR * self.shortest - self.touch[0])
         most = 0.5 * (FARTHEST * self.shortest - self.touch[1])
         return own, min(max(own * (1.0 + drift / max(speed, 1e-3)), own), most)
 
-    def search(self, speed: float, drift: F64, span: float = 0.0) -> None:
+    def search(self, speed: float, drift: F64, span: float = 0.0, *, far: float = FAR) -> None:
         """Look for all pairs anew.
 
         Args:
@@ -215,44 +161,75 @@ class Contacts:
             drift: that mean velocity, (3,) [m/s].
             span: time [s] over which all are taken to go on as they move; pairs that could meet within are found too, and what counts
                 from then on is how far vertices stray from there. 0: how far they move counts.
+            far: reach within sheets, in shortest edges.
         """
-        self._aim(speed, drift, span)
-        s, found = self.sheet, list[_Slots]()
-        x, u, time = self.state["x"], self.state["u"], self.span
+        self._aim(speed, drift, span, far)
+        found = list[Slots]()
         if self.self_collision:
-            s.fit(self.passes, "boxes", *self._moving(self.drift))
-        while self.self_collision:
-            o = self._own
-            self.passes(
-                "near_self", near.near_self, s.count,
-                [s.tree.id, x, u, time, s.faces, self._kin, s.owned, s.lower, s.upper, self.reach, o.room, o.found, o.pairs, o.kinds],
-            )()  # fmt: skip
-            if o.fits():
-                found.append(o)
-                break
+            self.sheet.fit(self.passes, "boxes", *self._moving(self.drift))
+            found.append(self.find_own(self.state["x"], self.state["u"], self.span))
         if self.solid is not None:
-            solid, o = self.solid, self._others
             if span > 0.0 or not self.self_collision:
-                s.fit(self.passes, "boxes_lab", *self._moving(self._none))
-            solid.fit(self.passes, "solid_boxes", *self._moving(self._none))
-            while True:
-                self.passes(
-                    "near_solids", near.near_solids, s.count,
-                    [solid.tree.id, x, u, time, s.faces, s.owned, self.holder, s.lower, s.upper, solid.faces, solid.owned, self.body_of,
-                     self.reach, o.room, o.found, o.pairs, o.kinds],
-                )()  # fmt: skip
-                if o.fits():
-                    found.append(o)
-                    break
+                self.sheet.fit(self.passes, "boxes_lab", *self._moving(self.none))
+            found.append(self.find_others(self.state["x"], self.state["u"], self.span))
         self._take(found)
         self.fresh = True
         self.searches += 1
 
-    def _aim(self, speed: float, drift: F64, span: float) -> None:
+    def find_own(self, places: Any, speeds: Any, span: Any, due: Any = None) -> Slots:
+        """Pairs of sheets, by the triangles' bounds as they are; of those that are due, or all."""
+        s, o = self.sheet, self.own
+        while True:
+            if self.gathers:
+                self.passes(
+                    "near_self_parts", near_self_parts, o.count,
+                    [s.tree.id, places, speeds, span, self.drift, s.faces, self._kin, s.owned, s.spread, self.reach, o.room, o.found, o.pairs,
+                     o.kinds],
+                    block=FEW,
+                )()  # fmt: skip
+            else:
+                self._pick(places, speeds, span, self._all if due is None else due)
+            if o.fits():
+                return o
+            due = None
+
+    def _pick(self, places: Any, speeds: Any, span: Any, due: Any) -> None:
+        """Pairs of sheets on a CPU: near triangles first, then what of them is near."""
+        s, o = self.sheet, self.own
+        while True:
+            inputs = [s.tree.id, s.lower, s.upper, self.reach, due, self._nearby.room, self._nearby.found, self._nearby.others]
+            self.passes("near_ones", near.near_ones, s.count, inputs)()
+            if self._nearby.fits():
+                break
+        x, faces = places.numpy(), s.faces.numpy()
+        bounds_of(faces, x, self._box)
+        rows = (
+            due.numpy(), self._nearby.others.numpy(), self._nearby.found.numpy(), self._nearby.room, x, speeds.numpy(), float(span.numpy()[0]),
+            float(self.reach.numpy()[0]), faces, self._kin.numpy(), s.owned.numpy(), s.spread.numpy(), self._box, o.found.numpy(), o.room,
+            o.pairs.numpy(), o.kinds.numpy(),
+        )  # fmt: skip
+        cuts = [s.count * k // (4 * cores()) for k in range(4 * cores() + 1)]
+        team(cores() - 1)([partial(pick, a, b, *rows) for a, b in pairwise(cuts)])
+
+    def find_others(self, places: Any, speeds: Any, span: Any) -> Slots:
+        """Pairs of sheets with solids, by the triangles' bounds as they are."""
+        s, solid, o = self.sheet, self.solid, self.others
+        assert solid is not None
+        solid.fit(self.passes, "solid_boxes", places, speeds, span, self.none)
+        while True:
+            self.passes(
+                "near_solids", near.near_solids, s.count,
+                [solid.tree.id, places, speeds, span, s.faces, s.owned, self.holder, s.lower, s.upper, s.spread, solid.faces,
+                 solid.owned, self.body_of, solid.spread, self.reach, o.room, o.found, o.pairs, o.kinds],
+            )()  # fmt: skip
+            if o.fits():
+                return o
+
+    def _aim(self, speed: float, drift: F64, span: float, reach: float) -> None:
         """Set how far is looked and how far vertices may move until the next search; arguments as `search`."""
         wp = warp()
         own, others = self.margins(speed, float(np.linalg.norm(drift)))
-        far = 1e9
+        own, far = own + 0.5 * (reach - FAR) * self.shortest, 1e9
         if span > 0.0:
             others = own
             budget = [SPARE * own, far, own, far]
@@ -270,10 +247,10 @@ class Contacts:
         wp.copy(self.anchor, self.state["x"], count=self.n)
         self.over.zero_()
 
-    def _take(self, found: list[_Slots]) -> None:
+    def _take(self, found: list[Slots]) -> None:
         """Make lists of what was found, in the order of the triangles that found it."""
         totals = [slots.total() for slots in found]
-        self.count = sum(totals)
+        self.count = self.looked_at = sum(totals)
         self._grow(self.count)
         if self.count == 0:
             self._start.zero_()
@@ -283,15 +260,22 @@ class Contacts:
             inputs = [slots.room, behind, slots.found, slots.before, slots.pairs, slots.kinds, self.pairs, self.kinds]
             p("together", lists.together, slots.count, inputs)()
             behind += total
-        p("by_vertex", lists.by_vertex, corners, [self._yielding, self.pairs, self._keys, self._items])()
-        warp().utils.radix_sort_pairs(self._keys, self._items, corners)
-        p("starts", lists.starts, self._yielding + 1, [corners, self._keys, self._start])()
-        self.host_kinds = self.kinds.numpy()[: self.count, 0]
+        if not self.gathers:
+            p("by_vertex", lists.by_vertex, corners, [self._yielding, self.pairs, self._keys, self._items])()
+            warp().utils.radix_sort_pairs(self._keys, self._items, corners)
+            p("starts", lists.starts, self._yielding + 1, [corners, self._keys, self._start])()
+        self._solids_from = totals[0] if self.self_collision else 0
+        self.host_kinds = (
+            self.kinds[self._solids_from : self.count].numpy()[:, 0] if self.solid is not None else np.zeros(0, np.int32)
+        )
         self.given.zero_()
         self.turned.zero_()
         self.felt.zero_()
         self.worked.zero_()
         self.slack.zero_()
+        if self.count < self._room:
+            # Places behind the last pair are always too far apart, so that a graph of steps holds for lists of any length.
+            self.slack[self.count :].fill_(1e30)
 
     # ------------------------------------------------------------------ step
 
@@ -299,51 +283,71 @@ class Contacts:
         """Passes of one step from the velocities after all other forces to the places at its end."""
         p, s, n, made = self.passes, self.state, self.n, []
         if self.count:
-            count = self.count
+            count = self._spread()
             made += [
                 p("meet", contact.meet, count, [n, s["x"], s["v"], s["u"], s["radius"], self.pairs, self.kinds, s["clock"], self.share, self.normal, self.wanted, self.impulse, self.slack]),
-                p("crowd", contact.crowd, self._yielding, [self._start, self._items, self.wanted, s["inverse"], self.split]),
             ]  # fmt: skip
+            at = (*self._ranges, self._items)
+            if self.gathers:
+                made += self._pressing.made(lists.enlist, count, [self.pairs, self.wanted], self.over)
+                at = self._pressing.lists
+            made.append(p("crowd", contact.crowd, self._yielding, [*at, self.wanted, s["inverse"], self.split]))
             press = p("press", contact.press, count, [s["u"], self.split, self.pairs, self.kinds, self.friction, self.share, self.normal, self.wanted, self.impulse, self.change])  # fmt: skip
             yields = p(
                 "yield",
                 contact.yield_to,
                 self._yielding,
-                [self._start, self._items, self.wanted, self.share, self.change, s["inverse"], s["u"]],
+                [*at, self.wanted, self.share, self.change, s["inverse"], s["u"]],
             )
             made += [press, yields] * self.iterations
             if self.held_count:
-                made.append(p("lean", contact.lean, self.held_count, [s["held"], self._start, self._items, self.wanted, self.share, self.impulse, s["reaction"]]))  # fmt: skip
+                made.append(p("lean", contact.lean, self.held_count, [s["held"], *at, self.wanted, self.share, self.impulse, s["reaction"]]))  # fmt: skip
         return [*made, *self.ends()]
+
+    def _spread(self) -> int:
+        """Places of the lists that a step goes through."""
+        return self.count if self.passes.device == "cpu" or not self.count else self._room
 
     def ends(self) -> list[Pass]:
         """Passes at the end of a step: what impulses gave to solids, and the move, cut short where anything would cross."""
-        p, s, n, count, made = self.passes, self.state, self.n, self.count, []
+        p, s, n, count, made = self.passes, self.state, self.n, self._spread(), []
         if self.count:
             if self.solid is not None:
                 made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
             if self._soft:
                 made.append(p("tell_vertices", softly.tell_vertices, count, [n, self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["u"], self.felt, self.worked]))  # fmt: skip
             made.append(p("bound", bounds.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, self.wanted, s["clock"], self.limit]))  # fmt: skip
+        at = (*self._ranges, self._items)
+        if self.gathers:
+            picked = self._cut.made(lists.enlist_cut, count, [self.pairs, self.wanted, self.limit], self.over)
+            made += picked if count else picked[:1]
+            at = self._cut.lists
         made.append(
-            p("move", bounds.move, n, [s["clock"], self._start, self._items, self.kinds, self.wanted, self.limit, self.normal, s["mass"], s["inverse"],
+            p("move", bounds.move, n, [s["clock"], *at, self.kinds, self.wanted, self.limit, self.normal, s["mass"], s["inverse"],
               self.anchor, self.plan, self.budget, s["u"], s["x"], s["v"], self.held_back, self.over])
         )  # fmt: skip
         return made
 
-    def worn(self) -> tuple[bool, bool]:
-        """Two answers: the lists should be made anew; they should have been before."""
-        over = self.over.numpy()
-        return bool(over[0]), bool(over[1])
+    def outrun(self) -> tuple[bool, bool]:
+        """Two answers: a vertex went farther since the last search than its lists hold; some vertex had more contacts than there was room
+        for, and there is more from now on."""
+        _, far, full = self.over.numpy()
+        if full:
+            for one in (self._pressing, self._cut):
+                one.grow(2)
+        return bool(far), bool(full)
 
     def solids_at(self, vertex: int) -> list[int]:
         """Rows of the bodies that a vertex of a sheet gets impulses from in the last step, those of its triangles' pairs included."""
         if self.count == 0 or self.solid is None:
             return []
-        solid = np.flatnonzero(self.host_kinds[: self.count] > 1)
-        pressed = np.linalg.norm(self.impulse.numpy()[: self.count][solid], axis=1) > 0.0
-        own = (self.pairs.numpy()[: self.count][solid] == vertex).any(axis=1)
-        return sorted({int(k) for k in (self.host_kinds[solid[pressed & own]] - 2) // 4})
+        own = slice(self._solids_from, self.count)
+        pressed = (self.impulse[own].numpy() != 0.0).any(axis=1) & (self.pairs[own].numpy() == vertex).any(axis=1)
+        return sorted({int(k) for k in (self.host_kinds[pressed] - 2) // 4})
+
+    def soft_books(self) -> tuple[bool, F64, F64]:
+        """True if vertices of solids move by themselves; what they got, and works on their bodies, to be added to."""
+        return self._soft, self._felt, self._work_by_row
 
     def books(self) -> tuple[F64, F64]:
         """Impulses and works that soft bodies have felt so far, for `reopen`."""
@@ -361,18 +365,18 @@ class Contacts:
         total = np.zeros((self.bodies, 6))
         if self.count == 0 or self.solid is None:
             return total
-        solid = np.flatnonzero(self.host_kinds > 1)
-        if len(solid):
-            rows = (self.host_kinds[solid] - 2) // 4
-            both = np.concatenate([self.given.numpy()[solid], self.turned.numpy()[solid]], axis=1)
+        own = slice(self._solids_from, self.count)
+        if own.stop > own.start:
+            rows = (self.host_kinds - 2) // 4
+            both = np.concatenate([self.given[own].numpy(), self.turned[own].numpy()], axis=1)
             for k in range(6):
                 total[:, k] = np.bincount(rows, weights=both[:, k], minlength=self.bodies)
             if self._soft:
-                corner = self.pairs.numpy()[solid]
+                corner = self.pairs[own].numpy()
                 theirs = corner >= self.n
-                felt = self.felt.numpy()[: 4 * self.count].reshape(-1, 4, 3)[solid]
+                felt = self.felt[4 * own.start : 4 * own.stop].numpy().reshape(-1, 4, 3)
                 np.add.at(self._felt, corner[theirs] - self.n, felt[theirs])
-                self._work_by_row += np.bincount(rows, weights=self.worked.numpy()[solid], minlength=self.bodies)
+                self._work_by_row += np.bincount(rows, weights=self.worked[own].numpy(), minlength=self.bodies)
                 self.felt.zero_()
                 self.worked.zero_()
         self.given.zero_()

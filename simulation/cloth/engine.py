@@ -15,10 +15,12 @@ from ..sealed import from_bytes, to_bytes
 from . import force_kernels as forces
 from . import step_kernels as steps
 from .arrays import ClothArrays
-from .contacts import Contacts, Surfaces
+from .contacts import Contacts
+from .folds import Folds, OutranError
 from .grips import Grips
+from .near_lists import Surfaces
 from .pace import fastest_point, stiffening
-from .setup import ClothReport, ClothSetup
+from .setup import ClothReport, ClothSetup, still_air
 from .soft_solids import Patience
 from .stability import highest_frequency, longest_step
 from .strides import Strides
@@ -43,12 +45,12 @@ CATCH = 0.3
 HALVINGS = 6
 """Most times that explicit steps are taken again, half as long, where a vertex outran the search for contacts: what slips off an edge under
 tension, or is struck, moves at once many times as fast as anything moved when the step was chosen."""
+AHEAD = 13
+"""Most steps on a GPU that are taken with the same lists."""
+FAR_AHEAD = 0.9
+"""Reach of the search for them within sheets, in shortest edges."""
 STIFFENING = 4
 """Calls between two looks at how much stretch stiffens the sheets."""
-
-
-class _OutranError(Exception):
-    """A vertex moved further in one step than the search for contacts allows."""
 
 
 class Cloth(ClothArrays):
@@ -67,6 +69,11 @@ class Cloth(ClothArrays):
         beta = max(float(s.modulus[:, 3].max()) for s in setup.sheets)
         self.longest = min(SAFE * min(longest_step(f, beta) for f in highest), setup.max_step)
         self.contacts = self._make_contacts(setup)
+        self._air_rests = False
+        self.carries = bool(self.led_count or self._soft.rows) and self.total > self.n
+        self.folds: Folds | None = None
+        if self.device == "cpu" and self.contacts.active:
+            self.folds = Folds(self, self.contacts, self.forces, self.carry if self.carries else None)
         self._strides = Strides(self) if setup.integrator == "implicit" and self.device == "cpu" else None
         self.grips = Grips(self, self._strides) if self._strides is not None and not self._soft.rows else None
         self.time, self.steps_done = 0.0, 0
@@ -149,7 +156,7 @@ class Cloth(ClothArrays):
             try:
                 total = self._run(span / count, count, solid_speed)
                 break
-            except _OutranError as error:
+            except OutranError as error:
                 if halving == HALVINGS:
                     raise EngineError(str(error)) from None
                 self._back(before)
@@ -161,13 +168,13 @@ class Cloth(ClothArrays):
     def _moment(self) -> tuple[Any, ...]:
         """All that explicit steps change, for `_back`."""
         arrays = (self.x, self.v, self.u, self.clock, self.reaction, self.contacts.held_back)
-        return (*((a, a.numpy().copy()) for a in arrays), self.contacts.books())
+        return (*((a, warp().clone(a)) for a in arrays), self.contacts.books())
 
     def _back(self, moment: tuple[Any, ...]) -> None:
         """Return to a moment; what has been looked for since is looked for anew."""
         *arrays, books = moment
         for array, values in arrays:
-            array.assign(values)
+            warp().copy(array, values)
         self.contacts.reopen(books)
 
     def _longest(self, speed: F64, push: F64, span: float, solid_speed: float) -> float:
@@ -195,37 +202,53 @@ class Cloth(ClothArrays):
         return math.sqrt(self._stiffness)
 
     def _run(self, dt: float, count: int, solid_speed: float) -> F64:
-        """Take `count` steps; the impulses given to the bodies by contact, (b, 6)."""
+        """Take `count` steps; the impulses given to the bodies by contact, (b, 6).
+
+        On a GPU several steps are taken with the same lists, and taken back where a vertex strayed from where it was expected."""
         contacts = self.contacts
-        since = float(self.clock.numpy()[2]) if contacts.fresh else 0.0
-        self.clock.assign(np.array([dt, float(self.clock.numpy()[1]), since]))
-        total = np.zeros((len(self.setup.boundaries), 6))
-        passes = None
-        for k in range(count):
-            outrun = (since + (k + 1) * dt) * solid_speed > contacts.solid_margin
-            if contacts.active and (not contacts.fresh or outrun):
-                total += contacts.collect()
-                now = self.v.numpy()
-                drift = self.mass @ now / self.mass.sum()
-                contacts.search(float(np.sqrt(((now - drift) ** 2).sum(1).max())), drift)
-                since, passes = -k * dt, None
-                self._clock_back()
-            passes = passes or self._passes()
-            for one in passes:
-                one()
-            if contacts.active:
-                worn, broken = contacts.worn()
-                if broken:
-                    raise _OutranError(self._outran(dt))
-                contacts.fresh = not worn
-        return total + contacts.collect()
+        if self.folds is not None:
+            try:
+                return self.folds.run(dt, count, solid_speed)
+            except OutranError:
+                raise OutranError(self._outran(dt)) from None
+        total, done, each = np.zeros((len(self.setup.boundaries), 6)), 0, min(count, AHEAD)
+        while done < count:
+            each = min(each, count - done)
+            before = self._moment()
+            self._look_ahead(dt, each)
+            passes = self._passes()
+            for _ in range(each):
+                for one in passes:
+                    one()
+            far, full = contacts.outrun() if contacts.active else (False, False)
+            if not far and not full:
+                total, done, each = total + contacts.collect(), done + each, min(2 * each, AHEAD)
+                continue
+            if each == 1 and not full:
+                raise OutranError(self._outran(dt))
+            self._back(before)
+            each = each if full else each // 2
+        return total
+
+    def _look_ahead(self, dt: float, count: int) -> None:
+        """Look for the pairs that come near in so many steps if all goes on as it does."""
+        clock = self.clock.numpy()
+        self.clock.assign(np.array([dt, float(clock[1]), 0.0]))
+        if not self.contacts.active:
+            return
+        warp().copy(self.u, self.v, count=self.n)
+        if self.led_count:
+            self.lead()()
+        now = self.v.numpy()
+        drift = self.mass @ now / self.mass.sum()
+        self.contacts.search(float(np.sqrt(((now - drift) ** 2).sum(1).max())), drift, count * dt, far=FAR_AHEAD)
 
     def _outran(self, dt: float) -> str:
         """Words on the vertex that went farthest from where contacts were last looked for, and what it touches."""
         moved = np.linalg.norm(self.x.numpy()[: self.n] - self.contacts.anchor.numpy(), axis=1)
-        worst = int(moved.argmax())
+        worst = int(moved.argmax()) if self.folds is None else self.folds.farthest()
         place = np.round(self.x.numpy()[worst], 3).tolist()
-        rows = self.contacts.solids_at(worst)
+        rows = (self.folds or self.contacts).solids_at(worst)
         touched = [self.setup.boundaries[row].name for row in rows]
         where = f"between {' and '.join(touched[:3])}" if len(rows) > 1 else f"at {touched[0]}" if rows else "at no solid"
         cure = (
@@ -241,11 +264,6 @@ class Cloth(ClothArrays):
         """The pass that leads what bodies take along."""
         return self.passes("lead", steps.lead, self.led_count, [*self._led, self._rotation, self._origin, self._center, self._velocity, self._spin, self.clock, self.x, self.target, self.u])  # fmt: skip
 
-    def _clock_back(self) -> None:
-        clock = self.clock.numpy().copy()
-        clock[2] = 0.0
-        self.clock.assign(clock)
-
     def blow(self, time: float, x: F64) -> F64:
         """Take the air and the fields as they are now; the acceleration of vertices but for gravity, (n, 3)."""
         setup, p, n = self.setup, self.passes, self.n
@@ -254,14 +272,17 @@ class Cloth(ClothArrays):
             pull = np.zeros((n, 3)) if setup.acceleration is None else setup.acceleration(x, time)
             self._pulled.assign(setup.gravity + pull + (0.0 if self.loads is None else self.loads / self.mass[:, None]))
         if self.blown:
-            self.air.assign(setup.air((x[self.faces[:, 0]] + x[self.faces[:, 1]] + x[self.faces[:, 2]]) / 3.0, time))
+            if not self._air_rests:
+                self.air.assign(setup.air((x[self.faces[:, 0]] + x[self.faces[:, 1]] + x[self.faces[:, 2]]) / 3.0, time))
+                self._air_rests = setup.air is still_air
             p("blow", steps.blow, len(self.faces), [self.x, self.v, self.face_array, self.air, self.drag, self._blast])()
             p("catch", steps.catch_air, n, [self.masses, *self.corners, self._blast, self._pulled, self.acceleration])()
         elif pulled:
             warp().copy(self.acceleration, self._pulled)
         return np.asarray(self.acceleration.numpy() - setup.gravity)
 
-    def _passes(self) -> list[Any]:
+    def forces(self) -> list[Any]:
+        """Passes to the velocities after all forces but those of contacts."""
         p, n = self.passes, self.n
         made = [
             p("membrane", forces.membrane, len(self.faces), [self.x, self.v, self.face_array, self.rest, self.law, self.force])
@@ -274,9 +295,17 @@ class Cloth(ClothArrays):
             p("fall", steps.fall, n, [self.x, self.v, self.masses, *self.corners, self.force, *self.ends, self.weights, self.pull,
               self.acceleration, self.inverse, self.target, self.clock, self.reaction, self.u])
         )  # fmt: skip
-        made += self.contacts.steps()
-        if (self.led_count or self._soft.rows) and self.total > self.n:
-            made.append(p("carry", steps.carry, self.total - n, [n, self.clock, self.u, self.x]))
+        return made
+
+    def carry(self) -> Any:
+        """The pass that moves the solids' vertices."""
+        return self.passes("carry", steps.carry, self.total - self.n, [self.n, self.clock, self.u, self.x])
+
+    def _passes(self) -> list[Any]:
+        p = self.passes
+        made = [*self.forces(), *self.contacts.steps()]
+        if self.carries:
+            made.append(self.carry())
         made.append(p("tick", steps.tick, 1, [self.clock]))
         return [p.chain("step", made)] if self.device != "cpu" else made
 
@@ -317,7 +346,7 @@ class Cloth(ClothArrays):
         fastest = float(np.sqrt((self.v.numpy() ** 2).sum(1).max()))
         return ClothReport(
             dt=span, impulse=impulse, vertex_impulse=self._soft.given(pressed), steps=count, fastest=fastest, contact=total,
-            air=air, held=reaction, cut=cut, load=load, work=work, contacts=self.contacts.count,
+            air=air, held=reaction, cut=cut, load=load, work=work, contacts=self.contacts.looked_at,
         )  # fmt: skip
 
     # ------------------------------------------------------------------ state

@@ -5,7 +5,18 @@ import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["boxes", "is_edges", "near_self", "near_solids", "shares"]
+__all__ = [
+    "boxes",
+    "is_edges",
+    "mark",
+    "near_ones",
+    "near_solids",
+    "put",
+    "reach_between",
+    "shares",
+    "touch_edges",
+    "touch_triangle",
+]
 
 
 @wp.func
@@ -100,8 +111,10 @@ def boxes(
     faces: wp.array(dtype=wp.vec3i),
     lower: wp.array(dtype=wp.vec3),
     upper: wp.array(dtype=wp.vec3),
+    spread: wp.array(dtype=wp.float64),
 ):
-    """Bounds of triangles over a span of time, seen from what goes with `drift`, widened by more than float32 leaves out."""
+    """Bounds of triangles over a span of time, seen from what goes with `drift`, widened by more than float32 leaves out; how far their
+    vertices go from the first one in that time."""
     t = first + wp.tid()
     f = faces[t]
     a = wp.vec3(x[f[0]])
@@ -118,6 +131,8 @@ def boxes(
     reach = 1.0e-6 * (wp.max(wp.abs(low)) + wp.max(wp.abs(high)))
     lower[t] = low - wp.vec3(reach, reach, reach)
     upper[t] = high + wp.vec3(reach, reach, reach)
+    fast = wp.max(wp.length(u[f[1]] - u[f[0]]), wp.length(u[f[2]] - u[f[0]]))
+    spread[t] = span[0] * fast
 
 
 @wp.func
@@ -139,104 +154,103 @@ def put(
 
 
 @wp.func
-def touch_triangle(
-    x: wp.array(dtype=wp.vec3d), u: wp.array(dtype=wp.vec3d), i: wp.int32, f: wp.vec3i, least: wp.float64, span: wp.float64
+def reach_between(
+    u: wp.array(dtype=wp.vec3d),
+    f: wp.vec3i,
+    g: wp.vec3i,
+    least: wp.float64,
+    span: wp.float64,
+    own: wp.float64,
+    others: wp.float64,
 ):
-    """True if vertex i is within reach of a triangle, or comes there within a span of time."""
-    reach = least
+    """Distance within which two triangles must be to come within `least` in a span of time: the motion of their first vertices against
+    each other, and how far their others go from these."""
     if span > wp.float64(0.0):
-        v = u[i]
-        reach += span * wp.max(wp.length(u[f[0]] - v), wp.max(wp.length(u[f[1]] - v), wp.length(u[f[2]] - v)))
+        return least + span * wp.length(u[f[0]] - u[g[0]]) + own + others
+    return least
+
+
+@wp.func
+def touch_triangle(x: wp.array(dtype=wp.vec3d), i: wp.int32, f: wp.vec3i, reach: wp.float64):
+    """True if vertex i is within reach of a triangle."""
     p = x[i]
     a = x[f[0]]
     b = x[f[1]]
     c = x[f[2]]
+    low = wp.min(a, wp.min(b, c))
+    high = wp.max(a, wp.max(b, c))
+    for k in range(3):
+        if p[k] < low[k] - reach or p[k] > high[k] + reach:
+            return False
     w = on_triangle(p, a, b, c)
     r = p - w[0] * a - w[1] * b - w[2] * c
     return wp.dot(r, r) < reach * reach
 
 
 @wp.func
-def touch_edges(
-    x: wp.array(dtype=wp.vec3d), u: wp.array(dtype=wp.vec3d), e: wp.vec2i, g: wp.vec2i, least: wp.float64, span: wp.float64
-):
-    """True if two edges are within reach of each other, or come there within a span of time."""
-    reach = least
-    if span > wp.float64(0.0):
-        v = u[e[0]]
-        w = u[e[1]]
-        reach += span * wp.max(
-            wp.max(wp.length(u[g[0]] - v), wp.length(u[g[1]] - v)), wp.max(wp.length(u[g[0]] - w), wp.length(u[g[1]] - w))
-        )
+def touch_edges(x: wp.array(dtype=wp.vec3d), e: wp.vec2i, g: wp.vec2i, reach: wp.float64):
+    """True if two edges are within reach of each other."""
     a = x[e[0]]
     b = x[e[1]]
     c = x[g[0]]
     d = x[g[1]]
-    apart = wp.float64(0.5) * (a + b - c - d)
-    far = wp.float64(0.5) * (wp.length(b - a) + wp.length(d - c)) + reach
-    if wp.dot(apart, apart) > far * far:
-        return False
+    for k in range(3):
+        if wp.max(a[k], b[k]) + reach < wp.min(c[k], d[k]) or wp.max(c[k], d[k]) + reach < wp.min(a[k], b[k]):
+            return False
     s = on_segments(a, b, c, d)
     r = a + s[0] * (b - a) - c - s[1] * (d - c)
     return wp.dot(r, r) < reach * reach
 
 
 @wp.kernel
-def near_self(
+def mark(
     first: wp.int32,
     bvh: wp.uint64,
-    x: wp.array(dtype=wp.vec3d),
-    u: wp.array(dtype=wp.vec3d),
-    span: wp.array(dtype=wp.float64),
+    moved: wp.array(dtype=wp.int32),
     faces: wp.array(dtype=wp.vec3i),
-    kin: wp.array(dtype=wp.vec3i),
-    owned: wp.array(dtype=wp.int32),
     lower: wp.array(dtype=wp.vec3),
     upper: wp.array(dtype=wp.vec3),
     reach: wp.array(dtype=wp.float64),
-    room: wp.int32,
-    count: wp.array(dtype=wp.int32),
-    pairs: wp.array(dtype=wp.vec4i),
-    kinds: wp.array(dtype=wp.vec2i),
+    due: wp.array(dtype=wp.int32),
 ):
-    """Pairs of a sheet with itself or another: this triangle's own vertices and edges with other triangles and their own edges.
-
-    `owned` holds bits: 1, 2, 4 for vertices 0, 1, 2 and 8, 16, 32 for the edges that start there. `kin` is `faces` with one number for
-    all vertices that were one before a tear; what shares one of them is no pair."""
+    """Triangles of moved vertices are due to look for pairs, with all that are near them."""
     t = first + wp.tid()
     f = faces[t]
-    n = kin[t]
-    mine = owned[t]
-    far = reach[0]
-    wide = float(far)
-    time = span[0]
+    if moved[f[0]] == 0 and moved[f[1]] == 0 and moved[f[2]] == 0:
+        return
+    wide = float(reach[0])
+    due[t] = 1
+    k = wp.int32(0)
+    query = wp.bvh_query_aabb(bvh, lower[t] - wp.vec3(wide, wide, wide), upper[t] + wp.vec3(wide, wide, wide))
+    while wp.bvh_query_next(query, k):
+        due[k] = 1
+
+
+@wp.kernel
+def near_ones(
+    first: wp.int32,
+    bvh: wp.uint64,
+    lower: wp.array(dtype=wp.vec3),
+    upper: wp.array(dtype=wp.vec3),
+    reach: wp.array(dtype=wp.float64),
+    due: wp.array(dtype=wp.int32),
+    room: wp.int32,
+    count: wp.array(dtype=wp.int32),
+    others: wp.array(dtype=wp.int32),
+):
+    """Triangles whose bounds are within reach of those of each triangle that is due."""
+    t = first + wp.tid()
+    if due[t] == 0:
+        return
+    wide = float(reach[0])
     slot = wp.int32(0)
     k = wp.int32(0)
     query = wp.bvh_query_aabb(bvh, lower[t] - wp.vec3(wide, wide, wide), upper[t] + wp.vec3(wide, wide, wide))
     while wp.bvh_query_next(query, k):
         if k != t:
-            g = faces[k]
-            m = kin[k]
-            others = owned[k]
-            for c in range(3):
-                i = f[c]
-                if (mine & (1 << c)) != 0 and n[c] != m[0] and n[c] != m[1] and n[c] != m[2]:
-                    if touch_triangle(x, u, i, g, far, time):
-                        slot = put(slot, room, t, wp.vec4i(i, g[0], g[1], g[2]), 0, others, pairs, kinds)
-            if t < k:
-                for c in range(3):
-                    if (mine & (8 << c)) != 0:
-                        e = wp.vec2i(f[c], f[(c + 1) % 3])
-                        for d in range(3):
-                            if (others & (8 << d)) != 0:
-                                o = wp.vec2i(g[d], g[(d + 1) % 3])
-                                a = n[c]
-                                b = n[(c + 1) % 3]
-                                p = m[d]
-                                q = m[(d + 1) % 3]
-                                if a != p and a != q and b != p and b != q:
-                                    if touch_edges(x, u, e, o, far, time):
-                                        slot = put(slot, room, t, wp.vec4i(e[0], e[1], o[0], o[1]), 1, 0, pairs, kinds)
+            if slot < room:
+                others[t * room + slot] = k
+            slot = slot + 1
     count[t] = slot
 
 
@@ -258,9 +272,11 @@ def near_solids(
     holder: wp.array(dtype=wp.int32),
     lower: wp.array(dtype=wp.vec3),
     upper: wp.array(dtype=wp.vec3),
+    spread: wp.array(dtype=wp.float64),
     solid_faces: wp.array(dtype=wp.vec3i),
     solid_owned: wp.array(dtype=wp.int32),
     solid_body: wp.array(dtype=wp.int32),
+    solid_spread: wp.array(dtype=wp.float64),
     reach: wp.array(dtype=wp.float64),
     room: wp.int32,
     count: wp.array(dtype=wp.int32),
@@ -283,16 +299,17 @@ def near_solids(
         body = solid_body[k]
         if not tied(holder, f, body):
             others = solid_owned[k]
+            near = reach_between(u, f, g, far, time, spread[t], solid_spread[k])
             for c in range(3):
-                if (mine & (1 << c)) != 0 and touch_triangle(x, u, f[c], g, far, time):
+                if (mine & (1 << c)) != 0 and touch_triangle(x, f[c], g, near):
                     slot = put(slot, room, t, wp.vec4i(f[c], g[0], g[1], g[2]), 4 * body + 2, others, pairs, kinds)
-                if (others & (1 << c)) != 0 and touch_triangle(x, u, g[c], f, far, time):
+                if (others & (1 << c)) != 0 and touch_triangle(x, g[c], f, near):
                     slot = put(slot, room, t, wp.vec4i(g[c], f[0], f[1], f[2]), 4 * body + 4, mine, pairs, kinds)
                 if (mine & (8 << c)) != 0:
                     e = wp.vec2i(f[c], f[(c + 1) % 3])
                     for d in range(3):
                         if (others & (8 << d)) != 0:
                             o = wp.vec2i(g[d], g[(d + 1) % 3])
-                            if touch_edges(x, u, e, o, far, time):
+                            if touch_edges(x, e, o, near):
                                 slot = put(slot, room, t, wp.vec4i(e[0], e[1], o[0], o[1]), 4 * body + 3, 0, pairs, kinds)
     count[t] = slot

@@ -14,6 +14,7 @@ from worldagent.geometry import pierced
 from worldagent.simulation.cloth.energy import bending_energy, membrane_energy
 from worldagent.simulation.cloth.engine import Cloth
 from worldagent.simulation.cloth.mesh import sheet_of
+from worldagent.simulation.cloth.near_lists import Corners, Slots
 from worldagent.tests.physics.cloth_sheets import DENSITY, STIFFNESS, box, cloth, fabric, hold, run, sheet, standing
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.categories.cloth.facts import sheet_grid
@@ -233,3 +234,29 @@ def test_equal_runs_give_equal_bytes_and_go_on_from_a_checkpoint() -> None:
     fresh.restore(state)
     run(fresh, 0.1, 0.15)
     assert fresh.checkpoint() == one.checkpoint()
+
+
+def test_lists_of_pairs_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Choice: a sheet that falls on its edge is where it is, to the byte, whatever the margins of the lists; steps in batches, as a GPU takes
+    them, with too little room for contacts at first, lead there but for rounding."""
+
+    def fallen(*, batches: bool = False) -> Cloth:
+        running = thrown(16)
+        running._strides = running.grips = None
+        if batches:
+            of = running.contacts
+            of.gathers, running.folds = True, None
+            of.own = Slots(of.passes, 6 * of.sheet.count, 1)
+            of._pressing, of._cut = Corners(of.passes, "enlist", of._yielding, 1), Corners(of.passes, "enlist_cut", of.n, 1)
+        run(running, 0.2)
+        return running
+
+    usual = fallen()
+    x, _ = usual.vertices()
+    assert x[:, 2].max() < 0.97
+    monkeypatch.setattr("worldagent.simulation.cloth.folds.AHEAD", 3)
+    monkeypatch.setattr("worldagent.simulation.cloth.folds.STRAY", 0.3)
+    assert fallen().checkpoint() == usual.checkpoint()
+    batched = fallen(batches=True)
+    assert batched.contacts._pressing.room > 1
+    assert np.abs(batched.vertices()[0] - x).max() < 1e-9

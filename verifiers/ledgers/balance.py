@@ -331,11 +331,16 @@ class Books(BodyBooks):
 
     @cached_property
     def napping(self) -> Flags:
-        """True where the entity may have slept and woken within the interval, shape (F - 1, E): slow at an end, and in contact
-        for at least the steps that the engine waits before it puts a body to sleep."""
-        known = np.linalg.norm(self.known_impulse, axis=2)
-        long = self.contact_budget >= NAP_STEPS * self.step / self.duration * known
-        result: Flags = self._may_sleep & _slow(self.velocities) & long & self.touched
+        """True where the entity may have slept and woken within the interval, shape (F - 1, E): slow at an end, and of an assembly that is in
+        contact for at least the steps that the engine waits before it puts it to sleep; what joints hold together sleeps as one."""
+        label, _ = self.assemblies
+        groups = int(label.max(initial=-1)) + 1
+        known, budget, touched = np.zeros(groups), np.zeros(groups), np.zeros(groups, dtype=bool)
+        np.add.at(known, label, np.linalg.norm(self.known_impulse, axis=2))
+        np.add.at(budget, label, self.contact_budget)
+        np.logical_or.at(touched, label, self.touched)
+        long = touched & (budget >= NAP_STEPS * self.step / self.duration * known)
+        result: Flags = self._may_sleep & _slow(self.velocities) & long[label]
         return result
 
     @cached_property

@@ -15,7 +15,7 @@ from worldagent.verifiers.ledgers.accounts import account_of
 from worldagent.verifiers.ledgers.balance import Books
 from worldagent.verifiers.ledgers.tumbling import tumble
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import RigidSettings
+from worldagent.worlds.spec import HingeJoint, RigidSettings
 
 
 def rows_of(film: Film, folder: Path) -> dict[str, Row]:
@@ -57,6 +57,23 @@ def test_forces_of_a_step_in_which_a_body_falls_asleep_are_logged(tmp_path: Path
     assert (np.diff(slept) > 0).any()
     row = rows_of(film, tmp_path)["momentum"]
     assert (row.status, row.measured) == ("pass", pytest.approx(0.0, abs=1e-9))
+
+
+@pytest.mark.parametrize(("share", "status"), [(0.4, "pass"), (0.05, "fail")])
+def test_what_joints_hold_together_sleeps_and_wakes_within_a_frame_as_one(share: float, status: str, tmp_path: Path) -> None:
+    """The upper box touches nothing: the engine lists for a part of the frame what the lower one gives, and that bears both."""
+    entities = {
+        "floor": ground(),
+        "lower": box(0.2, 0.2, 0.1, motion="dynamic", at=(0, 0, 0.05)),
+        "upper": box(0.2, 0.2, 0.1, motion="dynamic", at=(0, 0, 0.2)),
+    }
+    joints = {"hinge": HingeJoint(parent="lower", child="upper", anchor=(0, 0, 0.125), axis=(0, 0, 1))}
+    film = film_of(world(entities, joints=joints, frames=8, settings=RigidSettings(step=1e-3, sleep=False)))
+    film.spec, k = world(entities, joints=joints, frames=8, settings=RigidSettings(step=1e-3)), 3
+    for channel in ("contact/impulse", "contact/vector"):
+        film.frames[k][channel] = share * film.frames[k][channel]
+    row = rows_of(film, tmp_path)["momentum"]
+    assert (row.status, row.first_failing_frame) == (status, None if status == "pass" else k)
 
 
 def test_energies_and_momentum_are_those_of_the_records(tmp_path: Path) -> None:

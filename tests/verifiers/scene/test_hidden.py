@@ -148,7 +148,9 @@ def test_lumps_inside_a_mesh_count_once_and_a_void_is_none(tmp_path: Path) -> No
     assert found is not None
     assert found.status == "fail"
     assert found.measured == pytest.approx(0.8**3 + 0.7**3)
-    assert found.corrections[0].patch == ()
+    (edit,) = found.corrections[0].patch
+    assert edit["path"] == "/entities/b/parts/p0/shape/faces"
+    assert len(edit["value"]) == 12, "the faces of the outer box, and of no inner one"
     assert row(meshed(tmp_path / "b", void=True)) is None
 
 

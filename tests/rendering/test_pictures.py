@@ -261,7 +261,7 @@ def test_tiles_go_on_from_one_static_wall_to_the_next(tmp_path):
     tiled = Material(
         density=2300.0, substance="ceramic", appearance=Appearance(color=(0.8, 0.8, 0.75), pattern="tiles", pattern_scale=0.3)
     )
-    camera = Camera((0.0, -1.4, 0.5), (0.0, 0.0, 0.5), 40.0, 320, 240)
+    camera = Camera(np.array([0.0, -1.4, 0.5]), np.array([0.0, 0.0, 0.5]), 40.0, 320, 240)
 
     def picture(name, walls):
         candidate = make_candidate(tmp_path / name, world(walls, materials={"wall": tiled}), tracks={})

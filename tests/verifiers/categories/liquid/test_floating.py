@@ -20,6 +20,7 @@ FLOATS = FloatEvent(kind="floats", entity="crate", other="pool")
 LASTS = FloatEvent(kind="floats", entity="crate", other="pool", when="always")
 SINKS = SinkEvent(kind="sinks", entity="crate", other="pool")
 BOBS = SinkEvent(kind="bobs", entity="crate", other="pool")
+KINDS: dict[str, FloatEvent | SinkEvent] = {"floats": FLOATS, "sinks": SINKS, "bobs": BOBS}
 
 
 def judged(flow: Flow, folder: Path, event: FloatEvent | SinkEvent) -> Outcome:
@@ -177,12 +178,12 @@ def test_a_stone_that_a_rope_lets_down_does_not_sink(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["floats", "sinks", "bobs"])
 def test_a_crate_at_rest_on_the_bottom_throughout_neither_floats_nor_sinks(kind: str, tmp_path: Path) -> None:
     flow = crate_in_tank(still(EDGE / 2), density=2000.0, depth=0.2, tank_share=0.5)
-    assert judged(flow, tmp_path, {"floats": FLOATS, "sinks": SINKS, "bobs": BOBS}[kind]).status == "fail"
+    assert judged(flow, tmp_path, KINDS[kind]).status == "fail"
 
 
 @pytest.mark.parametrize("kind", ["floats", "sinks", "bobs"])
 def test_nothing_floats_or_sinks_in_painted_water(kind: str, tmp_path: Path) -> None:
     painted = {"other": "tank"}
-    event = {"floats": FLOATS, "sinks": SINKS, "bobs": BOBS}[kind].model_copy(update=painted)
+    event = KINDS[kind].model_copy(update=painted)
     found = judged(crate_in_tank(still(AFLOAT)), tmp_path, event)
     assert (found.status, found.details.get("painted")) == ("fail", True)

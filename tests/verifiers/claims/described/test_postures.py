@@ -224,7 +224,7 @@ def _film(bodies: dict[str, dict[str, Any]]) -> Any:
 @pytest.mark.parametrize(("under", "status"), [("static", "pass"), ("dynamic", "fail")])
 def test_a_vase_that_falls_with_its_table_does_not_stand(under: str, status: str, tmp_path: Path) -> None:
     """Seen from the table it rests: what falls is told by who bears it."""
-    bodies = {
+    bodies: dict[str, dict[str, Any]] = {
         "vase": {"size": [0.1, 0.1, HIGH], "at": [0, 0, 3 + HIGH / 2 + 0.0005]},
         "table": {"size": [0.5, 0.5, 0.1], "at": [0, 0, 2.95], "motion": under},
     }

@@ -104,7 +104,9 @@ def test_the_frames_of_a_stopped_run_are_read_drawn_and_judged(slow: Agent, judg
     seen = slow.call("inspect_world", world="w", part="state", entities=["ball"], frames=[0, last])
     assert len(seen["entities"]["ball"]["position"]) == last + 1
     assert f"frames 0..{last} of 0..35" in seen["run"]
-    assert f"0..{last}" in slow.refused("inspect_world", world="w", part="state", frames=[0, 35])
+    beyond = slow.call("inspect_world", world="w", part="state", entities=["ball"], frames=[0, 35])
+    assert beyond["warnings"] == [f"the probe run has frames 0..{last}: told is up to there"]
+    assert f"0..{last}" in slow.refused("inspect_world", world="w", part="state", frames=[35, 35])
     assert not slow.result("render_shot", world="w", kind="preview", frame=last).is_error
     checked = slow.call("run_checks", world="w", scope="probe")
     assert checked["counts"]["fail"] > 0

@@ -129,6 +129,28 @@ class Agent:
             if not await self.mend(rows, stage):
                 return False
 
+    async def _probed(self) -> bool | None:
+        """True if the probe passes, False once an edit answers what it finds, None where no edit does.
+
+        The first failure ends a probe that would take long; where that tells too little for an edit, the other rows are looked at too.
+        """
+        stopped = False
+        while True:
+            more = {"stop_at": "never"} if stopped else {}
+            data, refused = await self.call("probe_sim", wait_s=WAIT_SECONDS, detail="full", **more)
+            if refused:
+                self.say(f"probe refused: {data['refused'][:600]}")
+                return None
+            if data["passed"]:
+                self.say(f"probe: {data['counts']['pass']} rows pass, settings frozen as {data['freeze']}")
+                return True
+            self.say(f"probe: {data['counts']['fail']} rows fail, {data['counts']['unverified']} unverified")
+            if await self.mend([r for r in data["open_rows"] if r.get("mandatory", True)], "probe"):
+                return False
+            if stopped or not data.get("stopped_by"):
+                return None
+            stopped = True
+
     async def work(self, spec: dict[str, Any]) -> bool:
         """The whole loop up to acceptance."""
         if not await self.specify(spec):
@@ -136,16 +158,11 @@ class Agent:
         for _ in range(MAX_EDITS):
             if not await self._until(lambda: self.call("place_object", detail="full"), "static_passed", "static"):
                 return False
-            data, refused = await self.call("probe_sim", wait_s=WAIT_SECONDS, detail="full")
-            if refused:
-                self.say(f"probe refused: {data['refused'][:600]}")
+            passed = await self._probed()
+            if passed is None:
                 return False
-            if data["passed"]:
-                self.say(f"probe: {data['counts']['pass']} rows pass, settings frozen as {data['freeze']}")
+            if passed:
                 break
-            self.say(f"probe: {data['counts']['fail']} rows fail, {data['counts']['unverified']} unverified")
-            if not await self.mend([r for r in data["open_rows"] if r.get("mandatory", True)], "probe"):
-                return False
         data, refused = await self.call("bake_sim", wait_s=WAIT_SECONDS)
         if refused or not data["passed"]:
             self.say(f"bake: {data.get('refused') or data['open_rows'][:3]}")

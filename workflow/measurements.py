@@ -159,6 +159,20 @@ def _span(candidate: Candidate, frames: tuple[int, int] | None) -> tuple[int, in
     )
 
 
+def _head(session: Session, candidate: Candidate, frames: tuple[int, int] | None, last: int) -> dict[str, Any]:
+    """Beginning of an answer: which run it tells of, whether that was judged, and that frames beyond it were asked for."""
+    unjudged = session.shown(candidate, last)
+    head: dict[str, Any] = {
+        "source": candidate.artifact,
+        "stage": run_of(candidate),
+        **({"unjudged": unjudged} if unjudged else {}),
+    }
+    head |= {"run": left} if (left := unfinished(candidate)) else {}
+    if frames is not None and frames[1] > last:
+        head |= {"warnings": [f"the {run_of(candidate)} run has frames 0..{last}: told is up to there"]}
+    return head
+
+
 def measured(
     session: Session,
     part: str,
@@ -184,15 +198,7 @@ def measured(
         hint = did_you_mean(unknown[0], session.spec.entities) or ";"
         raise InputError(f"unknown entities {unknown}{hint} the world has {sorted(session.spec.entities)[:30]}")
     first, last = _span(candidate, frames)
-    unjudged = session.shown(candidate, last)
-    head: dict[str, Any] = {
-        "source": candidate.artifact,
-        "stage": run_of(candidate),
-        **({"unjudged": unjudged} if unjudged else {}),
-    }
-    head |= {"run": left} if (left := unfinished(candidate)) else {}
-    if frames is not None and frames[1] > last:
-        head |= {"warnings": [f"the {run_of(candidate)} run has frames 0..{last}: told is up to there"]}
+    head = _head(session, candidate, frames, last)
     same = {"entities": entities, "frames": None if frames is None else [first, last]}
     if part == "state":
         names = entities or list(session.spec.entities)

@@ -13,7 +13,7 @@ from ....geometry.inside import contains, distance_to_surface
 from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64
 from .samples import triangles_by_parts
-from .solids import Piece, pieces_of
+from .solids import Piece, pieces_of, rows_within
 
 if TYPE_CHECKING:
     from .frames import Liquid
@@ -34,6 +34,8 @@ SKIN = 0.5
 """[cubes] A particle no deeper than this in a solid lies at its surface: how deep any may lie is judged by `categories/liquid/walls.py`."""
 QUICK = 8192
 """Elements of a slice of the kernel that follows particles: most of them are far from any surface, and done in nanoseconds."""
+LEAST_SHARE = 0.1
+"""Own choice: of a barrier that turns so far within a frame every particle is followed."""
 OFF = np.array([0.37, 0.41, 0.43])
 """[cubes] by which the corner of a space lies off the planes that people build on, so that slits do not fall between cubes."""
 
@@ -112,6 +114,28 @@ class Barrier:
     def pose(self, frame: int) -> tuple[F64, F64]:
         """Turn and place of its frame in the world at a frame."""
         return (np.eye(3), np.zeros(3)) if self.world else (self.pieces[0].turn[frame], self.pieces[0].position[frame])
+
+    def met(self, now: F64, before: F64, longest: float, frame: int) -> NDArray[np.bool_]:
+        """Which particles' ways, seen from it, may meet its space in the interval that ends at a frame, shape (n,); some others too.
+
+        Args:
+            now: places in the world at the frame [m], shape (n, 3).
+            before: places at the frame before, NaN where there is none.
+            longest: length of the longest way [m].
+            frame: index of the frame.
+        """
+        (turn, at), (turned, was) = self.pose(frame), self.pose(max(frame - 1, 0))
+        middle, radius = 0.5 * (self.low + self.high), 0.5 * float(np.linalg.norm(self.high - self.low))
+        here, there = turn @ middle + at, turned @ middle + was
+        # From the nearer end, at a distance d, the way leads at most half its length towards it: that is longer by d |turn - turned|.
+        share = 1.0 - 0.5 * float(np.linalg.norm(turn - turned))
+        if self.world or share < LEAST_SHARE:
+            return np.ones(len(now), dtype=bool)
+        reach = (radius + 0.5 * (longest + float(np.linalg.norm(here - there)))) / share
+        found = np.zeros(len(now), dtype=bool)
+        for ends, centre in ((now, here), (before, there)):
+            found[rows_within(ends, centre - reach, centre + reach)] = True
+        return found
 
     def cells(self, points: F64) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Cubes of points of its frame, shape (n, 3), and which lie in the space."""

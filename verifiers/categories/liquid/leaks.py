@@ -86,13 +86,12 @@ class Leaks:
         self.particles = max(self.particles, frame.count)
         if step.before is not None and frame.count:
             self._sheets(step, step.before)
-        wp = warp()
         before = np.full((frame.count, 3), np.nan)
         if step.before is not None:
             before[step.here] = step.before.position[step.there]
-        now, then = (wp.array(np.ascontiguousarray(x), dtype=wp.vec3d, device="cpu") for x in (frame.position, before))
+        longest = float(np.sqrt(np.nanmax(((frame.position - before) ** 2).sum(axis=1), initial=0.0)))
         for number, barrier in enumerate(self.barriers if frame.count else ()):
-            self._follow(number, barrier, frame, now, then)
+            self._follow(number, barrier, frame, before, longest)
 
     def _sheets(self, step: Step, before: Frame) -> None:
         """Particles that have changed the side of a sheet that moves by itself, away from its rim."""
@@ -113,18 +112,21 @@ class Leaks:
                 self.leaked |= set(frame.identity[fresh].tolist())
                 self.crossed.append((frame.index, found.entity, found.part, frame.position[fresh], frame.identity[fresh]))
 
-    def _follow(self, number: int, barrier: Barrier, frame: Frame, now: Any, then: Any) -> None:
+    def _follow(self, number: int, barrier: Barrier, frame: Frame, before: F64, longest: float) -> None:
         waiting = np.full((frame.count, 3), np.nan)
         held = self.waiting.get(number)
         if held is not None and len(held.identity):
             where = np.minimum(np.searchsorted(frame.identity, held.identity), frame.count - 1)
             found = frame.identity[where] == held.identity
             waiting[where[found]] = held.position[found]
-        here, start, shut, through = barrier.follow(now, then, waiting=waiting, frame=frame.index)
+        met = np.flatnonzero(barrier.met(frame.position, before, longest, frame.index) | ~np.isnan(waiting[:, 0]))
+        identity, wp = frame.identity[met], warp()
+        now, then = (wp.array(np.ascontiguousarray(x[met]), dtype=wp.vec3d, device="cpu") for x in (frame.position, before))
+        here, start, shut, through = barrier.follow(now, then, waiting=waiting[met], frame=frame.index)
         keep = np.flatnonzero(shut & ~np.isnan(start[:, 0]))
-        self.waiting[number] = _Waiting(frame.identity[keep], start[keep])
+        self.waiting[number] = _Waiting(identity[keep], start[keep])
         rows = np.flatnonzero(through)
-        self._judge(number, barrier, frame.index, start[rows], here[rows], frame.identity[rows])
+        self._judge(number, barrier, frame.index, start[rows], here[rows], identity[rows])
         if len(keep) and (frame.index % PATIENCE == 0 or frame.index == self.liquid.frames - 1):
             # What stays in closed cubes is where the nearest open one is.
             ends = barrier.beside(here[keep])
@@ -133,7 +135,7 @@ class Leaks:
             led = barrier.blocked(start[rows], ends)
             # Beside a sloping bed that cube may lie in the solid; what is outside of it, or at its surface, has not gone there.
             led[led] = ~barrier.deeper(here[rows[led]], ends[led])
-            self._judge(number, barrier, frame.index, start[rows[led]], ends[led], frame.identity[rows[led]])
+            self._judge(number, barrier, frame.index, start[rows[led]], ends[led], identity[rows[led]])
 
     def _judge(self, number: int, barrier: Barrier, index: int, start: F64, end: F64, identity: NDArray[np.int64]) -> None:
         """Look for other ways of particles whose straight ones lead through closed cubes."""

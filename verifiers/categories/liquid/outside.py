@@ -37,10 +37,11 @@ class OutsideCells:
         self._distance = np.full(int(self._counts.prod()), np.nan, dtype=np.float32)
         self._room = ROUNDING * solid.size
 
-    def near(self, points: F64) -> NDArray[np.bool_]:
-        """Which points of the box, shape (n, 3), are not nearer to the middle of their cell than that is to the solid, shape (n,).
+    def near(self, points: F64) -> tuple[NDArray[np.intp], F64]:
+        """Rows of the points of the box, shape (n, 3), that are not nearer to the middle of their cell than that is to the solid.
 
-        All others lie outside.
+        All others lie outside. And by row: depth of that middle, negative outside, and how far it is away, with room for rounding
+        [m], shape (rows, 2).
         """
         cells = np.minimum(((points - self._low) / self._edge).astype(np.int64), self._counts - 1)
         keys: I64 = (cells[:, 0] * self._counts[1] + cells[:, 1]) * self._counts[2] + cells[:, 2]
@@ -51,4 +52,6 @@ class OutsideCells:
             self._distance[new] = -self._depth(middle * self._edge + self._low)
         off = points - ((cells + 0.5) * self._edge + self._low)
         least = self._distance[keys] - self._room
-        return np.asarray((least < 0.0) | (np.einsum("ij,ij->i", off, off) >= least * least))
+        squared = np.einsum("ij,ij->i", off, off)
+        rows = np.flatnonzero((least < 0.0) | (squared >= least * least))
+        return rows, np.column_stack([-self._distance[keys[rows]], np.sqrt(squared[rows]) + self._room])

@@ -76,8 +76,11 @@ class Piece:
         faces = wp.array(np.ascontiguousarray(self.solid.faces.reshape(-1)), dtype=wp.int32)
         return wp.Mesh(points, faces, support_winding_number=True)
 
-    def depth(self, points: F64) -> F64:
-        """Depth of points of the body's frame [m], shape (n,): positive inside, not above zero outside."""
+    def depth(self, points: F64, least: float = 0.0) -> F64:
+        """Depth of points of the body's frame [m], shape (n,): positive inside, not above zero outside.
+
+        Depths of at most `least` may be told as 0, which costs less.
+        """
         solid = self.solid
         result = np.full(len(points), NOWHERE)
         if not self.solid_through:
@@ -88,23 +91,33 @@ class Piece:
         if solid.convex and len(solid.facets.offsets) <= MOST_FACETS:
             result[near] = (solid.facets.offsets - points[near] @ solid.facets.normals.T).min(axis=1)
             return result
+        sides = None
         if len(near) >= MANY:
-            near = near[self._outside.near(points[near])]
-        result[near] = self._measured(points[near])
+            rows, sides = self._outside.near(points[near])
+            near = near[rows]
+        result[near] = self._measured(points[near], sides, least)
         return result
 
     @cached_property
     def _outside(self) -> OutsideCells:
         return OutsideCells(self.solid, self._measured)
 
-    def _measured(self, points: F64) -> F64:
-        """Distance of points of the body's frame to the surface [m], shape (n,): positive inside, negative outside."""
+    def _measured(self, points: F64, sides: F64 | None = None, least: float = 0.0) -> F64:
+        """Distance of points of the body's frame to the surface [m], shape (n,): positive inside, negative outside, 0 below `least`.
+
+        Args:
+            points: shape (n, 3).
+            sides: by point, such a distance of a place whose side is known, and how far that is away, shape (n, 2).
+            least: [m], at least 0.
+        """
         from .kernels import depth
 
         wp = warp()
         found = wp.zeros(len(points), dtype=float, device="cpu")
-        where = _placed(points, self.solid)
-        launch(depth, len(points), [self._mesh.id, where, float(2.0 * self.solid.size), found], device="cpu")
+        known = np.tile([0.0, np.inf], (len(points), 1)) if sides is None else sides
+        asked = _placed(points, self.solid), wp.array(known.astype(np.float32), dtype=wp.vec2, device="cpu")
+        reach = float(2.0 * self.solid.size)
+        launch(depth, len(points), [self._mesh.id, *asked, reach, max(least, 0.0), found], device="cpu")
         return np.asarray(found.numpy(), dtype=np.float64)
 
     def between(self, start: F64, end: F64, frame: int) -> NDArray[np.bool_]:
@@ -199,7 +212,7 @@ def deepest(pieces: tuple[Piece, ...], points: F64, frame: int, least: float) ->
         near = rows_within(points, box_low, box_high)
         if len(near) == 0:
             continue
-        value = piece.depth(piece.local(points[near], frame))
+        value = piece.depth(piece.local(points[near], frame), least)
         rows = value > least
         if rows.any():
             found.append(Depth(piece, near[rows], value[rows]))

@@ -53,7 +53,9 @@ class Walls:
     def see(self, step: Step) -> None:
         """Look at one frame."""
         frame, liquid = step.now, self.liquid
-        for found in deepest(self.pieces, frame.position, frame.index, 0.0):
+        # What is no deeper than the deepest so far, and counts as no fault, changes nothing.
+        least = min(self.depth, DEPTH_SHARE * liquid.spacing)
+        for found in deepest(self.pieces, frame.position, frame.index, least):
             deep = found.value > DEPTH_SHARE * liquid.spacing
             if float(found.value.max()) > self.depth:
                 self.depth, self.worst_frame = float(found.value.max()), frame.index

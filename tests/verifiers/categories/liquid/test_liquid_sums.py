@@ -62,7 +62,7 @@ def test_crowding_and_divergence_are_those_of_all_pairs(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     object.__setattr__(frame, "position", frame.position + rng.normal(0, 0.1 * scenes.SPACING, frame.position.shape))
     object.__setattr__(frame, "velocity", frame.position - frame.position.mean(axis=0))
-    filled, spread, count = crowding_of(liquid, frame)
+    filled, spread, count, _ = crowding_of(liquid, frame)
     wanted = brute(frame.position, frame.velocity, flow.volume, 2.0 * liquid.pitch)
     assert filled == pytest.approx(wanted[0], rel=2e-4)
     assert spread == pytest.approx(wanted[1], rel=2e-3, abs=2e-3)
@@ -74,7 +74,7 @@ def test_a_full_lattice_fills_its_space_and_swells_as_it_is_told(tmp_path: Path)
     liquid = liquid_of(flow.candidate(tmp_path), "water")
     frame = liquid.read(0)
     object.__setattr__(frame, "velocity", frame.position - np.array([0, 0, 2.2]))
-    filled, spread, count = crowding_of(liquid, frame)
+    filled, spread, count, _ = crowding_of(liquid, frame)
     bulk = count >= 26
     assert bulk.sum() >= 6**3
     assert filled[bulk] == pytest.approx(1.0, abs=2e-3)
@@ -112,6 +112,23 @@ def test_samples_cover_a_surface_evenly() -> None:
     asked, _ = trimesh.sample.sample_surface(trimesh.Trimesh(solid.vertices, solid.faces), 2000, seed=1)
     assert cKDTree(points).query(asked)[0].max() <= 0.02
     assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0)
+
+
+def test_some_particles_tell_the_means_of_all(tmp_path: Path) -> None:
+    """What some particles tell of themselves is what they tell among all, and their means are those of all."""
+    flow = scenes.block((0.4, 0.3, 0.2), (0, 0, 2.2), frames=2)
+    liquid = liquid_of(flow.candidate(tmp_path), "water")
+    frame = liquid.read(0)
+    rng = np.random.default_rng(3)
+    object.__setattr__(frame, "position", frame.position + rng.normal(0, 0.1 * scenes.SPACING, frame.position.shape))
+    object.__setattr__(frame, "velocity", rng.normal(0, 1.0, frame.position.shape))
+    everything = crowding_of(liquid, frame)
+    some = crowding_of(liquid, frame, 1000)
+    assert len(everything[0]) == frame.count > 2000
+    assert len(np.unique(some[3])) == len(some[0]) == 1000
+    assert all(np.array_equal(a[some[3]], b) for a, b in zip(everything[:3], some[:3], strict=True))
+    assert some[0].mean() == pytest.approx(everything[0].mean(), rel=0.01)
+    assert np.abs(some[1]).mean() == pytest.approx(np.abs(everything[1]).mean(), rel=0.05)
 
 
 def test_crowding_is_the_same_where_far_cells_share_their_places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -165,3 +182,24 @@ def test_a_mesh_is_measured_and_every_open_edge_of_it_counted() -> None:
     turned = ball.faces.copy()
     turned[7] = turned[7, ::-1]
     assert _measures(ball.vertices, turned)[2] == 6
+
+
+def test_no_particle_that_a_turning_barrier_may_meet_is_left_out() -> None:
+    """A bar that turns and moves through a cloud: every way that leads through its space, seen from it, is among those that it follows."""
+    rng = np.random.default_rng(7)
+    solid = piece_of(trimesh.creation.box((0.6, 0.1, 0.1))).solid
+    angle = 0.3
+    turn = np.stack([np.eye(3), trimesh.transformations.rotation_matrix(angle, (0.3, 1.0, 0.2))[:3, :3]])
+    bar = Piece("bar", "body", "p", solid, np.array([[0.0, 0, 0], [0.3, 0.1, 0]]), turn, False, True)
+    barrier = Barrier((bar,), np.array([-0.35, -0.1, -0.1]), np.array([0.35, 0.1, 0.1]), 0.02)
+    before = rng.uniform(-2, 2, (60_000, 3))
+    now = before + rng.normal(0, 0.1, before.shape)
+    longest = float(np.linalg.norm(now - before, axis=1).max())
+    start, end = bar.local(before, 0), bar.local(now, 1)
+    share = np.linspace(0, 1, 101)[:, None, None]
+    way = start + share * (end - start)
+    meets = ((way >= barrier.low) & (way <= barrier.high)).all(axis=2).any(axis=0)
+    found = barrier.met(now, before, longest, 1)
+    assert meets.sum() > 50
+    assert found[meets].all()
+    assert found.mean() < 0.6

@@ -40,14 +40,26 @@ def test_points_in_a_cup_are_as_deep_with_cells_as_without(seed: int, monkeypatc
     assert (again == quick).all()
 
 
+@pytest.mark.parametrize("many", [1, 10**6])
+def test_depths_that_change_nothing_are_told_as_none(many: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: with a least depth, deeper points are as deep as without, and no other point is told to be deeper than it."""
+    monkeypatch.setattr(solids, "MANY", many)
+    points = np.random.default_rng(4).uniform([-0.7, -0.7, -0.1], [0.7, 0.7, 1.1], (20_000, 3))
+    plain, found = piece(cup()).depth(points), piece(cup()).depth(points, 0.02)
+    deep = plain > 0.02
+    assert 0.05 < deep.mean() < (plain > 0).mean() - 0.05
+    assert (found[deep] == plain[deep]).all()
+    assert (found[~deep] <= 0.02).all()
+
+
 def test_most_points_far_from_the_surface_are_not_asked_about(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few points of a cloud in the cup's inner space, which cells away from its wall, reach the query again."""
     asked: list[int] = []
     measured = Piece._measured
 
-    def counted(self: Piece, points: np.ndarray) -> np.ndarray:
+    def counted(self: Piece, points: np.ndarray, sides: np.ndarray | None = None, least: float = 0.0) -> np.ndarray:
         asked.append(len(points))
-        return measured(self, points)
+        return measured(self, points, sides, least)
 
     monkeypatch.setattr(Piece, "_measured", counted)
     own, points = piece(cup()), np.random.default_rng(1).uniform([-0.3, -0.3, 0.3], [0.3, 0.3, 0.9], (20_000, 3))

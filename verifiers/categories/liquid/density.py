@@ -110,9 +110,7 @@ class Density:
         self.crowded.append(max(0.0, float(np.average(filled, weights=weight)) - 1.0))
         recorded = frame.density[bulk] / self.liquid.rest_density[frame.fluid[bulk]]
         high = filled > 1.0
-        self.apart.append(
-            abs(float(np.average(recorded[high] - filled[high], weights=weight[high]))) if high.any() else 0.0
-        )
+        self.apart.append(abs(float(np.average(recorded[high] - filled[high], weights=weight[high]))) if high.any() else 0.0)
         speed = float(np.sqrt(np.average(frame.squared[bulk], weights=weight)))
         quiet = np.sqrt(max(self.liquid.strength, 0.1) * self.liquid.spacing)
         self.boiling.append(float(np.average(np.abs(spread), weights=weight)) * self.liquid.pitch / (speed + 0.1 * quiet))

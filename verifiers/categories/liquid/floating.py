@@ -99,6 +99,16 @@ class _Carried:
         """By contacts with solids [N s], shape (F - 1,)."""
         return sum((v for o, v in self.up.items() if o.kind == "contact"), np.zeros(self.frames - 1))
 
+    @cached_property
+    def span(self) -> int:
+        """Frames in half a second."""
+        return max(2, round(FLOAT_SECONDS / self.duration))
+
+    def mean(self, impulses: F64, frames: tuple[int, int]) -> F64:
+        """Share of its weight over the half second that ends at each frame from one to another; NaN where it would begin before frame 0."""
+        wanted, span = self.weight * self.span * self.duration, self.span
+        return np.array([impulses[f - span : f].sum() / wanted if f >= span else np.nan for f in range(frames[0], frames[1] + 1)])
+
     def density(self, member: int) -> float:
         """The body's over that of the liquid."""
         return self.weight / self.liquid.strength / (self.volume * float(self.liquid.rest_density[member]))
@@ -115,20 +125,13 @@ def floats(scope: Scope, p: FloatEvent) -> Outcome:
         return painted(scope, "1", p.other, found)
     liquid, member = found
     own = _Carried(scope.candidate, p.entity, liquid)
-    span = max(2, round(FLOAT_SECONDS / own.duration))
-    wanted = own.weight * span * own.duration
-    windows = range(scope.frames[0], scope.frames[1] + 1)
-
-    def mean(values: F64) -> F64:
-        """Share of the weight over the span that ends at each frame; NaN where it would begin before frame 0."""
-        return np.array([values[f - span : f].sum() / wanted if f >= span else np.nan for f in windows])
-
-    pressed = (own.pushed >= FLOAT_PRESSED * own.weight * own.duration) / span
-    by = {name: mean(value) for name, value in own.others.items()}
+    span, bearing = own.span, own.weight * own.duration
+    pressed = (own.pushed >= FLOAT_PRESSED * bearing) * bearing
+    by = {name: own.mean(value, scope.frames) for name, value in own.others.items()}
     shares = [
-        Condition(f"share of its weight that {p.other} carries", mean(own.pushed), max(FLOAT_CARRIED, p.min or 0.0)),
-        Condition("share of the last half second in which the liquid bears it", mean(pressed * wanted), FLOAT_THROUGHOUT),
-        Condition("share of the last half second in which it is free", mean(own.gravity), FLOAT_FREE),
+        Condition(f"share of its weight that {p.other} carries", own.mean(own.pushed, scope.frames), max(FLOAT_CARRIED, p.min or 0.0)),
+        Condition("share of the last half second in which the liquid bears it", own.mean(pressed, scope.frames), FLOAT_THROUGHOUT),
+        Condition("share of the last half second in which it is free", own.mean(own.gravity, scope.frames), FLOAT_FREE),
         Condition("share of its weight that others carry", sum((np.maximum(v, 0.0) for v in by.values()), np.zeros(scope.length)), FLOAT_OTHERS, "1", "<="),
     ]  # fmt: skip
     borne = np.all([c.holds for c in shares], axis=0)
@@ -158,21 +161,15 @@ def bobs(scope: Scope, p: SinkEvent) -> Outcome:
     if isinstance(found, str):
         return painted(scope, "1", p.other, found)
     own = _Carried(scope.candidate, p.entity, found[0])
-    span = max(2, round(FLOAT_SECONDS / own.duration))
-    wanted = own.weight * span * own.duration
-
-    def mean(values: F64) -> F64:
-        """Share of the weight over the span that ends at each frame; NaN where it would begin before frame 0."""
-        frames = range(scope.frames[0], scope.frames[1] + 1)
-        return np.array([values[f - span : f].sum() / wanted if f >= span else np.nan for f in frames])
-
     swing = max(BOB_SWING * own.height, BOB_LEAST)
     turns = turning_points(own.place[scope.frames[0] : scope.frames[1] + 1], swing)
-    others = sum((np.maximum(mean(v), 0.0) for v in own.others.values()), np.zeros(scope.length))
+    others = sum((np.maximum(own.mean(v, scope.frames), 0.0) for v in own.others.values()), np.zeros(scope.length))
     conditions = (
         Condition("turning points of its height", turns, max(BOB_TURNS, p.min or 0.0)),
-        Condition(f"share of its weight that {p.other} carries over half a second", mean(own.pushed), BOB_CARRIED),
-        Condition("share of the last half second in which it is free", mean(own.gravity), FLOAT_FREE),
+        Condition(
+            f"share of its weight that {p.other} carries over half a second", own.mean(own.pushed, scope.frames), BOB_CARRIED
+        ),
+        Condition("share of the last half second in which it is free", own.mean(own.gravity, scope.frames), FLOAT_FREE),
         Condition("share of its weight that others carry", others, FLOAT_OTHERS, "1", "<="),
     )
     return happens(scope, p.entity, conditions, lambda i: {"liquid": p.other, "least_swing_m": swing})

@@ -31,6 +31,7 @@ from ._bonded_worlds import BONDED_MECHANISMS
 from ._held_worlds import HELD_MECHANISMS
 from ._hung_worlds import HUNG_MECHANISMS
 from ._land_support import LAND_MECHANISMS
+from ._loose_worlds import LOOSE_MECHANISMS
 from ._lump_worlds import LUMP_MECHANISMS
 from ._support_scenes import DRIFT, GAP, cart, draw_size, edge, ladder, seesaw, slide, slope, stair, wedged
 from ._support_worlds import FRAMES, RNG, Scene, block, turn
@@ -529,5 +530,6 @@ SUITE = Suite(
         *HUNG_MECHANISMS,
         *BONDED_MECHANISMS,
         *LUMP_MECHANISMS,
+        *LOOSE_MECHANISMS,
     ),
 )

@@ -79,3 +79,12 @@ each place and direction by itself. Construction glues bear 3 to 10 MPa over the
 welded bears more, and says `fastened`."""
 BOND_MOST = 1e3
 """[1] Own choice: weights beyond which it is not told how many a joint bears."""
+
+CLUMP = 2.0
+"""[distances of particles] Own choice: edge of the cubes through which particles hang together; a gap of two parts them."""
+LOOSE_REACH = 3.0
+"""[distances of particles] Own choice: matter this near to a solid lies on it: grid liquids begin up to a cell, two distances, off walls."""
+HANGING_SHARE = 0.01
+"""[1] Own choice: share of loose matter that may hang in the air at frame 0: drops at a rim that its volume cuts off."""
+LOWEST_ASKED = 4000
+"""[1] Own choice: most columns of loose matter whose lowest particle is asked."""

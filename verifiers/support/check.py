@@ -27,6 +27,7 @@ from .graph import SupportGraph
 from .held import Held, held_rows
 from .joined import joined_rows
 from .landed import Ground, landed_rows
+from .loose_matter import loose_rows
 from .lumps import lump_rows
 from .moved import support_interval
 from .one_piece import one_piece_rows
@@ -55,6 +56,7 @@ def check(candidate: Candidate) -> list[Row]:
         *_relations(surfaces),
         *_at_rest(start),
         *_derived(start),
+        *loose_rows(candidate),
         *held_rows(held),
         *balanced_rows(held),
         *joined_rows(surfaces),

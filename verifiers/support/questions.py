@@ -18,6 +18,7 @@ __all__ = [
     "HUNG",
     "JOINT",
     "KEPT",
+    "LOOSE",
     "LUMPS",
     "PIECE",
     "PIN",
@@ -69,6 +70,15 @@ DERIVED = Question(
     "m",
     "<=",
     "limits.contact_gap; between things that never move SEAM_SHARE of the smaller one, from SEAM_LEAST to SEAM_MOST",
+    ("entity",),
+)
+LOOSE = Question(
+    "support:matter",
+    "{0} lies on solids, in a closed domain or at an opening that lets it in at frame 0, or a beat moves it",
+    "share of it that hangs in the air",
+    "1",
+    "<=",
+    "HANGING_SHARE",
     ("entity",),
 )
 HELD = Question(
@@ -189,6 +199,7 @@ QUESTIONS = (
     BALANCE,
     GRIP,
     DERIVED,
+    LOOSE,
     HELD,
     HUNG,
     JOINT,

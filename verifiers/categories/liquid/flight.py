@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64
 from ...rows.corrections import bake_again
 from ...rows.findings import Finding
+from ..clumps import clumps_of
 from ..soft_solids import soft_boxes
 from .bounds import FLIGHT, LEAST_SLIP
 from .corrections import ease
@@ -91,7 +92,7 @@ class Flight:
         """Cluster of every particle of a frame."""
         if frame.index not in self.known:
             self.known = {k: c for k, c in self.known.items() if k == frame.index - 1}
-            self.known[frame.index] = _clusters(frame.position, APART * self.liquid.spacing)
+            self.known[frame.index] = clumps_of(frame.position, APART * self.liquid.spacing)
         return self.known[frame.index]
 
     def _free(self, step: Step, clusters: NDArray[np.intp], earlier: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -170,24 +171,3 @@ def _far(piece: Piece, points: F64, reach: F64, index: int) -> NDArray[np.bool_]
     tree: cKDTree = solid.vertex_tree
     edge = np.linalg.norm(solid.vertices[solid.edges[:, 0]] - solid.vertices[solid.edges[:, 1]], axis=1).max()
     return np.asarray(tree.query(piece.local(points, index))[0] - edge > reach)
-
-
-def _clusters(points: F64, cube: float) -> NDArray[np.intp]:
-    """Cluster of every point, numbered from 0: points in cubes that touch are of one cluster."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    cell = np.floor(points / cube).astype(np.int64)
-    cell -= cell.min(axis=0) - 1
-    span = cell.max(axis=0) + 2
-    key = (cell[:, 0] * span[1] + cell[:, 1]) * span[2] + cell[:, 2]
-    keys, which = np.unique(key, return_inverse=True)
-    ways = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (x, y, z) > (0, 0, 0)])
-    pairs = []
-    for step in (ways[:, 0] * span[1] + ways[:, 1]) * span[2] + ways[:, 2]:
-        at = np.searchsorted(keys, keys + step)
-        hit = np.flatnonzero(keys[np.minimum(at, len(keys) - 1)] == keys + step)
-        pairs.append(np.stack([hit, at[hit]]))
-    a, b = np.concatenate(pairs, axis=1)
-    label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(len(keys),) * 2), directed=False)[1]
-    return np.asarray(label[which.reshape(-1)], dtype=np.intp)

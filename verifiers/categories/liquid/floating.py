@@ -126,7 +126,7 @@ def floats(scope: Scope, p: FloatEvent) -> Outcome:
     liquid, member = found
     own = _Carried(scope.candidate, p.entity, liquid)
     span, bearing = own.span, own.weight * own.duration
-    pressed = (own.pushed >= FLOAT_PRESSED * bearing) * bearing
+    pressed: F64 = np.where(own.pushed >= FLOAT_PRESSED * bearing, bearing, 0.0)
     by = {name: own.mean(value, scope.frames) for name, value in own.others.items()}
     shares = [
         Condition(f"share of its weight that {p.other} carries", own.mean(own.pushed, scope.frames), max(FLOAT_CARRIED, p.min or 0.0)),

@@ -10,10 +10,10 @@ import trimesh
 from worldagent.geometry import Solid
 from worldagent.testing.defects import _liquid_scenes as scenes
 from worldagent.testing.worlds.liquid_worlds import lattice
+from worldagent.verifiers.categories.clumps import clumps_of
 from worldagent.verifiers.categories.liquid import density as liquid_density
 from worldagent.verifiers.categories.liquid.barriers import Barrier
 from worldagent.verifiers.categories.liquid.density import crowding_of
-from worldagent.verifiers.categories.liquid.flight import _clusters
 from worldagent.verifiers.categories.liquid.frames import liquid_of
 from worldagent.verifiers.categories.liquid.leaks import _joined
 from worldagent.verifiers.categories.liquid.samples import samples
@@ -81,12 +81,12 @@ def test_a_full_lattice_fills_its_space_and_swells_as_it_is_told(tmp_path: Path)
     assert spread[bulk] == pytest.approx(3.0, rel=0.05)
 
 
-def test_clusters_part_where_a_cube_is_empty() -> None:
+def test_clumps_part_where_a_cube_is_empty() -> None:
     a, b = lattice((0, 0, 0), (0.2, 0.2, 0.2), 0.02), lattice((0.35, 0, 0), (0.1, 0.1, 0.1), 0.02)
-    label = _clusters(np.concatenate([a, b]), 0.06)
+    label = clumps_of(np.concatenate([a, b]), 0.06)
     assert len(np.unique(label)) == 2
     assert len(np.unique(label[: len(a)])) == 1
-    assert len(np.unique(_clusters(np.concatenate([a, b - [0.12, 0, 0]]), 0.06))) == 1
+    assert len(np.unique(clumps_of(np.concatenate([a, b - [0.12, 0, 0]]), 0.06))) == 1
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 0.785])

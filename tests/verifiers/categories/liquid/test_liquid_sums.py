@@ -115,7 +115,7 @@ def test_samples_cover_a_surface_evenly() -> None:
 
 
 def test_some_particles_tell_the_means_of_all(tmp_path: Path) -> None:
-    """What some particles tell of themselves is what they tell among all, and their means are those of all."""
+    """Values of some particles equal those among all, and their means are near those of all."""
     flow = scenes.block((0.4, 0.3, 0.2), (0, 0, 2.2), frames=2)
     liquid = liquid_of(flow.candidate(tmp_path), "water")
     frame = liquid.read(0)

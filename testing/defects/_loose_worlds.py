@@ -51,7 +51,9 @@ def _untold(folder: Path, m: float, rng: RNG) -> World:
 
 def _told_by(subject: str, flow: Flow) -> Flow:
     last = flow.frames - 1
-    beat = Beat(text="It falls.", owner="water", subject=subject, frames=(0, last), predicate=BodyEvent(kind="falls", entity=subject))
+    beat = Beat(
+        text="It falls.", owner="water", subject=subject, frames=(0, last), predicate=BodyEvent(kind="falls", entity=subject)
+    )
     story = flow.spec.story.model_copy(update={"beats": {"fall": beat}})
     return flow.edited(spec=flow.spec.model_copy(update={"story": story}))
 

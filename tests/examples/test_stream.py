@@ -172,7 +172,7 @@ def test_the_skill_shows_the_land_of_the_example_and_cuts_it_so() -> None:
 
 @pytest.mark.slow
 def test_the_stream_is_accepted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its water is five spacings deep, as what floats in it asks; half an hour on two cores, so longer than a slice should be."""
+    """Its water is five spacings deep, as what floats in it asks; a quarter of an hour on two cores."""
     sent = []
     call = stream.Ranger.call
 

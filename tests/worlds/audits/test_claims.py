@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from worldagent.testing.prompts import Marked, honest
+from worldagent.testing.prompts.told import untaken
 from worldagent.tests.stories.small_run import MARKED, PROMPT, small_spec
 from worldagent.tests.stories.version_1 import old_spec
 from worldagent.worlds.audits.audit import audit
@@ -138,19 +139,7 @@ def test_a_claim_is_judged_up_to_the_length_of_its_type() -> None:
 
 @pytest.mark.parametrize("prompt", honest(), ids=lambda p: p.id)
 def test_no_honest_prompt_is_refused_for_a_word_as_persons_marked_it(prompt: Marked) -> None:
-    claims = {
-        f"c{k}": {"quote": s.quote, "nth": s.nth, "type": s.type, "by": ["/entities/x"]} for k, s in enumerate(prompt.spans)
-    }
-    spec = parse_spec(
-        {"spec_version": "2", "title": "honest", "prompt": prompt.text, "claims": claims, "simulation": {"frames": 9}}
-    )
-    found = [
-        p.text
-        for p in claim_problems(spec)
-        if "word" in p.text and ("no claim takes it up" in p.text or "does not judge" in p.text)
-    ]
-    assert reading_of(spec).problems == ()
-    assert found == []
+    assert untaken(prompt) == []
 
 
 def test_one_of_a_span_of_several_bodies_is_a_number_that_a_thing_does_not_judge() -> None:

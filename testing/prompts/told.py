@@ -168,14 +168,14 @@ def refused_words(spec: WorldSpec) -> dict[str, str]:
     for claim, text, sure in misdenied(spec, reading.spans, reading.language):
         if sure:
             found.setdefault(claim, text)
-    for problem in order_problems(spec, reading):
-        found.setdefault(problem.pointer.split("/")[2], problem.text)
+    for fault in order_problems(spec, reading):
+        found.setdefault(fault.pointer.split("/")[2], fault.text)
     return found
 
 
 @cache
 def refusals(prompt: Marked) -> dict[str, str]:
-    """What is left of refusals once every event, negation and order is told of what its rules take, span by span."""
+    """Claims of a prompt that a rule of words refuses whatever its events, negations and orders are told of, with the first reason."""
     told = _Told(prompt)
     kinds = [kind for _, _, kind in told.spans]
     chosen = {k: next(told.choices(k)) for k, kind in enumerate(kinds) if kind in ("event", "negation") and told.things}

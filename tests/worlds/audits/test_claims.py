@@ -16,7 +16,7 @@ from worldagent.worlds.claim_marks import claim_operations, claims_from, marked_
 from worldagent.worlds.claims import LONGEST, prompt_record, reading_of
 from worldagent.worlds.errors import InputError, SpecError
 from worldagent.worlds.patch import apply_patch, parse_spec, weakenings
-from worldagent.worlds.slices import motion_slice
+from worldagent.worlds.slices import geometry_slice, motion_slice
 from worldagent.worlds.spec import WorldSpec
 from worldagent.worlds.verdicts import verdict_words
 
@@ -188,6 +188,8 @@ def test_versions_do_not_mix_and_a_version_stays_out_of_the_motion() -> None:
         apply_patch(one, [{"op": "replace", "path": "/spec_version", "value": "2"}])
     two = apply_patch(one, claim_operations(MARKED, one))
     assert canonical_json(motion_slice(two)) == canonical_json(motion_slice(one))
+    for name in one.entities:
+        assert canonical_json(geometry_slice(two, name)) == canonical_json(geometry_slice(one, name))
     assert b"claims" not in canonical_json(one)
     assert b"clauses" not in canonical_json(two)
 

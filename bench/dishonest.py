@@ -89,7 +89,7 @@ def dishonest_figures(only: Sequence[str] | None = None, *, jobs: int = 1, scene
         "mechanisms": {name: _of_mechanism(name, own, cases, twins) for name, own in mechanisms.items()},
         "dishonest": len(cases),
         **_shares("caught", sum(j.outcome == "caught" for j in cases), len(cases)),
-        "dishonest_accepted": sum(j.outcome == "accepted" for j in cases),
+        "accepted_unmarked": sum(j.outcome == "accepted" for j in cases),
         "twins": len(twins),
         **_shares("twins_accepted", sum(j.outcome == "accepted" for j in twins), len(twins)),
         "holes": [

@@ -1,7 +1,8 @@
 """Benchmark prompts: how many strangers' prompts a shipped world would be accepted for, and what the lexicon finds in honest ones.
 
 Every shipped world is left as it is, its claims too, but for its prompt: each of 500 prompts in twelve languages that it is not about takes
-its place. Whatever the audit lets through would be accepted. Target: none. `attack` counts the same for the example of the skill with claims
+its place. Whatever the audit lets through would be accepted. Target: none. Of 150 honest prompts it counts those that a rule of words refuses
+whatever they are told of (`testing/prompts/told.py`). `attack` counts the same for the example of the skill with claims
 that a scripted attacker binds (`prompt_attack.py`).
 
 The lexicon labels the English prompts whose spans somebody marked: how many of the marked events and things it finds, how many of its labels are
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ..testing.defects.accepted import SKILLS, recorded, showcases, specifications
 from ..testing.prompts import Marked, Stranger, honest, placed, strangers, verbs
+from ..testing.prompts.told import refusals, untaken
 from ..worlds.audits.audit import audit
 from ..worlds.audits.claims import claim_problems
 from ..worlds.named_materials import declared_by_name
@@ -69,15 +71,20 @@ def run(prompts: Sequence[Stranger] | None = None) -> dict[str, Any]:
     """Count the strangers' prompts that each shipped world passes the audit with.
 
     Args:
-        prompts: all when left out.
+        prompts: all when left out; honest prompts are asked then alone.
     """
     asked = strangers() if prompts is None else prompts
     languages = Counter(p.language for p in asked)
+    own = honest() if prompts is None else ()
     worlds: dict[str, Any] = {}
     for name, spec in shipped():
         passed = Counter(p.language for p in asked if passes(spec, p.text))
         worlds[name] = {"prompts": len(asked), "passed": passed.total(), "passed_by_language": dict(sorted(passed.items()))}
     return {
+        "strangers": len(asked),
+        "strangers_accepted": sum(w["passed"] for w in worlds.values()),
+        "honest": len(own),
+        "refused": sum(bool(untaken(p) or refusals(p)) for p in own),
         "worlds": worlds,
         "prompts_by_language": dict(sorted(languages.items())),
         "lexicon": {**word_figures(), **warning_figures(), "verbs": verb_figures()},

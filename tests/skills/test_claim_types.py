@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
+from typing import Any
 
 import pytest
 from worldagent.server.skill_files import SKILLS
+from worldagent.testing.dishonest.cases import without_marks
+from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.audits.claims import JUDGED_BY
+from worldagent.worlds.claim_marks import with_claims
+from worldagent.worlds.claims import prompt_record
+from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import ClaimType
 from worldagent.worlds.spec.claims import CLAIM_TYPES
 
@@ -48,3 +55,22 @@ def test_the_table_names_what_the_audit_takes_and_nothing_else(kind: ClaimType) 
     assert named(told()[kind]) <= allowed
     if kind in ("property", "place", "route", "time", "weather", "look"):
         assert named(told()[kind]) == allowed
+
+
+def marked_texts() -> list[str]:
+    """Marked texts of the skill's section on claims, each on one line."""
+    section = (SKILLS / "world-building" / "SKILL.md").read_text(encoding="utf-8").split("\n## Claims\n")[1].split("\n## ")[0]
+    return [" ".join(block.split()) for block in re.findall(r"```\n(\[?\w[^`]*)```", section)]
+
+
+@pytest.mark.parametrize("language", ["de", "zh"])
+def test_the_skill_shows_a_prompt_in_another_language_that_its_example_passes_with(language: str) -> None:
+    example: dict[str, Any] = json.loads((SKILLS / "world-building" / "examples" / "two_blocks.json").read_text(encoding="utf-8"))
+    found = []
+    for marked in marked_texts()[1:]:
+        prompt = without_marks(marked)
+        spec = parse_spec({**with_claims({k: v for k, v in example.items() if k != "prompt"}, prompt, marked), "prompt": prompt})
+        found.append(prompt_record(spec)["language"])
+        assert audit(spec).passed
+        assert prompt_record(spec)["waivers"] == {}
+    assert language in found

@@ -93,6 +93,11 @@ def test_an_interval_is_that_of_wilson_and_an_unknown_mechanism_is_refused() -> 
         dishonest_figures(["witchcraft"])
 
 
+def test_where_no_scene_is_judged_nothing_is_counted() -> None:
+    found = dishonest_figures(scenes=())
+    assert (found["dishonest"], found["accepted_unmarked"], found["holes"]) == (0, 0, [])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", sorted(groups(MECHANISMS)))
 def test_every_trick_of_a_scene_is_given_away_and_its_honest_worlds_are_accepted(scene: str) -> None:

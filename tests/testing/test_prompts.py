@@ -80,6 +80,8 @@ def test_a_world_with_its_own_claims_is_refused_for_a_stranger(world: str) -> No
 def test_the_count_is_of_the_prompts_that_the_audit_lets_through() -> None:
     asked = [Stranger("x", "en", "A person walks from the gate along the path to the pond."), Stranger("y", "en", two_prompt())]
     found = run(asked)
+    assert (found["strangers"], found["honest"], found["refused"]) == (2, 0, 0)
+    assert found["strangers_accepted"] == sum(w["passed"] for w in found["worlds"].values()) == 2
     assert found["worlds"]["two_blocks"] == {"prompts": 2, "passed": 1, "passed_by_language": {"en": 1}}
 
 

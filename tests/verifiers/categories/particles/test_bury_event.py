@@ -22,11 +22,15 @@ COME = 2
 Frame = dict[str, Any]
 
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+def sand(folder: Path) -> Candidate:
     """Sand in a tray and a ball, whose places the tests write anew."""
     spec = sand_spec(radius=RADIUS, depth=0.05, frames=FRAMES, ball_at=0.12, young=2e5, preroll=0.0)
-    return simulate(tmp_path_factory.mktemp("sand"), WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
+    return simulate(folder, WorldSpec.model_validate({"prompt": SAND_PROMPT, **spec}))
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Candidate:
+    return sand(tmp_path_factory.mktemp("sand"))
 
 
 def layer(count: int, *, beside: float = 0.0) -> F64:
@@ -39,9 +43,11 @@ def layer(count: int, *, beside: float = 0.0) -> F64:
     )
 
 
-def judged(
-    run: Candidate, folder: Path, *, come: int = COME, beside: float = 0.0, half: bool = False, speed: float = 0.0, **more: Any
-) -> Outcome:
+def laid(
+    run: Candidate, folder: Path, *, come: int = COME, beside: float = 0.0, half: bool = False, speed: float = 0.0
+) -> Candidate:
+    """The run with its ball at rest on the floor and its grains on it from a frame on."""
+
     def grains(k: int, data: Frame) -> None:
         count = len(data["particle/id"])
         place = layer(count, beside=beside) if k >= come else layer(count, beside=1.0)
@@ -55,8 +61,13 @@ def judged(
         data["velocity"][:] = 0.0
 
     still = edited(run, folder / "ball", "bodies", ball)
-    event = BuryEvent.model_validate({"kind": "buries", "entity": "sand", "other": "ball", **more})
-    return evaluate(edited(still, folder / "sand", "grains", grains), event, (0, FRAMES - 1))
+    return edited(still, folder / "sand", "grains", grains)
+
+
+def judged(run: Candidate, folder: Path, **how: Any) -> Outcome:
+    bound = {"min": how.pop("min")} if "min" in how else {}
+    event = BuryEvent.model_validate({"kind": "buries", "entity": "sand", "other": "ball", **bound})
+    return evaluate(laid(run, folder, **how), event, (0, FRAMES - 1))
 
 
 def test_grains_that_come_to_lie_on_a_ball_bury_it(run: Candidate, tmp_path: Path) -> None:

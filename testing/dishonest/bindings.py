@@ -152,7 +152,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
     "unusual beside the result": (
         Case("half of the Earth's gravity", BLOCKS, says="unusual: gravity of 5", changes={"/simulation/gravity": [0, 0, -5]}),
         Case("a floor that is a slope", SHELF, says="degrees off straight down", changes={"/simulation/gravity": [0.4, 0, -9.8]}),
-        Case("a ball that never tires", BOUNCE, says="unusual: material 'rubber' has a restitution",
+        Case("a ball that never tires", BOUNCE, says="unusual: materials 'floor' and 'rubber' have together a restitution",
              changes={"/materials/rubber/restitution": 0.97, "/materials/floor/restitution": 0.97}),
         Case("a touch of any strength", BLOCKS, says="unusual: beat 'hit' is met by any touch",
              changes={"/story/beats/hit/predicate": {"kind": "contact", "a": "steel_block", "b": "wooden_block"}}),

@@ -74,7 +74,7 @@ MECHANISMS: Mapping[str, tuple[Case, ...]] = {
         Case("a tenth of gravity", BOUNCE, says="gravity", changes={"/simulation/gravity": [0, 0, -3.0], "/story/beats/bounce/frames": [6, 40], "/story/beats/fall/frames": [3, 24]}),
         Case("gravity sideways", BLOCKS, says="degrees off straight down", changes={"/simulation/gravity": [2.0, 0, -9.81]}),
         Case("friction of nothing", PUSH_ES, "audit:*|beat:*|support:*|claim:*", changes={"/simulation/contacts": {"ice": {"a": "crate", "b": "floor", "friction": 0.0}}}),
-        Case("a ball that bounces for ever", BOUNCE, says="has a restitution of 1:", changes={"/materials/rubber/restitution": 1.0, "/materials/floor/restitution": 1.0}),
+        Case("a ball that bounces for ever", BOUNCE, says="have together a restitution of 1:", changes={"/materials/rubber/restitution": 1.0, "/materials/floor/restitution": 1.0}),
         Case("a film in slow motion", TURN, says="gravity", changes={"/simulation/gravity": [0, 0, -6.0], "/story/beats/first/frames": [3, 14], "/story/beats/second/frames": [16, 32]}),
     ),
     "mass": (

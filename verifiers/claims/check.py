@@ -123,12 +123,15 @@ def _event(candidate: Candidate, name: str) -> Finding:
     missed = [b for b, o in outcomes.items() if o.status == "fail"]
     unknown = [b for b, o in outcomes.items() if o.status == "unverified"]
     rivals = [] if missed or unknown else [r for b in beats for r in rivals_of(candidate, b)]
-    true = [r for r in rivals if evaluate(candidate, r.predicate, r.frames).status == "pass"]
+    judged = [(r, evaluate(candidate, r.predicate, r.frames)) for r in rivals]
+    true = [r for r, o in judged if o.status == "pass"]
+    open_ = {r.text: o.explanation for r, o in judged if o.status == "unverified"}
     evidence = {
         "quote": claim.quote,
         "beats": {b: o.first_true_frame for b, o in outcomes.items()},
         "rivals": [r.text for r in rivals],
         "true_rivals": [r.text for r in true],
+        "undecided_rivals": open_,
     }
     if unknown:
         return Finding(
@@ -154,9 +157,9 @@ def _event(candidate: Candidate, name: str) -> Finding:
         hint = correction(said, "story", action, pointers=(f"/claims/{name}/by",))
     else:
         asked = ", ".join(describe_predicate(candidate.spec.story.beats[b].predicate) for b in beats[:3])
-        return Finding(
-            "pass", f"{claim.quote!r}: {asked} came true, and none of {len(rivals)} rivals", 0.0, 0.0, evidence=evidence
-        )
+        told = f"{claim.quote!r}: {asked} came true, and none of {len(rivals) - len(open_)} rivals"
+        told += f"; nobody can tell of {', '.join(open_)}" if open_ else ""
+        return Finding("pass", told, 0.0, 0.0, evidence=evidence)
     return Finding("fail", said, float(bad), 0.0, hints=(hint,), evidence=evidence)
 
 

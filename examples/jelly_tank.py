@@ -19,11 +19,13 @@ CLAIMS = (
     "[comes up](event rises) again and [bobs](event bobs)."
 )
 FRAMES = 30
+DROPPED_FROM = 0.32
+"""Height of the middle of the jelly at frame 0 [m]: 8 cm over the water, twice what counts as a fall of a body so high."""
 
 
 def tank_of_jelly(frames: int = FRAMES) -> dict[str, Any]:
     """The world without its prompt, `frames` at 24 per second."""
-    spec = jelly_tank_spec(frames=frames)
+    spec = jelly_tank_spec(frames=frames, crate_at=DROPPED_FROM)
     last = frames - 1
 
     def beat(text: str, when: list[int], predicate: dict[str, Any], *causes: str) -> dict[str, Any]:
@@ -49,7 +51,7 @@ def tank_of_jelly(frames: int = FRAMES) -> dict[str, Any]:
             "dips": beat("the water gives way to it", [2, 12], {"kind": "reaches", "entity": "jelly", "region": "deep"}, "drops"),
             "rises": beat("the water bears it up again", [8, last],
                           {"kind": "and", "of": [{"kind": "rises", "entity": "jelly", "min": 0.02}, {"kind": "reaches", "entity": "jelly", "region": "up"}]}, "dips"),
-            "bobs": beat("it bobs", [8, last], {"kind": "floats", "entity": "jelly", "other": "water"}, "dips"),
+            "bobs": beat("it bobs", [8, last], {"kind": "bobs", "entity": "jelly", "other": "water"}, "dips"),
         },
     }  # fmt: skip
     spec["shots"] = {"main": {

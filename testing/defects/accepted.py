@@ -79,12 +79,13 @@ def recorded() -> Iterator[tuple[str, WorldSpec]]:
 
 def showcases() -> Iterator[tuple[str, WorldSpec]]:
     """Name (`examples/file`) and specification of the showcases that no answer of the server shapes."""
-    from ...examples import burst_tank, jelly_hammock, siege, water_hammock
+    from ...examples import burst_tank, jelly_hammock, jelly_tank, siege, water_hammock
 
     made = (
         ("siege", siege.PROMPT, siege.siege_spec()),
         ("burst_tank", burst_tank.PROMPT, burst_tank.flood_spec(0.05)),
         ("jelly_hammock", jelly_hammock.PROMPT, jelly_hammock.jelly_spec()),
+        ("jelly_tank", jelly_tank.PROMPT, jelly_tank.tank_of_jelly()),
         ("water_hammock", water_hammock.PROMPT, water_hammock.held_spec()),
     )
     for name, prompt, spec in made:

@@ -38,23 +38,21 @@ SLOW: tuple[Run, ...] = (
         "hydrostatics", "hydrostatics-boxes", "still-water", "still-water-boxes", "settling", "standing-wave", "martin-moyce", "martin-moyce-far",
         "martin-moyce-square", "ritter", "stoker",
     )),
-    *((name, "dfsph", 1) for name in ("couette-honey", "poiseuille-honey", "neutral")),
+    *((name, "dfsph", 1) for name in (
+        "couette-honey", "poiseuille-honey", "neutral", "settling", "ritter", "stoker", "draft-0.3", "draft-0.5", "draft-0.8", "held-box", "held-sphere",
+        "released", "ledgers", "hydrostatics", "hydrostatics-boxes", "martin-moyce", "martin-moyce-far", "martin-moyce-square", "couette-water",
+        "couette-oil", "poiseuille-water", "poiseuille-oil",
+    )),
     *((name, "flip", 1) for name in (
         "couette-water", "couette-oil", "couette-honey", "poiseuille-water", "poiseuille-oil", "poiseuille-honey", "draft-0.3", "draft-0.5",
         "draft-0.8", "neutral", "held-box", "held-sphere", "ledgers",
     )),
 )  # fmt: skip
-LONG = (
-    "some 16 times the work of the coarse level, which is run; what was measured of it once stands in simulation/liquid/README.md"
-)
+NEVER = "eight to sixteen times the work of the coarse level, which is run; the finer level was not measured"
 UNREFINED: dict[Run, str] = {
-    **{(name, "dfsph", 1): LONG for name in (
-        "hydrostatics", "hydrostatics-boxes", "still-water", "still-water-boxes", "settling", "martin-moyce", "martin-moyce-far",
-        "martin-moyce-square", "ritter", "stoker", "kleefsman", "couette-water", "couette-oil", "poiseuille-water", "poiseuille-oil",
-        "draft-0.3", "draft-0.5", "draft-0.8", "held-box", "held-sphere", "released", "ledgers",
-    )},
-    ("kleefsman", "flip", 1): LONG,
-}  # fmt: skip
+    **{(name, "dfsph", 1): NEVER for name in ("still-water", "still-water-boxes", "kleefsman")},
+    ("kleefsman", "flip", 1): NEVER,
+}
 """Runs that no test makes, and why."""
 KEPT = "height after three periods / at first"
 REST, CALMER = "kinetic / potential energy at the end", "kinetic energy, end / start"
@@ -62,13 +60,16 @@ WALL = "height at the wall, mean error / height at first"
 PRESSURE = "pressure near the floor, error / (rho g depth)"
 CALMING = "after 2 s the start from a lattice still dies away: 1.6e-5 of the potential energy after 5 s (still-water)"
 DAMPED = "damping of what differs between neighbours: 0.61 at 20 spacings (simulation/liquid/dfsph/dissipation.py)"
-SHALLOW = "six spacings of depth: 5.7 % (Ritter) and 5.1 % (Stoker) at twelve"
+SHALLOW = "six spacings of depth: 5.8 % (Ritter) and 5.0 % (Stoker) at twelve"
+SLOWLY = "7.7 % (Ritter) and 6.6 % (Stoker) at six spacings of depth: it falls slowly with the spacing, why is not known"
+ROUND = "0.992 at six spacings across: how pressure is summed over its samples is suspected, not shown"
 SLIDES = "the column keeps standing at the wall; smooth sides and the particles' damping are suspected, not shown"
 RISING = "what a light body leaves below it fills too slowly: 0.85 of its acceleration at first, braked within 5 mm (simulation/liquid/README.md)"
 TIP = "5 cm between particles, more than the face of the gauge: it feels the blows of single particles of the tip"
 DISORDER = (
-    "the lowest layers read 2 % off once their lattice is gone (hydrostatics, on it: 4e-5), at smooth sides only: boxes 0.3 %"
+    "the lowest layers read 2 % off once their lattice is gone (hydrostatics, on it: 4e-5), at smooth sides; between boxes 0.3 %"
 )
+BETWEEN_BOXES = "still water eight spacings deep reads 0.3 % off between boxes: why sixteen read more is not known"
 COARSE_DAM = "11 cells of depth; no finer level was run"
 ROUGH_WALL = "FLIP is slow beside rough walls, 10 % at 4 cells and APIC 5 % (simulation/liquid/flip/method.md)"
 UNEVEN = "not the correction (1.2e-3 with all of it in a step) nor the solve (1.4e-3 at pressure_error 1e-4): how markers lie, not shown"
@@ -80,15 +81,22 @@ MISSES: dict[tuple[Run, str], tuple[str, str]] = {
     (("hydrostatics-boxes", "dfsph", 0), REST): ("3.4e-4", CALMING),
     (("hydrostatics-boxes", "dfsph", 0), CALMER): ("1.2", CALMING),
     (("still-water", "dfsph", 0), PRESSURE): ("0.018", DISORDER),
+    (("hydrostatics", "dfsph", 1), PRESSURE): ("0.023", DISORDER),
+    (("hydrostatics-boxes", "dfsph", 1), PRESSURE): ("0.014", BETWEEN_BOXES),
+    (("martin-moyce", "dfsph", 1), WALL): ("0.076", SLIDES),
     (("martin-moyce", "dfsph", 0), WALL): ("0.058", SLIDES),
     (("standing-wave", "dfsph", 0), KEPT): ("0.56", DAMPED),
     (("standing-wave", "dfsph", 1), KEPT): ("0.61", DAMPED),
     (("standing-wave", "flip", 0), KEPT): ("0.897", "ten cells of depth; at twenty 0.97 is kept"),
     (("ritter", "dfsph", 0), "depth, L1 error"): ("0.077", SHALLOW),
     (("stoker", "dfsph", 0), "depth, L1 error"): ("0.066", SHALLOW),
+    (("ritter", "dfsph", 1), "depth, L1 error"): ("0.058", SLOWLY),
+    (("stoker", "dfsph", 1), "depth, L1 error"): ("0.0501", SLOWLY),
+    (("held-sphere", "dfsph", 1), "sphere: force / weight of the water displaced"): ("0.956", ROUND),
     (("kleefsman", "dfsph", 0), "peak of P2"): ("32400 Pa of 8127 Pa", TIP),
     (("kleefsman", "dfsph", 0), "height H2, mean error / largest"): ("0.107", COARSE_DAM),
     (("released", "dfsph", 0), "acceleration"): ("1.78 of 4.90 m/s^2", RISING),
+    (("released", "dfsph", 1), "acceleration"): ("1.21 of 4.90 m/s^2", RISING),
     (("poiseuille-water", "flip", 0), "water: velocity, L2 error"): ("0.150", ROUGH_WALL),
     (("poiseuille-oil", "flip", 0), "oil: velocity, L2 error"): ("0.150", ROUGH_WALL),
     (("martin-moyce", "flip", 1), "front, mean error"): ("0.066", SMOOTH_FLOOR),

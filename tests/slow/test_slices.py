@@ -13,6 +13,7 @@ from worldagent.tests.slow.record import BY_NAME, Run, assigned, due, read_passe
 from worldagent.tests.slow.run import ROOT, run_tests, slow_tests
 
 TODAY = date(2026, 11, 23)
+EXAMPLES = tuple((ROOT / "examples").glob("*.py"))
 
 
 def _run(day: str = "2026-11-20", **changed: int) -> Run:
@@ -95,7 +96,7 @@ def _git(*arguments: str) -> str:
 
 def test_every_showcase_is_taken_to_acceptance_by_a_test() -> None:
     """A test imports `run` or `main` of each module of `examples/` that has one, and calls it."""
-    shows = {p.stem for p in (ROOT / "examples").glob("*.py") if p.stem != "client_run" and _entry_of(p)}
+    shows = {p.stem for p in EXAMPLES if p.stem != "client_run" and entry_of(p)}
     taken = {
         node.module.rpartition(".")[2]
         for path in (ROOT / "tests" / "examples").glob("test_*.py")
@@ -106,6 +107,7 @@ def test_every_showcase_is_taken_to_acceptance_by_a_test() -> None:
     assert shows - taken == set()
 
 
-def _entry_of(path: Path) -> bool:
+def entry_of(path: Path) -> bool:
+    """True if a module of `examples/` is a command: it has a function `run` or `main`."""
     functions = {node.name for node in ast.parse(path.read_text()).body if isinstance(node, ast.FunctionDef)}
     return bool(functions & {"run", "main"})

@@ -11,12 +11,14 @@ from worldagent.construction import build_entity
 from worldagent.simulation.schedule import run_frames
 from worldagent.testing.worlds.simulated_worlds import edited
 from worldagent.testing.worlds.small_cloth import PULLED_PROMPT, catch_spec, flag_spec, pulled_spec
+from worldagent.testing.worlds.small_gas import dust_spec, kindled_spec, smoke_spec, stirred_spec
 from worldagent.testing.worlds.small_grains import sand_spec, spark_spec
 from worldagent.testing.worlds.small_liquids import PROMPT, jelly_tank_spec, tank_spec
 from worldagent.testing.worlds.small_worlds import ball, box, ground, world
 from worldagent.tests.physics.fracture_world import struck_wall
 from worldagent.workflow import measurements
 from worldagent.worlds.candidate import Candidate, cache_digest
+from worldagent.worlds.categories.registry import CATEGORIES
 from worldagent.worlds.channels import QUANTITIES
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import ElasticPhysics, FieldDriver, RigidSettings, WorldSpec
@@ -51,6 +53,10 @@ WORLDS = {
     "cloth that tears": lambda: _parsed(pulled_spec(frames=FRAMES, stretch=0.02, strength=20.0, notch=True), PULLED_PROMPT),
     "grains": lambda: _parsed(sand_spec(frames=FRAMES)),
     "sparks": lambda: _parsed(spark_spec(frames=FRAMES)),
+    "smoke": lambda: _parsed(smoke_spec(frames=FRAMES, resolution=0.1)),
+    "smoke that a body stirs": lambda: _parsed(stirred_spec(frames=FRAMES)),
+    "a fire that kindles": lambda: _parsed(kindled_spec(frames=FRAMES)),
+    "dust of an impact": lambda: _parsed(dust_spec(frames=FRAMES)),
 }
 
 
@@ -60,6 +66,15 @@ def _soft_and_hard() -> WorldSpec:
     things = {"floor": ground(), "block": soft, "ball": ball(0.1, motion="dynamic", at=(1, 0, 0.5))}
     wind = FieldDriver(field=WindField(velocity=(3, 0, 0)), entities=["ball"])
     return world(things, frames=FRAMES, settings=RigidSettings(step=2e-3), drivers={"wind": wind})
+
+
+def test_the_worlds_hold_every_category() -> None:
+    assert {category for make in WORLDS.values() for category in _categories(make())} == set(CATEGORIES)
+
+
+def _categories(spec: WorldSpec) -> set[str]:
+    breakable = {"fracture" for e in spec.entities.values() if e.breakable is not None}
+    return {e.physics.category for e in spec.entities.values()} | breakable
 
 
 @pytest.mark.parametrize("kind", WORLDS)
@@ -105,6 +120,6 @@ def test_the_account_tells_of_every_category_and_holds_no_id(kind: str, tmp_path
     told = measurements.measured(session, "account", entities=None, frames=None, limit=50, offset=0)
     assert told["account"].startswith(f"{len(spec.entities)} things, {FRAMES} frames")
     assert told["account"].count("\n- ") >= len({e.physics.category for e in spec.entities.values()})
-    forms = {"ball", "box", "wall", "sheet", "liquid", "grains"}  # ids that are words of the account too
+    forms = {"ball", "box", "wall", "sheet", "liquid", "grains", "smoke", "dust"}  # ids that are words of the account too
     assert [n for n in spec.entities if n not in forms and n in told["account"]] == []
     assert told["left_out"] == {}

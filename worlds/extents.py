@@ -12,9 +12,9 @@ from .sweeps import sweep_rings, sweep_volume
 
 if TYPE_CHECKING:
     from .shapes import Boolean, Member, Shape
-    from .spec import Entity
+    from .spec import Entity, WorldSpec
 
-__all__ = ["box_extent", "box_size", "initial_box", "initial_volume", "least_extent", "part_box", "shape_volume"]
+__all__ = ["box_extent", "box_size", "initial_box", "initial_volume", "least_extent", "part_box", "shape_volume", "told_mass"]
 
 
 def _ends(shape: Shape) -> tuple[F64, F64] | None:
@@ -182,3 +182,15 @@ def initial_volume(entity: Entity) -> float:
     volumes = [shape_volume(p.shape) for p in entity.parts.values()]
     known = [v for v in volumes if v is not None]
     return sum(known) if len(known) == len(volumes) else math.prod(entity.dimensions.size)
+
+
+def told_mass(spec: WorldSpec, name: str) -> float:
+    """Mass of a moving entity as the specification tells it [kg]; 0 where it tells none, or the entity moves by no force."""
+    entity = spec.entities.get(name)
+    if entity is None or entity.motion != "dynamic":
+        return 0.0
+    declared = getattr(entity.physics, "mass", None)
+    if declared is not None:
+        return float(declared)
+    used = {p.material or entity.material for p in entity.parts.values()} & set(spec.materials)
+    return initial_volume(entity) * min((spec.materials[m].density for m in used), default=0.0) if entity.parts else 0.0

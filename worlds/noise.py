@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-from .extents import initial_volume
+from .extents import told_mass
 from .predicates import atoms_of
 from .predicates.registry import PREDICATES
 
@@ -44,24 +44,12 @@ def least_travel(spec: WorldSpec, entity: str) -> Floor:
 
 def least_impulse(spec: WorldSpec, a: str, b: str) -> Floor | None:
     """Least impulse between two entities [N s]; None where neither is a moving body whose mass the specification tells."""
-    masses = [m for n in (a, b) if (m := _mass(spec, n)) > 0.0]
+    masses = [m for n in (a, b) if (m := told_mass(spec, n)) > 0.0]
     if not masses:
         return None
     least = float(f"{LEAST_PUSH * min(masses):.{_DIGITS}g}")
     how = f"{1000 * LEAST_PUSH:g} mm/s of the lighter moving body, {min(masses):.{_DIGITS}g} kg"
     return Floor(least, "N s", how)
-
-
-def _mass(spec: WorldSpec, name: str) -> float:
-    """Mass of a moving entity as the specification tells it [kg]; 0 where it tells none, or the entity moves by no force."""
-    entity = spec.entities.get(name)
-    if entity is None or entity.motion != "dynamic":
-        return 0.0
-    declared = getattr(entity.physics, "mass", None)
-    if declared is not None:
-        return float(declared)
-    used = {p.material or entity.material for p in entity.parts.values()} & set(spec.materials)
-    return initial_volume(entity) * min((spec.materials[m].density for m in used), default=0.0) if entity.parts else 0.0
 
 
 def least_margin(spec: WorldSpec, beat: Beat) -> Floor | None:

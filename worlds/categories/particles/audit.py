@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import F64, pose_of
-from ...extents import box_size, initial_box, initial_volume
+from ...extents import box_size, initial_box, initial_volume, told_mass
 from ...problems import Problem, removed, replaced
 from ..loose import domain_box
+from .facts import softest_under
+from .models import ParticlePhysics
 
 if TYPE_CHECKING:
     from ...spec import ParticleInstance, WorldSpec
@@ -19,6 +21,8 @@ __all__ = ["particle_problems", "particle_warnings"]
 
 LAWS = {"dem": "granular", "ballistic": "ballistic"}
 """Law that each engine carries out."""
+ROUND = frozenset({"sphere", "cylinder", "capsule", "revolution"})
+"""Shapes that roll."""
 LEAST_RADII = 2.0
 """Own choice: a volume thinner than so many radii holds no grain."""
 LEAST_SHARE = 1.0 / 3.0
@@ -76,12 +80,13 @@ def _instance(spec: WorldSpec, name: str, instance: ParticleInstance) -> Iterato
 
 
 def particle_warnings(spec: WorldSpec) -> Iterator[Problem]:
-    """Volumes of grains so coarse that few of the declared grains, or none, find room in them."""
-    for instance in spec.simulation.particles.values():
+    """Volumes of grains so coarse that few of the declared grains, or none, find room in them; grains too soft for what may roll over them."""
+    for name, instance in spec.simulation.particles.items():
         for member in instance.members if instance.engine == "dem" else ():
             entity = spec.entities.get(member)
             if entity is None or entity.physics.category != "particles":
                 continue
+            yield from _too_soft(spec, member, name)
             physics, sizes = entity.physics, [np.array(b) for p in entity.parts.values() if (b := box_size(p.shape)) is not None]
             if not sizes or len(sizes) < len(entity.parts):
                 continue
@@ -100,6 +105,31 @@ def particle_warnings(spec: WorldSpec) -> Iterator[Problem]:
                 f"the volume of {member!r} declares about {declared:.3g} grains of {physics.radius:g} m radius and has room for about "
                 f"{share * declared:.2g}, a share of {share:.2g}, at least {LEAST_SHARE:.2g} is wanted (with less than one, probing is refused): its "
                 f"largest part is {' x '.join(f'{v:.3g}' for v in size)} m. Take a radius of at most {0.99 * low:.3g} m, or larger parts",
+            )
+
+
+def _too_soft(spec: WorldSpec, member: str, solver: str) -> Iterator[Problem]:
+    """Round bodies too heavy for the grains that they may roll over."""
+    physics, gravity = spec.entities[member].physics, float(np.linalg.norm(spec.simulation.gravity))
+    assert isinstance(physics, ParticlePhysics)
+    partners = {
+        c.source if c.target == solver else c.target
+        for c in spec.simulation.couplings.values()
+        if c.direction == "two_way" and solver in (c.source, c.target)
+    }
+    bodies = [
+        n for s in partners if s in spec.simulation.solvers for n in spec.simulation.solvers[s].members if n in spec.entities
+    ]
+    for name in bodies:
+        wheels = sum(p.shape.kind in ROUND for p in spec.entities[name].parts.values() if p.collides)
+        weight = told_mass(spec, name) * gravity / max(wheels, 1)
+        least = softest_under(weight, physics.radius)
+        if wheels and least > physics.young_modulus:
+            yield Problem(
+                f"/entities/{member}/physics/young_modulus",
+                f"{name!r} presses with up to {weight:.3g} N on grains of {member!r} where it rolls over them: of {physics.radius:g} m radius they need a "
+                f"young_modulus of about {least:.2g} Pa for that, and have {physics.young_modulus:.2g}. Take it stiffer, the grains larger or the body "
+                "lighter; what never touches them needs nothing",
             )
 
 

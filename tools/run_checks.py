@@ -128,6 +128,7 @@ def _call_asked(rows: Sequence[Mapping[str, Any]]) -> str:
 
 def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only: Sequence[str] = ()) -> ToolReply:
     from ..workflow.answers import answer, call, job_answer, rows_answer
+    from ..workflow.motion_replies import mend_first
 
     place = {"world": world, "revision": revision}
     if "state" in data:
@@ -164,8 +165,6 @@ def _reply(world: str, revision: int, data: dict[str, Any], detail: Detail, only
         if only:
             text = f"{text} (only {', '.join(only)})"
             then = call("run_checks", world=world, scope=data["scope"])
-    repair = (
-        "edit_spec: mend the first open row with one hypothesis and one parameter group, then repeat from the first stale step"
-    )
+    repair = mend_first(world, data, "repeat from the first stale step")
     told = rows_answer(world, {**place, **data}, detail, text, then if good else _call_asked(data.get("open_rows", ())) or repair)
     return ToolReply(told, links=proof_links(world, data))

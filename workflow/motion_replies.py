@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from ..execution import Job
     from ..worlds.spec import WorldSpec
 
-__all__ = ["motion_answer", "motion_reply", "require_room", "sketch_answer", "sketch_reply"]
+__all__ = ["mend_first", "motion_answer", "motion_reply", "require_room", "sketch_answer", "sketch_reply"]
 
 
 def require_room(workspace: Path, spec: WorldSpec) -> None:
@@ -25,6 +26,14 @@ def require_room(workspace: Path, spec: WorldSpec) -> None:
     from ..worlds.limits import check_workspace, estimate_counts
 
     check_workspace(workspace, estimate_counts(spec)["cache_bytes"])
+
+
+def mend_first(world: str, data: Mapping[str, Any], then: str) -> str:
+    """Next step where rows are open: a repair of the motion, or of shots alone, which needs no hypothesis and no other run."""
+    checks = {row.get("check") for row in data.get("open_rows", ())}
+    if checks == {"shots"} and not data.get("more_open_rows"):
+        return f"edit_spec: mend the shots; an edit of shots alone needs no hypothesis and no other run; then {call('run_checks', world=world, scope='full')}"
+    return f"edit_spec: mend the first open row with one hypothesis and one parameter group, then {then}"
 
 
 def motion_answer(world: str, kind: str, data: dict[str, Any], detail: Detail) -> ToolReply:
@@ -45,7 +54,7 @@ def motion_answer(world: str, kind: str, data: dict[str, Any], detail: Detail) -
         by = f" by {', '.join(data['stopped_by'])}" if data["stopped_by"] else ""
         frames = f"ended at frame {data['stopped_at']} of {data['of_frames']}{by}; rows of later frames are not reached"
     failed = f"{frames}; {data['counts']['fail']} rows fail, {open_count} mandatory ones are open"
-    repair = "edit_spec: mend the first open row with one hypothesis and one parameter group, then probe_sim again"
+    repair = mend_first(world, data, "probe_sim again")
     if "stopped_at" in data:
         rest = call("probe_sim", world=world, stop_at="never")
         repair = f"{repair}; or its other rows first: {rest}" if data["counts"]["fail"] else rest
@@ -69,7 +78,7 @@ def sketch_answer(world: str, data: dict[str, Any], detail: Detail) -> ToolReply
     coarse = "coarser than production" if data["left_coarser"] else "at production settings"
     failing = data["counts"]["fail"]
     text = f"sketch of {data['frames_sketched']} frames, {coarse}: {failing} rows fail; it freezes nothing and no row of the matrix is from it"
-    repair = "edit_spec: mend the first open row with one hypothesis and one parameter group, then sketch or probe again"
+    repair = mend_first(world, data, "sketch or probe again")
     said = rows_answer(world, data, detail, text, repair if failing else call("probe_sim", world=world))
     name = str(data["picture"])
     return ToolReply(

@@ -72,9 +72,9 @@ def started_anew(workspace: Path, world: str, prompt: str) -> list[str]:
     )
     prompt_text = "this prompt" if exact else near
     if len(failed) <= 1:
-        return [f"started anew beside world {other}, which has failed rows for {prompt_text}" for other in failed]
+        return [f"started anew beside world {other}, in which rows failed for {prompt_text}" for other in failed]
     names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
-    return [f"started anew beside {len(failed)} worlds with failed rows for {prompt_text}: {names}"]
+    return [f"started anew beside {len(failed)} worlds in which rows failed for {prompt_text}: {names}"]
 
 
 def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:

@@ -111,7 +111,7 @@ def test_a_position_goes_along_with_the_shape_of_the_same_entity(failed: Any, pa
 def test_a_world_beside_a_failed_one_of_its_prompt_is_told_so_at_once(failed: Any) -> None:
     again = failed.call("edit_spec", world="again", prompt=PROMPT, spec=small_spec())
     warning, words = again["warnings"]
-    assert "printed with the acceptance: started anew beside world w, which has failed rows" in warning
+    assert "printed with the acceptance: started anew beside world w, in which rows failed" in warning
     assert "prompt_judged.warnings" in words
     other = failed.call("edit_spec", world="other", prompt="A vase tips over and breaks on the floor.", spec={})
     assert other["warnings"] == []
@@ -120,7 +120,7 @@ def test_a_world_beside_a_failed_one_of_its_prompt_is_told_so_at_once(failed: An
 @pytest.mark.parametrize("turned", [PROMPT + " ", PROMPT.upper(), PROMPT.replace("a", "\u0430", 2), "Please: " + PROMPT])
 def test_a_prompt_that_is_written_a_little_otherwise_hides_no_failed_world(failed: Any, turned: str) -> None:
     (warning,) = failed.call("edit_spec", world="again", prompt=turned, spec={})["warnings"]
-    assert "started anew beside world w, which has failed rows for" in warning
+    assert "started anew beside world w, in which rows failed for" in warning
 
 
 @pytest.mark.slow

@@ -89,7 +89,7 @@ def test_a_sentence_beside_the_prompt_hides_no_failed_world(made: Made) -> None:
     (line,) = made.easier(longer)
     assert line.startswith("easier than revision 1 of world first")
     assert started_anew(made.root, "again", longer.prompt) == [
-        "started anew beside world first, which has failed rows for a prompt that stands in this one, or holds it"
+        "started anew beside world first, in which rows failed for a prompt that stands in this one, or holds it"
     ]
 
 

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row
 
-__all__ = ["only_seen"]
+__all__ = ["only_seen", "unmended_till_baked"]
 
 
 def only_seen(candidate: Candidate, found: Row, needed: tuple[int, int] | None = None) -> Row:
@@ -28,3 +28,19 @@ def only_seen(candidate: Candidate, found: Row, needed: tuple[int, int] | None =
     text = f"frames {first}..{candidate.last_frame} of {first}..{last} seen: {found.evidence.get('explanation', found.predicate)}"
     evidence = {**found.evidence, "explanation": text, "seen": [first, candidate.last_frame]}
     return found.model_copy(update={"status": "unverified", "frames": (first, last), "evidence": evidence})
+
+
+def unmended_till_baked(candidate: Candidate, found: Row) -> Row:
+    """The row without corrections where it only waits for frames that a probe leaves to the bake: nothing of it is to be mended."""
+    if (
+        candidate.stage != "probe"
+        or found.status != "unverified"
+        or found.frames is None
+        or found.frames[1] <= candidate.last_frame
+    ):
+        return found
+    told = {
+        "symptom": "it waits for frames that the probe leaves to the bake",
+        "cheapest_probe": [{"tool": "bake_sim", "look_at": found.id}],
+    }
+    return found.model_copy(update={"corrections": (), "evidence": {**found.evidence, "diagnosis": told}})

@@ -72,3 +72,13 @@ def test_the_guard_takes_the_frames_of_a_row_or_those_needed_and_leaves_failures
     for frames in (None, (0, 11)):
         seen = row("pass", frames)
         assert only_seen(candidate, seen) is seen
+
+
+def test_a_row_that_waits_for_the_bake_has_nothing_to_be_mended(short: Any) -> None:
+    """A probe leaves frames to the bake: more frames, or other members, would change nothing. A bake that lacks frames is another matter."""
+    probed, baked = ({r.id: r for r in run_checks(short(stage), reruns=False)} for stage in ("probe", "full"))
+    waiting = [r for r in probed.values() if r.status == "unverified" and r.frames is not None and r.frames[1] >= SEEN]
+    assert {"shots:motion:only", "shots:framed:only"} <= {r.id for r in waiting}
+    assert all(r.corrections == () for r in waiting)
+    assert {p["tool"] for r in waiting for p in r.evidence["diagnosis"]["cheapest_probe"]} == {"bake_sim"}
+    assert baked["shots:motion:only"].corrections

@@ -192,7 +192,13 @@ def _prompt_told(session: Any) -> dict[str, Any]:
         return {"prompt_judged": kept | ({"warnings": lines} if lines else {})}
     from ..worlds.prompts.proposals import proposal_text
 
-    return {"claims_to_make": proposal_text(spec.prompt)}
+    marked = proposal_text(spec.prompt)
+    told = (
+        {"claims_note": "(unknown): give the span a type, cut it anew, or leave it unmarked as filler"}
+        if "](unknown)" in marked
+        else {}
+    )
+    return {"claims_to_make": marked, **told}
 
 
 def _next(session: Any, passed: bool, groups: set[str]) -> str:

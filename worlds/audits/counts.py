@@ -192,7 +192,8 @@ def _partly_told(spec: WorldSpec, name: str, claim: Claim, bodies: set[str]) -> 
         if told & (bodies - single) and left and told & bodies not in counts:
             text = f"{event.quote!r} is told of {', '.join(sorted(told & bodies)[:3])} and not of {', '.join(sorted(left)[:3])}, of {claim.quote!r}: add a "
             text += "beat about them, use a `count` predicate over all, or claim single ones by spans of their own "
-            text += "(in marked text [the last one](thing ID same_as=CLAIM), CLAIM being that of them all)"
+            text += "(in marked text [the last one](thing ID same_as=CLAIM), CLAIM being that of them all); halves of one verb make one claim: name all "
+            text += "its beats at one half, and mark the other [um](event same_as=CLAIM)"
             yield Problem(f"/claims/{other}/by", text)
 
 

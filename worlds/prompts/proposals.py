@@ -1,7 +1,7 @@
 """Spans and types that the server proposes for a new prompt: a start for whoever marks it, judged by nobody.
 
-English words get the types of `lexicon.py`. In other languages with reviewed lists numbers, negations and words of order are known, and words of
-grammar are left out; every other word is `unknown`, to be typed or left as filler.
+English words get the types of `lexicon.py`. In other languages with reviewed lists numbers, negations, words of order and those of properties, times,
+weather and light that a rule judges are known, and words of grammar are left out; every other word is `unknown`, to be typed or left as filler.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, NamedTuple, cast
 
+from .descriptions import UNSPACED, WordKind, meanings
 from .languages import REVIEWED, function_words, held_words, language_of
 from .lexicon import labelled, lemmas
 from .marks import Mark, MarkType, marked_text
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Proposal", "proposal_text", "proposed"]
 
+DESCRIBED: dict[WordKind, str] = {
+    "colour": "property", "form": "property", "material": "property", "time": "time", "weather": "weather", "look": "look",
+}  # fmt: skip
+"""Type of claim that a word of a kind makes."""
 LONGEST = 4
 """Words of a span."""
 LONGEST_EVENT = 8
@@ -97,9 +102,33 @@ def _elsewhere(text: str, language: str | None) -> Iterator[Proposal]:
     found = [Proposal(word.start, word.end, word.kind) for word in held if word.kind != "number"]
     found += _numbers(text, [(word.start, word.end) for word in held if word.kind == "number"], language)
     grammar = function_words(language or "")
+    found += _described(text, found, language)
     yield from found
     rest = [unit for unit in units_of(text) if not any(span.start < unit.end and unit.start < span.end for span in found)]
     yield from _unknown(text, [unit for unit in rest if folded(unit.text).replace("’", "'") not in grammar])
+
+
+def _described(text: str, found: Sequence[Proposal], language: str | None) -> list[Proposal]:
+    """Words that a rule of properties, times, weather or looks judges, where nothing stands yet.
+
+    In languages without blanks those of colour and form alone: a sign for a material is part of many nouns.
+    """
+    made, units = list(found), units_of(text)
+    begins, ends = {unit.start for unit in units}, {unit.end for unit in units}
+    for kind, type_ in DESCRIBED.items():
+        if language in UNSPACED and kind not in ("colour", "form"):
+            continue
+        at = 0
+        for meaning in meanings(text, language, kind):
+            plain = folded(text) if language in UNSPACED else text
+            places = (m.start() for m in re.finditer(re.escape(meaning.word), plain[at:]))
+            start = next((at + p for p in places if at + p in begins and at + p + len(meaning.word) in ends), -1)
+            if start < 0:
+                continue
+            at = end = start + len(meaning.word)
+            if not any(span.start < end and start < span.end for span in made):
+                made.append(Proposal(start, end, type_))
+    return made[len(found) :]
 
 
 def _numbers(text: str, held: Sequence[tuple[int, int]], language: str | None) -> Iterator[Proposal]:

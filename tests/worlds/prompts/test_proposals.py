@@ -74,6 +74,19 @@ def test_how_something_is_and_stays_is_proposed_as_a_property(text: str, verb: s
     assert (verb, kind) in quoted(text)
 
 
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("Eine rote Murmel stößt drei Dominosteine um.", {("rote", "property"), ("drei", "count"), ("Murmel", "unknown")}),
+        ("一个蓝色的球从桌子上滚下来。", {("一", "count"), ("蓝色", "property"), ("球", "unknown")}),
+        ("Por la noche una bola de acero rueda.", {("noche", "time"), ("acero", "property"), ("rueda", "unknown")}),
+        ("Une voiture rouge descend la rampe.", {("rouge", "property"), ("voiture", "unknown")}),
+    ],
+)
+def test_words_that_a_rule_judges_are_known_in_other_languages(text: str, known: set[tuple[str, str]]) -> None:
+    assert known <= set(quoted(text))
+
+
 def test_an_article_that_is_also_a_number_is_no_count() -> None:
     assert ("einen", "count") not in quoted("Lass einen Mehlsack von der Leiter fallen.")
 

@@ -24,6 +24,8 @@ __all__ = ["film_reply", "render_shot"]
 LEDGER_SIZE = (1200, 1000)
 """Pixels of a ledger plot: six panels with legends."""
 USUAL_SIZE = (640, 360)
+LEAST_SIDE = 64
+"""[pixels] As the fields of the tool say."""
 """Pixels of other pictures."""
 
 _FILM_KINDS = {"webm": "video/webm", "mp4": "video/mp4"}
@@ -64,7 +66,10 @@ def render_shot(
         int | None,
         Field(ge=64, le=1920, description="Pixels (of a whole contact sheet's tile); default 640, for final the specification's"),
     ] = None,
-    height: Annotated[int | None, Field(ge=64, le=1080, description="Pixels; default 360, for final the specification's")] = None,
+    height: Annotated[
+        int | None,
+        Field(ge=64, le=1080, description="Pixels; default as the width asks (360 for 640), for final the specification's"),
+    ] = None,
     samples: Annotated[int | None, Field(ge=1, le=1024, description="Paths per pixel for still and final")] = None,
     wait_s: Annotated[
         float,
@@ -117,7 +122,7 @@ def _pictured(session: Session, asked: _Asked) -> ToolReply:
     candidate, state = _candidate(session, asked)
     data: dict[str, Any] = {"world": world, "revision": session.revision, "kind": kind, "source": candidate.artifact}
     wide, tall = LEDGER_SIZE if kind == "ledger" else USUAL_SIZE
-    size = asked.size[0] or wide, asked.size[1] or tall
+    size = _size(asked.size, (wide, tall))
     unjudged = session.shown(candidate, candidate.last_frame if kind == "contact_sheet" else state)
     own = None if camera is None else own_camera(candidate, camera, state, *size)
     view_of = View(kind, state, frame, shot, own, size, asked.frames, asked.samples)
@@ -138,6 +143,16 @@ def _pictured(session: Session, asked: _Asked) -> ToolReply:
     text = f"{kind}{at}, from the {run_of(candidate)} candidate, camera {data['camera']}"
     then = "judge by numbers: inspect_world(part='state' or 'matrix')"
     return ToolReply(answer(data, text, then, warnings), pictures=(image,), links=(link,))
+
+
+def _size(asked: tuple[int | None, int | None], usual: tuple[int, int]) -> tuple[int, int]:
+    """Width and height in pixels; where one alone is asked for, the other keeps the usual picture's shape, within what may be asked for."""
+    (width, height), (wide, tall) = asked, usual
+    if width is not None and height is None:
+        height = max(LEAST_SIDE, round(width * tall / wide))
+    elif height is not None and width is None:
+        width = max(LEAST_SIDE, round(height * wide / tall))
+    return width or wide, height or tall
 
 
 def _candidate(session: Session, asked: _Asked) -> tuple[Candidate, int]:

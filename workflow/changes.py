@@ -31,7 +31,7 @@ MAX_TOLD = 20
 """Changed places that a reply names."""
 _TOLD_BY_MOTION = re.compile(
     r"/simulation/(frames|fps) |/story/(beats|requirements)/[^/ ]+/(subject|owner|predicate|frames|causes|margins)\b"
-    r"|claim of .* is no longer judged by /story/(beats|requirements)/[^,]*$"
+    r"|claim of .* is no longer judged by /story/(beats|requirements)/[^,/]*(, /story/(beats|requirements)/[^,/]*)*$"
 )
 """Lines of weakenings against which only motion is evidence: geometry at frame 0 says nothing of what is told there."""
 
@@ -97,7 +97,9 @@ class Change:
         self.weaker += role_weakenings(self.world.spec, self.after, said_of(self.failing))
         told = self._version_objections()
         unseen = unjudged(ledger)
-        if not unseen and not ledger.ever_failed(moving=True):
+        if not unseen and not ledger.ever_judged() and not ledger.ever_failed():
+            self.weaker = []  # nothing of the world was ever looked at: it might as well have begun so
+        elif not unseen and not ledger.ever_failed(moving=True):
             self.weaker = [w for w in self.weaker if not _TOLD_BY_MOTION.match(w)]
         if self.weaker and (unseen or ledger.ever_failed()) and len(self.reason.strip()) < 15:
             told.append(

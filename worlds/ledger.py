@@ -197,6 +197,11 @@ class Ledger(ReviewLedger, LookLedger):
             asked = ("ever_failed_moving", "static") if moving else ("ever_failed", "audit")
             return db.execute(failure, asked).fetchone() is not None
 
+    def ever_judged(self) -> bool:
+        """True if any row other than of the audit was ever judged."""
+        with self._open() as db:
+            return db.execute("SELECT 1 FROM history WHERE stage != 'audit' LIMIT 1").fetchone() is not None
+
     def history(self, row_id: str, limit: int = 20) -> list[dict[str, Any]]:
         """Past verdicts of one row, newest first."""
         with self._open() as db:

@@ -6,7 +6,7 @@ import pytest
 from worldagent.tests.stories.small_run import BALL, GAP, PROMPT, TOP, small_spec
 from worldagent.tools.edit_spec import edit_spec
 from worldagent.tools.place_object import place_object
-from worldagent.tools.render_shot import render_shot
+from worldagent.tools.render_shot import USUAL_SIZE, _size, render_shot
 from worldagent.workflow.context import ToolContext
 
 
@@ -20,3 +20,17 @@ def test_a_camera_inside_a_body_is_told_beside_its_picture(context: ToolContext,
     told = [w for w in reply.data["warnings"] if "the camera is inside" in w]
     assert told == (["the camera is inside ball at frame 0: move it out"] if height == BALL else [])
     assert reply.pictures
+
+
+@pytest.mark.parametrize(
+    ("asked", "drawn"),
+    [
+        ((420, None), (420, 236)),
+        ((None, 720), (1280, 720)),
+        ((None, None), (640, 360)),
+        ((100, 300), (100, 300)),
+        ((64, None), (64, 64)),
+    ],
+)
+def test_one_side_keeps_the_shape_of_the_picture(asked: tuple[int | None, int | None], drawn: tuple[int, int]) -> None:
+    assert _size(asked, USUAL_SIZE) == drawn

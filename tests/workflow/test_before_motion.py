@@ -40,6 +40,17 @@ def test_the_story_is_no_weaker_by_what_only_geometry_has_failed_on(tmp_path: Pa
     assert session.ledger.weakenings() == []
 
 
+def test_before_anything_is_judged_no_edit_is_a_weakening_and_after_it_is(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    session, _ = create(tmp_path / "a", "w", PROMPT, small_spec())
+    session.audit()
+    _edit(session, "/simulation/limits/support_drift", 0.02, hypothesis="things may creep farther here")
+    assert session.ledger.weakenings() == []
+    session.check_static()
+    told = _edit(session, "/simulation/limits/support_drift", 0.04, hypothesis="things may creep farther still")
+    assert session.ledger.weakenings() != [], told
+
+
 def test_after_a_motion_that_failed_it_is(tmp_path: Path) -> None:
     session = _made(tmp_path)
     session.ledger.put_rows([_failed("beat:hit", "beat")], revision=session.revision, stage="probe")

@@ -12,6 +12,7 @@ from .contradicted_words import contradicted_words
 from .crossings import crossing_warnings
 from .deciding import deciding_warnings
 from .decoys import decoy_warnings
+from .definites import plural_warnings
 from .denials import denied_verb, misdenied
 from .described import DESCRIBING, judged_words
 from .documents import kept_of_latest
@@ -146,6 +147,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from (m.text for m in misplaced_subjects(spec, spans, language) if not m.sure)
     yield from (m.text for m in misread_pronouns(spec, spans, language) if not m.sure)
     yield from crossing_warnings(spec, spans, language)
+    yield from plural_warnings(spec, spans, language)
     yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
     yield from stillness_warnings(spec, language)

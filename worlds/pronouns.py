@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from .claim_targets import Span
     from .spec import WorldSpec
 
-__all__ = ["Antecedents", "antecedents_of", "misread_pronouns", "pronoun_before", "pronoun_readings"]
+__all__ = ["HELPERS", "Antecedents", "antecedents_of", "misread_pronouns", "pronoun_before", "pronoun_readings"]
 
 PRONOUNS = frozenset(("it", "they", "them"))
-_HELPERS = (
+HELPERS = (
     r"will|would|can|could|may|might|must|shall|should|does|do|did|is|are|was|were|has|have|had|gets?|got|also|then|just|still|soon|once|finally|suddenly|"
     r"slowly|quickly|briefly|gently|hardly|almost|nearly|first|again|in turn|in the end|\w+ly"
 )
-_BEFORE = regex.compile(rf"\b(it|they)(?:['’](?:ll|s|d|ve|re))?(?:\s+(?:{_HELPERS}))*\s*$", regex.IGNORECASE)
+_BEFORE = regex.compile(rf"\b(it|they)(?:['’](?:ll|s|d|ve|re))?(?:\s+(?:{HELPERS}))*\s*$", regex.IGNORECASE)
 
 
 class Antecedents(NamedTuple):

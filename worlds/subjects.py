@@ -12,12 +12,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+import regex
+
 from .categories.registry import shape_of
 from .claim_targets import Span, named_in
 from .postures import upright_said
 from .predicates import entities_of
 from .prompts.lexicon import known_kinds, verb_kinds
-from .pronouns import antecedents_of, pronoun_before
+from .pronouns import HELPERS, antecedents_of, pronoun_before
 from .roles import (
     JOINS,
     PREPOSITIONS,
@@ -37,6 +39,9 @@ if TYPE_CHECKING:
     from .spec import WorldSpec
 
 __all__ = ["misplaced_subjects"]
+
+_WHICH = regex.compile(rf"\s*,?\s+(?:which|who|that)(?:\s+(?:{HELPERS}))*\s*$", regex.IGNORECASE)
+_OF = regex.compile(r"\bof\s+(?:the|an?|its|his|her|their|two|three|\w+en)?\s*$", regex.IGNORECASE)
 
 
 def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | None) -> Iterator[Misplaced]:
@@ -59,7 +64,11 @@ def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | N
         found = antecedents_of(spec, spans, *said) if said is not None else None
         if found is not None and not found.sure and told & found.earlier:
             continue  # which of them it means is the agent's reading
-        subject = _subject(spec, spans, index) or (_taken_up(found) if found is not None else frozenset())
+        subject = (
+            _relative(spec, spans, index)
+            or _subject(spec, spans, index)
+            or (_taken_up(found) if found is not None else frozenset())
+        )
         if not told or not subject or told & subject or not _solid(spec, told | subject):
             continue
         place = surroundings(spec, spans, index)
@@ -72,6 +81,18 @@ def misplaced_subjects(spec: WorldSpec, spans: Sequence[Span], language: str | N
         text = f"{quote!r} is told of {others}, and its words are about {names}: name a beat or requirement about {names}, or what {others} is in the words"
         known = bool(kinds and kinds & known_kinds()) or says_touch(spec.prompt, span)
         yield Misplaced(span.claim, text, sure=known)
+
+
+def _relative(spec: WorldSpec, spans: Sequence[Span], index: int) -> frozenset[str]:
+    """Bodies of the thing right before a relative pronoun that leads in an event: `a block, which does not topple`; empty elsewhere.
+
+    Behind `of` either noun may be meant (Quirk et al. 1985, 17.9).
+    """
+    found = _WHICH.search(spec.prompt, 0, spans[index].start)
+    place = next((k for k in range(index) if found is not None and spans[k].end == found.start()), None)
+    if place is None or spans[place].claim is None or spans[place].type not in ("thing", "count"):
+        return frozenset()
+    return frozenset() if _OF.search(spec.prompt, 0, spans[place].start) else bodies_of(spec, str(spans[place].claim))
 
 
 def _taken_up(found: Antecedents) -> frozenset[str]:

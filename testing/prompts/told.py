@@ -16,6 +16,7 @@ from ...worlds.audits.claims import claim_problems
 from ...worlds.audits.orders import order_problems
 from ...worlds.claims import reading_of
 from ...worlds.contradicted_words import contradicted_words
+from ...worlds.definites import misread_definites
 from ...worlds.denials import misdenied
 from ...worlds.hedged import hedged_events
 from ...worlds.patch import parse_spec
@@ -58,7 +59,17 @@ class _Told:
     def __init__(self, prompt: Marked) -> None:
         self.prompt, self.spans = prompt, sorted(placed(prompt))
         self.things = [k for k, (_, _, kind) in enumerate(self.spans) if kind == "thing"]
-        self.bodies: dict[int, list[str]] = {k: [f"e{k}_{n}" for n in range(self._many(k))] for k in self.things}
+        self.first = {k: self._again(k) for k in self.things}
+        """The first thing of the same words, for what stands behind `the`; else the thing itself."""
+        self.bodies: dict[int, list[str]] = {}
+        for k in self.things:
+            self.bodies[k] = self.bodies.get(self.first[k]) or [f"e{k}_{n}" for n in range(self._many(k))]
+
+    def _again(self, thing: int) -> int:
+        before = self.prompt.text[: self.spans[thing][0]].split()[-1:]
+        if not before or before[0].casefold() not in ("the", "this", "that"):
+            return thing
+        return next((k for k in self.things if k < thing and self.quote(k).casefold() == self.quote(thing).casefold()), thing)
 
     def _many(self, thing: int) -> int:
         """Number of a thing: that of the count before it, or of its own words."""
@@ -110,6 +121,7 @@ class _Told:
             by: list[str] = []
             if kind == "thing":
                 by = [f"/entities/{n}" for n in self.bodies[k]]
+                claim |= {"same_as": f"c{self.first[k]}"} if self.first[k] != k else {}
             elif kind == "event" and k in chosen:
                 for n, predicate in enumerate(chosen[k]):
                     told = {"text": "it", "owner": "rigid", "subject": predicate["entity"], "frames": [0, 8]}
@@ -122,7 +134,7 @@ class _Told:
             elif k in orders:
                 by = [f"/story/beats/b{at}_0" for at in orders[k]]
             claims[f"c{k}"] = claim | ({"by": by} if by else {"waived": UNASKED})
-        entities = {n: _box(i) for i, n in enumerate(n for own in self.bodies.values() for n in own)}
+        entities = {n: _box(i) for i, n in enumerate(dict.fromkeys(n for own in self.bodies.values() for n in own))}
         return parse_spec(
             {
                 "spec_version": "2",
@@ -157,6 +169,7 @@ def refused_words(spec: WorldSpec) -> dict[str, str]:
         misplaced_roles,
         misplaced_subjects,
         misread_pronouns,
+        misread_definites,
         misnamed_rows,
         hedged_events,
         miscounted,

@@ -141,3 +141,12 @@ def test_a_way_is_gone_by_what_is_named_by_then(marked: str) -> None:
 )
 def test_a_way_that_something_else_goes_is_refused(marked: str) -> None:
     assert "'ball' goes by 'ball_rolls'" in ways(marked)[0]
+
+
+def test_a_relative_pronoun_means_the_thing_right_before_it() -> None:
+    """`A block, which does not roll` is no word about the ball; behind `of` either noun may be meant."""
+    told = f"A {BALL} [hits](event hit) a {BLOCK}, which [does not roll](negation ball_never_rolls)."
+    assert refused(told)
+    assert not refused(told.replace("ball_never_rolls", "block_never_rolls"))
+    assert refused(f"A {BALL} [hits](event hit) a {BLOCK} that suddenly [rolls](event ball_rolls).")
+    assert not refused(f"A {BALL} [hits](event hit) the top of a {BLOCK}, which [rolls](event ball_rolls) on.")

@@ -11,8 +11,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..amounts import miscounted
+from ..claim_targets import Span
 from ..claims import Reading, named_in, reading_of
 from ..contradicted_words import contradicted_words
+from ..definites import misread_definites
 from ..denials import misdenied
 from ..documents import document_of
 from ..errors import InputError
@@ -88,6 +90,7 @@ def claim_problems(spec: WorldSpec) -> list[Problem]:
         *misplaced_roles(spec, reading.spans, reading.language),
         *misplaced_subjects(spec, reading.spans, reading.language),
         *misread_pronouns(spec, reading.spans, reading.language),
+        *misread_definites(spec, reading.spans, reading.language),
     ]
     found += [Problem(f"/claims/{m.claim}/by", m.text) for m in told if m.sure]
     for readers in (misnamed_rows, hedged_events, miscounted, contradicted_words):
@@ -290,6 +293,10 @@ def _held(spec: WorldSpec, reading: Reading, held: Held) -> Iterator[Problem]:
         yield Problem("/claims", text)
         return
     claim = spec.claims[span.claim]
+    if held.kind == "negation" and claim.waived is not None and _denies_outside(spec, reading, span, word):
+        text = f"{word!r} is waived without what it denies, which then counts as said: mark both as one span, [{word} ...](negation NAME), or waive both as one"
+        yield Problem(f"/claims/{span.claim}/waived", text)
+        return
     lost = claim.type != "negation" if held.kind == "negation" else claim.type in _NUMBERLESS and held.kind == "number"
     # A single thing, or a part of one, as `at one leg`, is what such a claim names anyhow.
     lost = lost and not (
@@ -298,6 +305,14 @@ def _held(spec: WorldSpec, reading: Reading, held: Held) -> Iterator[Problem]:
     if lost and claim.waived is None and not (held.kind == "number" and ordinal_in(word, reading.language) is not None):
         text = f"{word!r} of {claim.quote!r} is a {held.kind} word, which a claim of type {claim.type} does not judge: mark it as {_type_for(spec, held)}"
         yield Problem(f"/claims/{span.claim}/type", text)
+
+
+def _denies_outside(spec: WorldSpec, reading: Reading, span: Span, word: str) -> bool:
+    """True where a waived span is a negation word alone, or an event that is claimed to happen stands right behind it."""
+    if span.text.strip() == word:
+        return True
+    behind = [s for s in reading.spans if s.start >= span.end and not s.text.isspace()][:1]
+    return any(s.claim is not None and s.type == "event" and spec.claims[s.claim].waived is None for s in behind)
 
 
 def _type_for(spec: WorldSpec, held: Held) -> str:

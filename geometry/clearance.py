@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -92,8 +93,17 @@ class _Mesh:
 
         self.fcl = fcl
         self.a, self.b, self.witness = a, b, witness
-        self.first, self.second = fcl.CollisionObject(a.bvh), fcl.CollisionObject(b.bvh)
         self.request = fcl.DistanceRequest()
+
+    @cached_property
+    def first(self) -> Any:
+        """The first body; most convex pairs are answered without one."""
+        return self.fcl.CollisionObject(self.a.bvh)
+
+    @cached_property
+    def second(self) -> Any:
+        """The second one."""
+        return self.fcl.CollisionObject(self.b.bvh)
 
     def place(self, poses: Relative, index: int) -> None:
         self.first.setTransform(self.fcl.Transform(poses.rotation[index], poses.translation[index]))

@@ -178,8 +178,9 @@ def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, cares: Seque
         overlapping = [k for k in range(count) if not _apart_by_mesh(mesh, poses, k, found)]
         everything = np.array(overlapping, dtype=np.intp)
     step = max(1, BLOCK // work)
+    enough = np.full(count, np.inf) if cares is None else np.array([c.enough for c in cares])
     for i in range(0, len(everything), step):
-        _convex_block(mesh, poses, everything[i : i + step], found)
+        _convex_block(mesh, poses, everything[i : i + step], found, enough)
     return found
 
 
@@ -197,7 +198,7 @@ def _apart_by_mesh(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> bool:
     return True
 
 
-def _convex_block(mesh: _Mesh, poses: Relative, index: NDArray[np.intp], found: _Found) -> None:
+def _convex_block(mesh: _Mesh, poses: Relative, index: NDArray[np.intp], found: _Found, enough: F64) -> None:
     a, b = mesh.a, mesh.b
     noise = NOISE * (a.size + b.size)
     here = poses.take(index)
@@ -209,7 +210,7 @@ def _convex_block(mesh: _Mesh, poses: Relative, index: NDArray[np.intp], found: 
     by_edges = [np.flatnonzero(apart & ~faces.exact)]
     if len(meeting):
         some = faces.take(meeting)
-        deep = convex_depth(a, b, here.take(meeting), some)
+        deep = convex_depth(a, b, here.take(meeting), some, enough[index[meeting]])
         inside = deep.value > -noise
         put = meeting[inside]
         found.put(index[put], -deep.value[inside], deep.point_a[inside], deep.point_b[inside], "depth")

@@ -1,4 +1,4 @@
-"""What was used lately, kept up to a weight: each weight is asked for once, so that a thousand kept things cost no more than ten."""
+"""Values used lately, kept up to a weight: each is weighed once, so that a thousand kept ones cost no more than ten."""
 
 from __future__ import annotations
 

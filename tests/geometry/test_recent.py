@@ -1,4 +1,4 @@
-"""What is kept of what was used lately."""
+"""Values that are kept of those used lately."""
 
 from collections.abc import Callable
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ..geometry.recent import Recent
 from ..worlds.spec import HeightField, Mesh, Shape, StemField
 from .primitives import ShapeGeometry, build_shape
 
@@ -38,8 +39,8 @@ class KeptShape:
         return found
 
 
-_kept: dict[str, KeptShape] = {}
-"""By the shape as JSON, the one used last at the end."""
+_kept: Recent[KeptShape] = Recent(KEPT_VERTICES)
+"""By the shape as JSON."""
 
 
 def kept_shape(shape: Shape, assets: Path) -> KeptShape:
@@ -51,17 +52,4 @@ def kept_shape(shape: Shape, assets: Path) -> KeptShape:
     if isinstance(shape, FROM_FILES):
         return KeptShape(build_shape(shape, assets))
     key = f"{shape.kind}{shape.model_dump_json()}"
-    found = _kept.pop(key, None) or KeptShape(build_shape(shape, assets))
-    _kept[key] = found
-    if len(_kept) % 64 == 0:
-        _forget()
-    return found
-
-
-def _forget() -> None:
-    """Let go of those that were not used for longest where they are too many."""
-    total = 0
-    for key in reversed(list(_kept)):
-        total += len(_kept[key].geometry.render.vertices)
-        if total > KEPT_VERTICES:
-            _kept.pop(key, None)
+    return _kept.of(key, lambda: KeptShape(build_shape(shape, assets)), lambda kept: len(kept.geometry.render.vertices))

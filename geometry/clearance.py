@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -92,16 +93,20 @@ class _Mesh:
 
         self.fcl = fcl
         self.a, self.b, self.witness = a, b, witness
-        self.first, self.second = fcl.CollisionObject(a.bvh), fcl.CollisionObject(b.bvh)
         self.request = fcl.DistanceRequest()
 
+    @cached_property
+    def bodies(self) -> tuple[Any, Any]:
+        """Both as fcl takes them; most convex pairs are answered without."""
+        return self.fcl.CollisionObject(self.a.bvh), self.fcl.CollisionObject(self.b.bvh)
+
     def place(self, poses: Relative, index: int) -> None:
-        self.first.setTransform(self.fcl.Transform(poses.rotation[index], poses.translation[index]))
+        self.bodies[0].setTransform(self.fcl.Transform(poses.rotation[index], poses.translation[index]))
 
     def distance(self) -> tuple[float, int, int]:
         """Distance [m] of the soups (0 or less where they cross) and the nearest triangles."""
         result: Any = self.fcl.DistanceResult()
-        value = self.fcl.distance(self.first, self.second, self.request, result)
+        value = self.fcl.distance(*self.bodies, self.request, result)
         return float(value), result.b1, result.b2
 
     def nearest(self, one: Relative, i: int, j: int) -> tuple[F64, F64]:
@@ -114,7 +119,7 @@ class _Mesh:
         """Pairs of triangles that cross or touch, shape (k, 2)."""
         request = self.fcl.CollisionRequest(num_max_contacts=CONTACTS, enable_contact=True)
         result = self.fcl.CollisionResult()
-        self.fcl.collide(self.first, self.second, request, result)
+        self.fcl.collide(*self.bodies, request, result)
         pairs = np.array([(c.b1, c.b2) for c in result.contacts], dtype=np.int32).reshape(-1, 2)
         return np.asarray(np.unique(pairs, axis=0))
 
@@ -167,9 +172,9 @@ def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, cares: Seque
     if work > SMALL_WORK:
         overlapping = [k for k in range(count) if not _apart_by_mesh(mesh, poses, k, found)]
         everything = np.array(overlapping, dtype=np.intp)
-    step = max(1, BLOCK // work)
+    enough, step = np.array([c.enough for c in cares or [_Care()] * count]), max(1, BLOCK // work)
     for i in range(0, len(everything), step):
-        _convex_block(mesh, poses, everything[i : i + step], found)
+        _convex_block(mesh, poses, everything[i : i + step], found, enough)
     return found
 
 
@@ -187,7 +192,7 @@ def _apart_by_mesh(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> bool:
     return True
 
 
-def _convex_block(mesh: _Mesh, poses: Relative, index: NDArray[np.intp], found: _Found) -> None:
+def _convex_block(mesh: _Mesh, poses: Relative, index: NDArray[np.intp], found: _Found, enough: F64) -> None:
     a, b = mesh.a, mesh.b
     noise = NOISE * (a.size + b.size)
     here = poses.take(index)
@@ -199,7 +204,7 @@ def _convex_block(mesh: _Mesh, poses: Relative, index: NDArray[np.intp], found: 
     by_edges = [np.flatnonzero(apart & ~faces.exact)]
     if len(meeting):
         some = faces.take(meeting)
-        deep = convex_depth(a, b, here.take(meeting), some)
+        deep = convex_depth(a, b, here.take(meeting), some, enough[index[meeting]])
         inside = deep.value > -noise
         put = meeting[inside]
         found.put(index[put], -deep.value[inside], deep.point_a[inside], deep.point_b[inside], "depth")

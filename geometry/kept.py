@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 
 from ..worlds.built import TriangleMesh
+from .recent import Recent
 from .solids import Solid
 
 __all__ = ["kept_solid"]
@@ -16,8 +17,8 @@ LARGE = 500
 PER_FACE = 64
 """Entries of the table of facets and vertices of a convex surface that weigh as much as a triangle with its trees."""
 
-_kept: dict[bytes, Solid] = {}
-"""By content, the one used last at the end."""
+_kept: Recent[Solid] = Recent(KEPT_FACES)
+"""By content."""
 
 
 def kept_solid(mesh: TriangleMesh, *, closed: bool) -> Solid:
@@ -35,15 +36,7 @@ def kept_solid(mesh: TriangleMesh, *, closed: bool) -> Solid:
     state = hashlib.sha256(repr((mesh.vertices.shape, mesh.vertices.dtype, mesh.faces.dtype, closed)).encode())
     state.update(mesh.vertices.tobytes())
     state.update(mesh.faces.tobytes())
-    key = state.digest()
-    solid = _kept.pop(key, None) or Solid.from_mesh(mesh, closed=closed)
-    if _weight(solid) <= KEPT_FACES:
-        _kept[key] = solid
-    for oldest in list(_kept):
-        if sum(_weight(s) for s in list(_kept.values())) <= KEPT_FACES:
-            break
-        _kept.pop(oldest, None)
-    return solid
+    return _kept.of(state.digest(), lambda: Solid.from_mesh(mesh, closed=closed), _weight)
 
 
 def _weight(solid: Solid) -> int:

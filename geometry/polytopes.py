@@ -267,11 +267,12 @@ def _general_programme(g: F64, h: F64) -> F64:
     return np.asarray(answer.x) if answer.x is not None else np.array([0.0, 0.0, -1.0])
 
 
-def convex_depth(a: Solid, b: Solid, poses: Relative, faces: Faces) -> Witness:
+def convex_depth(a: Solid, b: Solid, poses: Relative, faces: Faces, enough: float | F64 = np.inf) -> Witness:
     """Greatest depth of surface points of one below the surface of the other, both ways [m], shape (f,).
 
     Negative where no surface point of either lies inside the other. `point_a` lies on the surface of a and is the
-    deep point or, where the deep point belongs to b, the nearest point of a to it.
+    deep point or, where the deep point belongs to b, the nearest point of a to it. A point as deep as `enough` [m],
+    one for all or shape (f,), ends the search.
     """
     sides = (_Side(a, b, poses, faces.slack_ab), _Side(b, a, poses.inverse(), faces.slack_ba))
     value = np.full(len(poses.rotation), -np.inf)
@@ -288,7 +289,7 @@ def convex_depth(a: Solid, b: Solid, poses: Relative, faces: Faces) -> Witness:
     bound = np.concatenate(bounds, axis=1)
     while True:
         facet = bound.argmax(axis=1)
-        rows = np.flatnonzero(bound[np.arange(len(value)), facet] > np.maximum(value, 0.0) + noise)
+        rows = np.flatnonzero((bound[np.arange(len(value)), facet] > np.maximum(value, 0.0) + noise) & (value < enough))
         if len(rows) == 0:
             break
         for k, side in enumerate(sides):

@@ -179,7 +179,7 @@ class Solid:
         # Rows as whole byte strings, which compare the same and much faster than column by column.
         _, first, label = np.unique(packed.view(f"V{packed.shape[1]}").reshape(-1), return_index=True, return_inverse=True)
         keys = packed[first]
-        members = np.unpackbits(keys, axis=1, count=len(self.vertices)).astype(bool)
+        members = np.unpackbits(keys, axis=1, count=len(self.vertices)).view(np.bool_)
         t = self.triangles
         area = length(cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]))
         order = np.lexsort((area, label))
@@ -332,6 +332,8 @@ class Solid:
     @cached_property
     def component_heads(self) -> F64:
         """One vertex of each connected component [m], shape (k, 3)."""
+        if self.convex and len(self.vertices) - len(self.edges) + len(self.faces) == 2:  # Euler's formula of one piece
+            return self.vertices[:1]
         return np.asarray(self.vertices[np.unique(self.component, return_index=True)[1]])
 
 

@@ -210,3 +210,11 @@ def test_welding_makes_a_mesh_with_split_corners_convex():
     split = type(loose)(loose.vertices[loose.faces].reshape(-1, 3), np.arange(36, dtype=np.int32).reshape(-1, 3))
     assert Solid.from_mesh(split, closed=True).convex
     assert query_noise(1.0) == pytest.approx(1e-9)
+
+
+def test_a_convex_pair_that_the_planes_tell_apart_builds_no_tree_of_triangles():
+    """Choice: a room has thousands of such pairs, and the trees of fcl took longer than the answer."""
+    a, b = box(1, 1, 1), box(2, 1, 1)
+    assert distance(a, at(), b, at(z=1.25)) == pytest.approx(0.25, abs=EXACT)
+    assert "bvh" not in vars(a)
+    assert "bvh" not in vars(b)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worldagent.geometry import polytopes
+from worldagent.geometry import Care, polytopes
+from worldagent.geometry.clearance import measure, relative_poses
+
+from .meshes import at, hull
 
 
 @pytest.mark.parametrize("order", [[3, 4, 5], [4, 3, 5], [5, 3, 4]])
@@ -22,3 +25,23 @@ def test_a_basis_without_a_corner_is_solved_by_another_method() -> None:
     flat = np.array([[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.3, 0.0, 1.0], [-0.3, 0.0, 1.0], [0.0, 1.0, 1.0]]])
     h = np.array([[2.0, 2.0, 2.0, 0.2, 0.2, 0.2]])
     assert polytopes._maximise_last(flat, h)[0, 2] == pytest.approx(0.2, abs=1e-9)
+
+
+def test_a_vertex_that_is_deep_enough_ends_the_search_over_facets(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: any depth from `enough` on is an answer, never more than the whole one; own choice: without a programme for each facet."""
+    searched: list[int] = []
+    search = polytopes._facet_depth
+    monkeypatch.setattr(polytopes, "_facet_depth", lambda *given: searched.append(1) or search(*given))
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        a, b = hull(rng), hull(rng)
+        poses = relative_poses(
+            *((np.array([p.position]), np.array([p.quaternion])) for p in (at(*rng.uniform(-0.1, 0.1, 3)), at()))
+        )
+        whole = -measure(a, b, poses)[0]
+        count = len(searched)
+        vertex = -measure(a, b, poses, care=Care(enough=1e-6))[0]
+        assert len(searched) == count
+        assert 1e-6 <= vertex <= whole
+        assert -measure(a, b, poses, care=Care(enough=2.0 * whole))[0] == whole
+    assert searched

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from worldagent.geometry import Solid, contains, distance_to_surface, winding_number
+from worldagent.geometry import Solid, contains, distance_to_surface, solids, winding_number
 from worldagent.geometry.crossings import RayGrid
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.errors import InputError
@@ -96,3 +96,16 @@ def test_the_interior_point_lies_inside():
     for solid in (ring(), box(1, 1, 1), hull(np.random.default_rng(0))):
         assert solid.interior_point is not None
         assert contains(solid, solid.interior_point[None])[0]
+
+
+def test_a_convex_body_is_one_piece_without_a_search_for_pieces(monkeypatch):
+    """Choice: most parts of a room are convex, and searching each for its pieces took a tenth of the check `support`."""
+    calls = []
+    searched = solids.connected
+    monkeypatch.setattr(solids, "connected", lambda *given: calls.append(given) or searched(*given))
+    for body in (box(1, 2, 3), hull(np.random.default_rng(3))):
+        assert np.array_equal(body.component_heads, body.vertices[:1])
+    assert not calls
+    two = solid_of(trimesh.util.concatenate([trimesh.creation.box(), trimesh.creation.box().apply_translation((3, 0, 0))]))
+    assert len(two.component_heads) == 2
+    assert len(calls) == 1

@@ -71,8 +71,15 @@ class Pieces(NamedTuple):
     low: F64
     """[m], shape (p,)."""
     high: F64
-    outline: F64
-    """Corners in the xy plane [m], shape (p, 7, 2), padded by repetition."""
+    made: Ints
+    """Place of each in `drawn`, shape (p,)."""
+    drawn: F64
+    """Corners in the xy plane [m], shape (p, 7, 2), padded by repetition, as they were made: few are ever asked for, and all in the order
+    of the cells would take as long as the clipping."""
+
+    def outline(self, pieces: Ints) -> F64:
+        """Corners in the xy plane of some pieces [m], shape (n, 7, 2), padded by repetition."""
+        return np.asarray(self.drawn[self.made[pieces]])
 
 
 class Hits(NamedTuple):
@@ -264,8 +271,9 @@ def rasterise(soup: Soup, grid: Grid) -> Columns:
         cell = index[:, 0] * grid.ny + index[:, 1]
         corner = soup.triangles[triangle]
         polygon, alive = _parts(corner, grid.origin + grid.cell * index, grid.cell, counts[triangle] == 1)
-        z = polygon[alive][:, :, 2]
-        pieces.append(Pieces(cell[alive], triangle[alive], z.min(axis=1), z.max(axis=1), polygon[alive][:, :, :2]))
+        polygon = polygon[alive]
+        z, made = polygon[:, :, 2], np.arange(len(polygon))
+        pieces.append(Pieces(cell[alive], triangle[alive], z.min(axis=1), z.max(axis=1), made, polygon[:, :, :2]))
         height, covered, up, gradient = heights_of(corner, grid.centers(cell))
         covered &= soup.solid[triangle]
         hits.append(Hits(cell[covered], height[covered], up[covered], gradient[covered], triangle[covered]))
@@ -275,7 +283,7 @@ def rasterise(soup: Soup, grid: Grid) -> Columns:
 def _sorted_pieces(blocks: list[Pieces]) -> Pieces:
     if not blocks:
         none = np.zeros(0)
-        return Pieces(none.astype(np.intp), none.astype(np.intp), none, none, np.zeros((0, 7, 2)))
+        return Pieces(none.astype(np.intp), none.astype(np.intp), none, none, none.astype(np.intp), np.zeros((0, 7, 2)))
     cell = np.concatenate([b.cell for b in blocks])
     order = np.argsort(cell, kind="stable")
     return Pieces(
@@ -283,7 +291,8 @@ def _sorted_pieces(blocks: list[Pieces]) -> Pieces:
         np.concatenate([b.triangle for b in blocks])[order],
         np.concatenate([b.low for b in blocks])[order],
         np.concatenate([b.high for b in blocks])[order],
-        np.concatenate([b.outline for b in blocks])[order],
+        order,
+        np.concatenate([b.drawn for b in blocks]),
     )
 
 

@@ -51,6 +51,7 @@ class Surfaces(Parts):
         self._near: dict[Pair, set[tuple[int, int]]] = {}
         self._support: dict[tuple[str, str, int], NDArray[np.bool_]] = {}
         self._boxes: dict[int, tuple[F64, F64]] = {}
+        self._gaps: dict[Pair, Gap] = {}
         self._tight: tuple[int, dict[int, tuple[F64, F64]]] = (0, {})
         self.at_start: dict[tuple[int, int], float] = {}
         """Clearance [m] at frame 0 of parts (i < j) of different entities within `reach`; there once `first` was asked."""
@@ -192,6 +193,13 @@ class Surfaces(Parts):
             frame: the frame.
             offset: moves `a` by this [m], shape (3,), before measuring.
         """
+        if frame > 0 or offset is not None:
+            return self._gap(a, b, frame, offset)
+        if (a, b) not in self._gaps:  # the checks of overlap and of support both ask where things touch at the start
+            self._gaps[a, b] = self._gap(a, b, 0, None)
+        return self._gaps[a, b]
+
+    def _gap(self, a: str, b: str, frame: int, offset: F64 | None) -> Gap:
         shift = np.zeros(3) if offset is None else offset
         placed = []
         for name, move in ((a, shift), (b, np.zeros(3))):

@@ -106,8 +106,9 @@ def _faults(
         lift = along_up(surfaces, depth + LEFT) if begin + k == 0 else None
         yield _fault(begin + k, text, placement(surfaces, b, lift, f"{b!r} sinks into {a!r}"), -depth, ">=", bound)
     # What never moves needs no more of its holder than to touch it, from whichever side: a picture and its wall.
-    unborne = ~linked & (distance <= gap) & ~surfaces.carries(a, b)[window] & ~_leans(graph, a, b, frames)
-    k = first(unborne) if surfaces.candidate.spec.entities[b].motion == "dynamic" else None
+    unborne = ~linked & (distance <= gap) & ~surfaces.carries(a, b)[window]
+    moves = surfaces.candidate.spec.entities[b].motion == "dynamic"
+    k = first(unborne & ~_leans(graph, a, b, frames)) if moves and unborne.any() else None
     if k is not None:
         text = (
             f"{a!r} touches {b!r} at frame {begin + k} but is neither beneath it nor needed to hold it, so it does not carry it"

@@ -127,10 +127,12 @@ def _touch(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose
     if (low > high).any():
         return np.zeros((0, 3)), np.zeros((0, 3))
     points = _points(one, two, poses, (here, there), (low, high), slack)
+    if len(points) == 0:
+        return np.zeros((0, 3)), np.zeros((0, 3))
     own, other = (_side(placed, part, low, high) for placed, part in ((here, one), (there, two)))
     found, ways = [], []
-    for point, mine, theirs in zip(points, _near(points, own, slack), _near(points, other, slack), strict=True):
-        for way in _normals(point, own, other, (mine, theirs), slack):
+    for point, near in zip(points, _near(points, own, other, slack), strict=True):
+        for way in _normals(point, own, other, near, slack):
             found.append(point)
             ways.append(way)
     return np.array(found).reshape(-1, 3), np.array(ways).reshape(-1, 3)
@@ -220,15 +222,13 @@ def _normals(point: F64, own: _Side, other: _Side, near: tuple[NDArray[np.intp],
     return kept
 
 
-def _near(points: F64, side: _Side, slack: float) -> list[NDArray[np.intp]]:
-    """Indices of the triangles within `slack` [m] of each point, the `MOST_NEAR` nearest ones, in their order."""
-    if not len(side.triangles):
-        return [np.zeros(0, dtype=np.intp) for _ in points]
-    step = max(1, MOST_PAIRS // len(side.triangles))
+def _near(points: F64, own: _Side, other: _Side, slack: float) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Indices of the triangles of either side within `slack` [m] of each point, the `MOST_NEAR` nearest ones, in their order."""
+    count, triangles = len(own.triangles), np.concatenate([own.triangles, other.triangles])
+    step = max(1, MOST_PAIRS // max(len(triangles), 1))
     blocks = [points[k : k + step] for k in range(0, len(points), step)]
-    return [
-        _nearest(row, slack) for block in blocks for row in nearest_on_triangles(block[:, None], side.triangles[None]).distance
-    ]
+    rows = (row for block in blocks for row in nearest_on_triangles(block[:, None], triangles[None]).distance)
+    return [(_nearest(row[:count], slack), _nearest(row[count:], slack)) for row in rows]
 
 
 def _nearest(distance: F64, slack: float) -> NDArray[np.intp]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from worldagent.testing.worlds.small_worlds import entity, ground, make_candidate, pose, world
+from worldagent.verifiers.scene import surfaces as surfaces_module
 from worldagent.verifiers.scene.surfaces import Surfaces
 from worldagent.verifiers.support.touching import contacts_of
 from worldagent.worlds.spec import Box, Part
@@ -39,6 +40,22 @@ def test_what_is_known_at_the_start_changes_no_gap_and_no_contact(tmp_path, seed
         found, expected = contacts_of(knowing, a, b, 0), contacts_of(fresh, a, b, 0)
         assert np.array_equal(found.points, expected.points)
         assert np.array_equal(found.normals, expected.normals)
+
+
+def test_two_entities_are_measured_once_at_the_start_for_all_checks(tmp_path, monkeypatch):
+    """Choice: overlap and support both ask where things touch, and in a room they touch by the thousand."""
+    asked = []
+    measure = surfaces_module.signed_clearance
+    monkeypatch.setattr(surfaces_module, "signed_clearance", lambda *given: asked.append(1) or measure(*given))
+    surfaces = Surfaces(cluttered(tmp_path, 0))
+    a, b = next(iter(surfaces.first))
+    first = surfaces.gap(a, b, 0)
+    count = len(asked)
+    assert count > 0
+    assert surfaces.gap(a, b, 0) == first
+    assert len(asked) == count
+    assert surfaces.gap(a, b, 0, offset=np.array([0.0, 0.0, 1.0])).distance > first.distance
+    assert len(asked) > count
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -149,5 +149,7 @@ def _warn(result: CallToolResult, note: str) -> None:
     result.structured_content["warnings"] = [*result.structured_content.get("warnings", ()), note]
     for k, block in enumerate(result.content):
         if isinstance(block, TextContent):
-            result.content[k] = TextContent(type="text", text=json.dumps(result.structured_content, ensure_ascii=False, separators=(",", ":")))
+            result.content[k] = TextContent(
+                type="text", text=json.dumps(result.structured_content, ensure_ascii=False, separators=(",", ":"))
+            )
             return

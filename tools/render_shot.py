@@ -67,8 +67,7 @@ def render_shot(
         Field(ge=64, le=1920, description="Pixels (of a whole contact sheet's tile); default 640, for final the specification's"),
     ] = None,
     height: Annotated[
-        int | None,
-        Field(ge=64, le=1080, description="Pixels; default as the width asks (360 for 640), for final the specification's"),
+        int | None, Field(ge=64, le=1080, description="Pixels; default by the width, for final the specification's")
     ] = None,
     samples: Annotated[int | None, Field(ge=1, le=1024, description="Paths per pixel for still and final")] = None,
     wait_s: Annotated[

@@ -17,6 +17,7 @@ from .denials import denied_verb, misdenied
 from .described import DESCRIBING, judged_words
 from .documents import kept_of_latest
 from .errors import InputError
+from .filler_words import filler_warnings, shared_beat_warnings
 from .hedged import hedged_events
 from .nouns import noun_of
 from .orders import orders_said
@@ -24,7 +25,7 @@ from .place_things import place_warnings
 from .predicates import atoms_of, entities_of
 from .predicates.events import PairEvent, event_atoms
 from .prompts import lexicon as words
-from .prompts.languages import Held, held_words, language_of
+from .prompts.languages import REVIEWED, Held, held_words, language_of
 from .prompts.marks import occurrence
 from .prompts.numbers import number_in, quantity_in
 from .prompts.odd import odd_characters
@@ -138,6 +139,8 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
         yield f"the language is unknown, since {word_count(spec.prompt)} words are too few to tell it: numbers, negations and order words in filler were not looked for"
     elif language is None:
         yield "the language is none with reviewed word lists, or mixed: numbers, negations and order words in filler were not looked for"
+    elif language not in REVIEWED:
+        yield f"there are no reviewed word lists of the language {language!r}: numbers, negations and order words in filler were not looked for"
     told = [c for c in spec.claims.values() if c.type in ("thing", "event") and c.waived is None]
     alike = sum(c.same_as is not None for c in told)
     if alike > SAME_SHARE * len(told):
@@ -148,6 +151,8 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
     yield from (m.text for m in misread_pronouns(spec, spans, language) if not m.sure)
     yield from crossing_warnings(spec, spans, language)
     yield from plural_warnings(spec, spans, language)
+    yield from filler_warnings(spec, spans, language)
+    yield from shared_beat_warnings(spec)
     yield from (text for _, text, sure in misdenied(spec, spans, language) if not sure)
     yield from _one_way(spec)
     yield from stillness_warnings(spec, language)

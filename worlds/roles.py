@@ -56,6 +56,8 @@ ONWARDS = frozenset(("against", "into", "onto", "on", "upon", "at"))
 PREPOSITIONS = ONWARDS | frozenset(
     ["above", "across", "after", "along", "alongside", "around", "before", "behind", "below", "beneath", "beside", "between", "beyond", "by", "down", "for", "from", "in", "inside", "like", "near", "of", "off", "out", "outside", "over", "past", "round", "through", "to", "toward", "towards", "under", "underneath", "up", "via", "with", "within", "without"]
 )  # fmt: skip
+MUTUAL = frozenset(("collide", "collides", "collided", "meet", "meets", "met", "clash", "clashes", "clashed"))
+"""Verbs that two do to each other, with both before them."""
 JOINS = frozenset(
     ["and", "or", "but", "so", "nor", "yet", "as", "when", "while", "whenever", "where", "because", "if", "although", "though", "until", "till", "once", "then", "than", "since", "which", "that", "who", "whose", "whom", "it", "they", "he", "she", "this", "these", "those", "them", "him", "her", "and", "then", "und", "oder", "aber", "wenn", "als", "während", "weil", "dass", "et", "ou", "mais", "quand", "y", "o", "pero", "cuando", "e", "ma", "quando", "en", "of", "maar", "wanneer"]
 ) - {"of"}  # fmt: skip
@@ -111,6 +113,9 @@ def misplaced_roles(spec: WorldSpec, spans: Sequence[Span], language: str | None
             yield from _touched(spec, span, place, language)
         if not atoms or not place.next:
             continue
+        mutual = MUTUAL & set(words_in(span.text)) and any({a.entity, a.other} <= place.before for a in atoms)
+        if mutual and set(place.between) & (PREPOSITIONS - {"into", "against", "upon"}):
+            continue  # `a block and a ball collide on a floor`: it is not the floor that is hit
         turned = bool(TURNS[language] & {*place.between, *words_in(span.text)}) or (language == "en" and place.inverted)
         kinds = verb_kinds(verb_of(spec.prompt, span)) if language == "en" else None
         known = [a for a in atoms if kinds is not None and a.kind in kinds & known_kinds()]

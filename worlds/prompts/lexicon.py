@@ -5,6 +5,7 @@ It warns and refuses nothing.
 
 from __future__ import annotations
 
+import re
 from functools import lru_cache
 from itertools import groupby, pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -53,6 +54,9 @@ CLAUSE = 6
 """Own choice: words after a verb that are looked at for what it is with them ("sets the old wooden barn on fire")."""
 
 
+_PARTICLE = re.compile(r"\s+(over|off|down|away|out)\b", re.IGNORECASE)
+
+
 class Labelled(NamedTuple):
     """A word of a prompt, or some that belong together, and the type of claim that it is likely to make."""
 
@@ -71,10 +75,24 @@ def labelled(text: str) -> tuple[Labelled, ...]:
     _join(words)
     made = []
     for _, group in groupby(words, key=lambda word: word.run):
-        found = _labelled(list(group))
+        found = _with_particle(_labelled(list(group)), text)
         if found.type != "filler":
             made.append(found)
     return tuple(made)
+
+
+def _with_particle(found: Labelled, text: str) -> Labelled:
+    """A label; an event where what looks like a noun is a verb with its particle, as in `a book on a desk tips over`."""
+    behind = _PARTICLE.match(text, found.end)
+    word = text[found.start : found.end].casefold()
+    if (
+        found.type not in ("thing", "place")
+        or behind is None
+        or not word.endswith("s")
+        or not verb_kinds(f"{word} {behind.group(1)}")
+    ):
+        return found
+    return Labelled(found.start, behind.end(), "event", EVENT, "verb with a particle")
 
 
 def _join(words: list[Word]) -> None:
@@ -186,12 +204,12 @@ def _left_out(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
     for word in labelled(text):
         over = {reading.type for reading in readings if reading.start < word.end and word.start < reading.end}
         quote = text[word.start : word.end]
-        if word.type == "event" and word.confidence >= EVENT and over <= {"thing"}:
+        if word.type == "event" and word.confidence >= EVENT and over <= {"thing", "place", "property"}:
             yield Warned(
                 word.start,
                 word.end,
                 quote,
-                "thing" if over else "filler",
+                ", ".join(sorted(over)) or "filler",
                 "a verb of change or motion, and no claim of an event takes it up: claim it with a beat, or look whether it says nothing of the world",
             )
         elif word.type == "thing" and word.confidence >= NOUN and not over:

@@ -122,7 +122,7 @@ def edit_spec(
 
 
 def _answer(session: Any, outcome: dict[str, Any], before: Any = None) -> ToolReply:
-    from ..workflow.answers import answer, rows_answer
+    from ..workflow.answers import answer, rows_answer, weaker_told
     from ..workflow.material_rows import table_values
     from ..workflow.rows import summary
 
@@ -148,9 +148,7 @@ def _answer(session: Any, outcome: dict[str, Any], before: Any = None) -> ToolRe
     done = (
         "created" if outcome.get("created") else "restored" if outcome.get("restored") else f"at revision {outcome['revision']}"
     )
-    warnings = [
-        f"recorded as a weakening edit, printed with the acceptance: {w}" for w in outcome.get("weakenings_recorded", ())[:5]
-    ]
+    warnings = weaker_told(outcome)
     warnings += report.told
     warnings += _where_told(told.get("prompt_judged", {}).get("warnings", []))
     moved = bool({"probe", "full"} & set(session.ledger.stages().values()))

@@ -78,7 +78,7 @@ def place_object(
     Refused: while the audit fails (beats and claims may be missing yet, not wrong); a place that overlaps (`strict`); an entity that is not above `on`.
     Next: probe_sim when static_passed, else mend the first open row; render_shot shows the scene.
     """
-    from ..workflow.answers import call, rows_answer
+    from ..workflow.answers import call, rows_answer, weaker_told
     from ..workflow.early_words import unmet_at_start
     from ..workflow.job_kinds import ENTRIES
     from ..workflow.placement import place
@@ -128,7 +128,7 @@ def place_object(
         "static_passed": passed,
         "changed_rows": len(changed),
         **summary(rows, static=True),
-        "warnings": [*outcome.get("warnings", ()), *unmet_at_start(session)],
+        "warnings": [*outcome.get("warnings", ()), *weaker_told(outcome), *unmet_at_start(session)],
     }
     moved = "" if entity is None else _said(entity, outcome)
     found = data["counts"]

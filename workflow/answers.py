@@ -9,7 +9,18 @@ from typing import Any
 from ..worlds.errors import InputError
 from .rows import Detail, shaped
 
-__all__ = ["HEAD_SCHEMA", "MAX_CHARACTERS", "answer", "call", "fitted", "job_answer", "paged", "rows_answer", "size_of"]
+__all__ = [
+    "HEAD_SCHEMA",
+    "MAX_CHARACTERS",
+    "answer",
+    "call",
+    "fitted",
+    "job_answer",
+    "paged",
+    "rows_answer",
+    "size_of",
+    "weaker_told",
+]
 
 MAX_CHARACTERS = 20_000
 """Largest reply: clients cut or refuse longer ones, each in its own way."""
@@ -82,6 +93,11 @@ def rows_answer(world: str, data: Mapping[str, Any], detail: Detail, summary: st
         more = call("inspect_world", world=world, part="matrix", status="open", offset=len(told))
         said["more_open_rows"] = f"{total - len(told)} more open rows ({', '.join(left[:3])}, ...): {more}"
     return answer(said, summary, next_call)
+
+
+def weaker_told(outcome: Mapping[str, Any]) -> list[str]:
+    """Warnings of an edit that makes something easier, which the acceptance prints."""
+    return [f"recorded as a weakening edit, printed with the acceptance: {w}" for w in outcome.get("weakenings_recorded", ())[:5]]
 
 
 def job_answer(data: Mapping[str, Any]) -> dict[str, Any]:

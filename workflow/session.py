@@ -97,8 +97,7 @@ class Session(OpenedWorld):
                     self.ledger.add_iteration(number, *attempt[:4], expect=attempt.expect)
             self.spec, self.revision = after, number
             self.write_spec()
-        recorded = change.weaker and (self.ledger.ever_failed() or self.ledger.looks())
-        weakened = {"weakenings_recorded": change.weaker} if recorded else {}
+        weakened = {"weakenings_recorded": change.weaker} if change.weaker else {}
         return {
             "revision": number,
             **change.told(),

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.workflow.answers import weaker_told
 from worldagent.workflow.creation import create
 from worldagent.workflow.session import Session
 from worldagent.worlds.errors import RefusedError
@@ -74,3 +75,11 @@ def test_any_kind_of_edit_that_a_failing_row_offers_is_taken(tmp_path: Path) -> 
     other.ledger.put_rows([row.model_copy(update={"corrections": tuple(offered[:1])})], revision=other.revision, stage="static")
     with pytest.raises(RefusedError, match="ask for a solver edit"):
         _edit(other, f"/entities/b1/parts/{part}/shape/size", size, hypothesis="a smaller block hides nothing")
+
+
+def test_what_the_acceptance_prints_is_told_with_the_edit(tmp_path: Path) -> None:
+    """Nothing has failed, and a bound is looser than when the world was judged: the reply says so."""
+    session = _made(tmp_path)
+    told = _edit(session, "/simulation/limits/support_drift", 0.04, hypothesis="things may creep farther still")
+    assert told["weakenings_recorded"] == session.ledger.weakenings()[0]["weakenings"]
+    assert "printed with the acceptance: /simulation/limits/support_drift" in weaker_told(told)[0]

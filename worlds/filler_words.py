@@ -23,6 +23,8 @@ HOW = frozenset(
     {"again", "uphill", "downhill", "backwards", "backward", "forwards", "upwards", "downwards", "sideways", "fast", "hard", "together", "forever"}
 )  # fmt: skip
 """Adverbs of manner, direction and repetition that do not end in -ly."""
+NOT_HOW = frozenset({"only", "nearly", "exactly", "hardly", "barely", "really", "actually", "simply", "finally"})
+"""Adverbs that `deciding.py` and `hedged.py` read, or that say nothing of a motion."""
 SHOWN = 6
 
 
@@ -45,7 +47,8 @@ def filler_warnings(spec: WorldSpec, spans: Sequence[Span], language: str | None
     adverbs = [
         spec.prompt[w.start : w.end]
         for w in words_of(spec.prompt)
-        if (w.text in HOW or (w.part == "r" and w.text.endswith("ly"))) and any(a <= w.start and w.end <= b for a, b in filler)
+        if (w.text in HOW or (w.part == "r" and w.text.endswith("ly") and w.text not in NOT_HOW))
+        and any(a <= w.start and w.end <= b for a, b in filler)
     ]
     if adverbs:
         words = ", ".join(repr(word) for word in dict.fromkeys(adverbs[:SHOWN]))

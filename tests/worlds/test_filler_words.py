@@ -30,7 +30,7 @@ def test_adverbs_that_nothing_judges_are_told_together() -> None:
         f"A {BALL} slowly [rolls](event ball_rolls) uphill and gently [hits](event hit) a {BLOCK} again.", "nothing judges how"
     )
     assert "'slowly', 'uphill', 'gently', 'again'" in text
-    assert not warned(f"A {BALL} then [rolls](event ball_rolls) off.", "nothing judges how")
+    assert not warned(f"A {BALL} then finally [rolls](event ball_rolls) off.", "nothing judges how")
 
 
 def test_events_of_one_beat_are_told() -> None:

@@ -131,6 +131,28 @@ def test_rooms_are_made_checked_and_made_again(agent: Any, monkeypatch: pytest.M
     assert "there is no interior 'hut'" in agent.refused("build_interior", world="w", interior="hut")
 
 
+def test_a_thing_that_is_made_anew_on_a_surface_keeps_its_turn(world: Any) -> None:
+    """The table is turned too: what was put along it lies along it, and what was turned on it stays turned."""
+    world.call("place_object", world="w", entity="table", asset={"generator": "table"}, on="floor", yaw_deg=30)
+    on = {"on": "table", "surface": "top", "at": [0.2, 0.1]}
+
+    def turn(**more: Any) -> float:
+        world.call(
+            "place_object",
+            world="w",
+            entity="mug",
+            asset={"generator": "mug", "parameters": {"height": more.pop("height")}},
+            **on,
+            **more,
+        )
+        w, _, _, z = _spec(world, "/entities/mug/pose/quaternion")
+        return float(np.degrees(2 * np.arctan2(z, w)))
+
+    assert turn(height=0.10) == pytest.approx(30.0, abs=1e-6)
+    assert turn(height=0.10, yaw_deg=-90.0) == pytest.approx(-60.0, abs=1e-6)
+    assert turn(height=0.12) == pytest.approx(-60.0, abs=1e-6)
+
+
 def test_a_thing_on_the_surface_of_one_that_stands_on_a_slope_lies_along_it(world: Any) -> None:
     """Seven degrees, turned by a quarter: `at` and the lie of the thing are in the frame of what carries it."""
     slope = {

@@ -261,7 +261,7 @@ class Drivers:
 
     def set_data(self, data: Any, time: float) -> None:
         """Write forces, controls and switches that hold from `time` on."""
-        data.xfrc_applied[:] = 0.0
+        data.xfrc_applied[:] = self.wrenches(time)
         data.qfrc_applied[:] = 0.0
         data.eq_active[:] = self._native_eq
         if self._stopped and abs(time - self._since) <= 10 * _SLACK:
@@ -269,11 +269,7 @@ class Drivers:
         for name, driver in self._drivers.items():
             if name in self._without:
                 continue
-            if isinstance(driver, ForceDriver) and driver.start - _SLACK <= time < driver.end - _SLACK:
-                bodies = self._pushed[driver.entity]
-                for body in bodies:
-                    data.xfrc_applied[body] += np.array([*driver.force, *driver.torque]) / len(bodies)
-            elif isinstance(driver, MotorDriver):
+            if isinstance(driver, MotorDriver):
                 data.ctrl[self.rigid.actuator_of[name]] = driver.velocity
             elif isinstance(driver, DetachDriver) and driver.joint in self.rigid.eq_of and time >= driver.time - _SLACK:
                 data.eq_active[self.rigid.eq_of[driver.joint]] = 0
@@ -286,6 +282,20 @@ class Drivers:
             # about to fall asleep starts its countdown anew.
             data.qvel[data.qvel == 0.0] = -0.0
             data.tree_asleep[data.tree_asleep < 0] = -(1 + _MIN_AWAKE)
+
+    def wrenches(self, time: float) -> F64:
+        """Force and torque of force drivers on each body of the model from `time` on, shape (nbody, 6) [N, N m]."""
+        found: F64 = np.zeros((self.rigid.model.nbody, 6))
+        for name, driver in self._drivers.items():
+            if (
+                name not in self._without
+                and isinstance(driver, ForceDriver)
+                and driver.start - _SLACK <= time < driver.end - _SLACK
+            ):
+                bodies = self._pushed[driver.entity]
+                for body in bodies:
+                    found[body] += np.array([*driver.force, *driver.torque]) / len(bodies)
+        return found
 
     def _coordinates(self, entity: str) -> list[slice]:
         """Slices of `qpos` that belong to an entity."""

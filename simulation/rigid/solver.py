@@ -215,6 +215,7 @@ class SolverRigid(Stepper):
             self.drivers.plan_paths(time, self.settings.step, 0)
             self.drivers.follow_paths(self.data, 0, self.settings.step)
         settle_kinematics(self.model, self.data)
+        self.work.stand(time)
         self.monitor.wake_all(time)
         self._work, self._overflows, self.relaxation = (held[k] for k in ("work", "overflows", "relaxation"))
         self.frame = frame

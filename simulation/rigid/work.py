@@ -33,7 +33,11 @@ class DriverWork:
         self._armature = drivers.holds.armature(self._path_dofs)
         self._total = 0.0
         self.pushes: F64 = np.zeros((model.nbody, 6))
-        """Wrenches of force drivers on all bodies in the present segment."""
+        """Wrenches of force drivers on all bodies in the present segment, or, where none has begun yet, from its start on."""
+
+    def stand(self, time: float) -> None:
+        """A run stands at a time, from which it goes on: what drivers do then is known, and nothing of the segment before."""
+        self.pushes = self.drivers.wrenches(time)
 
     def begin(self, data: Any, speeds: tuple[F64, F64], outside: F64 | None = None) -> bool:
         """Start a segment whose forces are already written; returns whether there is anything to sum.

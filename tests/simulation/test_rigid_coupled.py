@@ -11,7 +11,7 @@ from worldagent.construction.build import build_entity
 from worldagent.simulation.rigid.coupled import RigidBodies
 from worldagent.simulation.rigid.solver import SolverRigid
 from worldagent.testing.worlds.small_worlds import box, world
-from worldagent.worlds.spec import HingeJoint
+from worldagent.worlds.spec import ForceDriver, HingeJoint
 
 SIZE = (0.2, 0.1, 0.3)
 
@@ -159,3 +159,21 @@ def test_partners_load_the_bonds_and_go_on_pushing_the_pieces_that_came_off() ->
         if breaks:
             made.end_frame()
             assert set(made.frame_data()["break/cause"].tolist()) == {-2}
+
+
+@pytest.mark.parametrize("end", [1 / 24, 0.03, 1.0])
+def test_a_restored_run_tells_the_accelerations_of_the_run_that_goes_on(end: float) -> None:
+    """A force ends with the frame of the checkpoint, before it, or acts on: partners go on with what is told first, so that a byte of it counts."""
+    push = ForceDriver(entity="crate", force=(3.0, 0.0, 0.0), torque=(0.0, 0.5, 0.0), start=0.0, end=end)
+    going = solver(drivers={"push": push})
+    going.step_to(1 / 24)
+    assert going.end_attempt()
+    going.end_frame()
+    state = going.checkpoint()
+    told = RigidBodies(going).state()
+    fresh = solver(drivers={"push": push})
+    fresh.restore(state, 1)
+    found = RigidBodies(fresh).state()
+    assert (found.acceleration == told.acceleration).all()
+    mass = 600 * float(np.prod(SIZE))
+    assert told.acceleration[0, 0] == pytest.approx(3.0 / mass if end > 1 / 24 else 0.0, abs=1e-9)

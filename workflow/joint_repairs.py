@@ -33,6 +33,10 @@ ALONE = frozenset({"step", "contact", "interval", "terrain"})
 GRAVITY = "/simulation/gravity"
 MOVES_BY = 1e-9
 """Least relative change of a measurement that has a direction."""
+NONE_FAILS = (
+    "no row of the matrix does (what fails in a sketch is none): leave repairs out, and edit one parameter group at a time"
+)
+"""End of an objection to repairs where nothing fails."""
 
 
 class Joint(NamedTuple):
@@ -159,7 +163,8 @@ def _unpaired(rows: Mapping[str, Row], places: Mapping[str, Sequence[str]], repa
     for repair in repairs:
         if repair.row not in rows:
             hint = did_you_mean(repair.row, rows) or ";"
-            told.append(f"repairs name row {repair.row!r}, which does not fail{hint} these do: {', '.join(sorted(rows)[:8])}")
+            known = f"these do: {', '.join(sorted(rows)[:8])}" if rows else NONE_FAILS
+            told.append(f"repairs name row {repair.row!r}, which does not fail{hint} {known}")
         if repair.group not in places:
             known = (
                 f"the edit changes {', '.join(sorted(places))}"

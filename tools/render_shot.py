@@ -24,9 +24,9 @@ __all__ = ["film_reply", "render_shot"]
 LEDGER_SIZE = (1200, 1000)
 """Pixels of a ledger plot: six panels with legends."""
 USUAL_SIZE = (640, 360)
+"""Pixels of other pictures."""
 LEAST_SIDE = 64
 """[pixels] As the fields of the tool say."""
-"""Pixels of other pictures."""
 
 _FILM_KINDS = {"webm": "video/webm", "mp4": "video/mp4"}
 
@@ -66,9 +66,7 @@ def render_shot(
         int | None,
         Field(ge=64, le=1920, description="Pixels (of a whole contact sheet's tile); default 640, for final the specification's"),
     ] = None,
-    height: Annotated[
-        int | None, Field(ge=64, le=1080, description="Pixels; default by the width, for final the specification's")
-    ] = None,
+    height: Annotated[int | None, Field(ge=64, le=1080, description="Pixels; by width; for final the specification's")] = None,
     samples: Annotated[int | None, Field(ge=1, le=1024, description="Paths per pixel for still and final")] = None,
     wait_s: Annotated[
         float,

@@ -53,3 +53,14 @@ def test_a_negation_waived_without_what_it_denies_is_refused() -> None:
         assert any("is waived without what it denies" in p.text for p in claim_problems(alone))
     whole = world(f"A {BALL} [rolls](event ball_rolls), [never hits](waived {why}) a [block](thing b3).")
     assert not any("is waived without what it denies" in p.text for p in claim_problems(whole))
+
+
+def test_a_negation_that_denies_no_claimed_event_may_be_waived_alone() -> None:
+    """`None` of them is anywhere: nothing that is claimed to happen is denied."""
+    why = 'because="no measure of it"'
+    free = world(
+        f"A {BALL} [rolls](event ball_rolls). There are [blocks](thing b2 b3), [none](waived {why}) on the left. It [hits](event hit) a [block](thing same_as=blocks)."
+    )
+    assert not any("is waived without what it denies" in p.text for p in claim_problems(free))
+    behind = world(f"A {BALL} [hits](event hit) [not](waived {why}) a [block](thing b3).")
+    assert any("is waived without what it denies" in p.text for p in claim_problems(behind))

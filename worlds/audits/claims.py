@@ -308,11 +308,15 @@ def _held(spec: WorldSpec, reading: Reading, held: Held) -> Iterator[Problem]:
 
 
 def _denies_outside(spec: WorldSpec, reading: Reading, span: Span, word: str) -> bool:
-    """True where a waived span is a negation word alone, or an event that is claimed to happen stands right behind it."""
-    if span.text.strip() == word:
+    """True where an event that is claimed to happen stands right beside a waived span that holds a negation, or later in the sentence of one alone."""
+    events = [s for s in reading.spans if s.claim is not None and s.type == "event" and spec.claims[s.claim].waived is None]
+    gaps = {s: spec.prompt[span.end : s.start] for s in events if s.start >= span.end}
+    if any(not gap.strip() for gap in gaps.values()):
         return True
-    behind = [s for s in reading.spans if s.start >= span.end and not s.text.isspace()][:1]
-    return any(s.claim is not None and s.type == "event" and spec.claims[s.claim].waived is None for s in behind)
+    if span.text.strip() != word:
+        return False
+    beside = any(s.end <= span.start and not spec.prompt[s.end : span.start].strip() for s in events)
+    return beside or any(SENTENCE.search(gap) is None for gap in gaps.values())
 
 
 def _type_for(spec: WorldSpec, held: Held) -> str:

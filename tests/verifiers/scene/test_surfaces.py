@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from worldagent.geometry.clearance import signed_clearance
 from worldagent.testing.worlds.small_worlds import entity, ground, make_candidate, pose, world
 from worldagent.verifiers.scene import surfaces as surfaces_module
 from worldagent.verifiers.scene.surfaces import Surfaces
@@ -45,7 +46,7 @@ def test_what_is_known_at_the_start_changes_no_gap_and_no_contact(tmp_path, seed
 def test_two_entities_are_measured_once_at_the_start_for_all_checks(tmp_path, monkeypatch):
     """Choice: overlap and support both ask where things touch, and in a room they touch by the thousand."""
     asked = []
-    measure = surfaces_module.signed_clearance
+    measure = signed_clearance
     monkeypatch.setattr(surfaces_module, "signed_clearance", lambda *given: asked.append(1) or measure(*given))
     surfaces = Surfaces(cluttered(tmp_path, 0))
     a, b = next(iter(surfaces.first))

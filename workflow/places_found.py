@@ -80,7 +80,7 @@ def _on_surface(asked: Asked, scene: Scene, body: Body, pose: RigidPose) -> Rigi
     there = scene.pose(asked.on)
     shift = np.array([*(asked.at or (0.0, 0.0)), 0.0])
     target = np.array(place["center"]) + shift
-    # What stands turned already stays so, beside the surface.
+    # Without a yaw_deg, a thing that is turned already keeps its turn.
     own = compose(there.inverse(), pose).quaternion if abs(pose.quaternion[0]) < 1.0 - 1e-9 else (1.0, 0.0, 0.0, 0.0)
     yaw = 2.0 * math.atan2(own[3], own[0]) if asked.yaw_deg is None else math.radians(asked.yaw_deg)
     pose = turned(RigidPose(target, np.array([1.0, 0.0, 0.0, 0.0])), yaw)

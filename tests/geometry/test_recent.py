@@ -1,6 +1,7 @@
 """Values that are kept of those used lately."""
 
 from collections.abc import Callable
+from functools import partial
 
 from worldagent.geometry.recent import Recent
 
@@ -24,7 +25,7 @@ def test_each_value_is_weighed_once_however_many_are_kept_and_asked_for() -> Non
     recent: Recent[str] = Recent(1e6)
     names = [str(k) for k in range(300)]
     for name in [*names, *names]:
-        assert recent.of(name, lambda name=name: name, weigh) == name  # type: ignore[misc]
+        assert recent.of(name, partial(str, name), weigh) == name
     assert sorted(weighed) == sorted(names)
     assert len(recent) == 300
     assert recent.weight == 300.0
@@ -47,7 +48,8 @@ def test_one_heavier_than_all_that_is_kept_is_given_and_not_kept() -> None:
     """Choice: it would drive out everything else and be dropped itself."""
     made: list[str] = []
     recent: Recent[str] = Recent(3.0)
-    for name, weight in (("a", 1.0), ("heavy", 4.0), ("a", 1.0), ("heavy", 4.0)):
-        assert recent.of(name, _made(name, made), lambda value, weight=weight: weight) == name  # type: ignore[misc]
+    weights = {"a": 1.0, "heavy": 4.0}
+    for name in ("a", "heavy", "a", "heavy"):
+        assert recent.of(name, _made(name, made), weights.__getitem__) == name
     assert made == ["a", "heavy", "heavy"]
     assert recent.weight == 1.0

@@ -115,12 +115,12 @@ def _described(text: str, found: Sequence[Proposal], language: str | None) -> li
     """
     made, units = list(found), units_of(text)
     begins, ends = {unit.start for unit in units}, {unit.end for unit in units}
+    plain = folded(text) if language in UNSPACED else text
     for kind, type_ in DESCRIBED.items():
         if language in UNSPACED and kind not in ("colour", "form"):
             continue
         at = 0
         for meaning in meanings(text, language, kind):
-            plain = folded(text) if language in UNSPACED else text
             places = (m.start() for m in re.finditer(re.escape(meaning.word), plain[at:]))
             start = next((at + p for p in places if at + p in begins and at + p + len(meaning.word) in ends), -1)
             if start < 0:

@@ -23,8 +23,8 @@ PARTICLE_STEPS = {"dem": 1.7e6, "ballistic": 1.0e6}
 ROLLED = 100.0
 """Young's modulus of grains over weight / radius^2 with which what rolls on them presses them into each other by at most a tenth of the radius.
 
-Own measurement, steel balls of 2, 4 and 8 grain radii on beds of 6: 85, 20 and 40 are enough (`tests/physics/test_soft_grains.py`); chains of a
-few grains carry most of the weight.
+Own measurement, steel balls of 2, 4 and 8 grain radii on beds of 6: 85, 20 and 50 are enough; chains of a few grains carry most of the weight. That
+100 is enough for 2 and 4, and a twelfth of it too little for 2, is held by `tests/physics/test_soft_grains.py`.
 """
 
 

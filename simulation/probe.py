@@ -18,28 +18,15 @@ from ..worlds.candidate import Candidate, open_candidate, recorded_inputs
 from ..worlds.coarsening import coarsened, read_overrides, write_overrides
 from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.folder import WorldFolder
+from ..worlds.probe_length import probe_frames
 from ..worlds.settled import SettledFrames
-from ..worlds.spec import WorldSpec
 from .origins import Origins, checkpoint_path
 from .protocol import Solver
 from .runs import Run, make_run, reads
 from .schedule import run_frames
 from .settling import Settled, settle
 
-__all__ = ["positions_of", "probe_frames", "replay", "run_probe"]
-
-SETTLING_SECONDS = 0.75
-"""Simulated after the last beat's end, so that early settling can be seen [s]."""
-
-
-def probe_frames(spec: WorldSpec) -> int:
-    """Frames a probe of this world needs: through its last beat, and early settling.
-
-    Rigid contact depends on its step, so a rigid probe keeps every production setting and shortens the interval only.
-    """
-    plan = spec.simulation
-    last = max((b.frames[1] for b in spec.story.beats.values()), default=plan.frames - 1)
-    return min(plan.frames, last + 1 + round(SETTLING_SECONDS * plan.fps))
+__all__ = ["positions_of", "replay", "run_probe"]
 
 
 def run_probe(

@@ -72,11 +72,11 @@ def probe_sim(
 
 def _probe(context: ToolContext, session: Session, payload: dict[str, Any], wait_s: float, coarser: float) -> dict[str, Any]:
     """Result or state of the job; errors as the tool."""
-    from ..simulation.probe import probe_frames
     from ..workflow.estimates import pace_seen, usual_seconds
     from ..workflow.measurements import is_whole
     from ..workflow.waiting import start_and_wait
     from ..worlds.coarsening import coarsened, overrides_for
+    from ..worlds.probe_length import probe_frames
 
     freeze = session.freeze()
     overrides = overrides_for(session.spec, coarser)

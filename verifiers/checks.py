@@ -23,7 +23,7 @@ from .diagnosis.cite import diagnose
 from .land import terrain
 from .routes import navigability
 from .rows.corrections import without_again
-from .rows.seen import only_seen, unmended_till_baked
+from .rows.seen import only_seen, unmended_till_seen
 from .scene import interpenetration, relations, scale
 from .shots import check as shots
 from .shots import seen
@@ -203,7 +203,7 @@ def _judged(
 def diagnosed(candidate: Candidate, rows: Iterable[Row]) -> list[Row]:
     """Rows of one check as the matrix has them: no pass over frames that are not there, and what past cases say of each that can help."""
     told = (without_again(candidate, diagnose(only_seen(candidate, fail_closed(r)), candidate.spec)) for r in rows)
-    return [unmended_till_baked(candidate, r) for r in told]
+    return [unmended_till_seen(candidate, r) for r in told]
 
 
 def _keeps(binding: CheckBinding, rows: Iterable[Row]) -> str | None:

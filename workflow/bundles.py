@@ -141,9 +141,9 @@ def candidate_members(
         with_caches: whether the frames are among them.
     """
     from ..simulation.origins import checkpoint_path
-    from ..simulation.probe import probe_frames
     from ..worlds.bake_plan import checkpoint_frames
     from ..worlds.coarsening import OVERRIDES, read_overrides
+    from ..worlds.probe_length import probe_frames
 
     files = {s.shape.file for e in spec.entities.values() for s in e.parts.values() if s.shape.kind == "mesh" and s.shape.file}
     chosen = [p for p in (safe_join(root / "assets", file) for file in sorted(files)) if p.is_file()]

@@ -75,8 +75,8 @@ def _changed_since(session: Session) -> str:
 
 def _open_of_record(session: Session, known: dict[str, Any]) -> list[str]:
     """Ids of rows that the record of a probe leaves open, or lacks although the specification it judged demands them."""
-    from ..simulation.probe import probe_frames
     from ..verifiers.stored import demanded_of_motion
+    from ..worlds.probe_length import probe_frames
     from ..worlds.spec import WorldSpec
 
     rows, judged = known["detail"].get("rows", {}), session.ledger.revision_spec(known["revision"])

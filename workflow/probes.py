@@ -130,11 +130,12 @@ class _Attended:
 
 def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Probe the present settings; a pass freezes them."""
-    from ..simulation.probe import probe_frames, run_probe
+    from ..simulation.probe import run_probe
     from ..simulation.schedule import stretch_count
     from ..verifiers.checks import judging_share
     from ..worlds.bake_plan import groups_of
     from ..worlds.coarsening import overrides_for
+    from ..worlds.probe_length import probe_frames
 
     judge = LiveJudge(Path(payload["folder"]))
     work = open_work(payload)
@@ -204,10 +205,10 @@ def judge_probe(
         settings: those that differ from production's.
         stopped: ids of the rows that ended the run early.
     """
-    from ..simulation.probe import probe_frames
     from ..verifiers.checks import names_of, run_checks
     from ..verifiers.stored import open_in_probe
     from ..worlds.begun import unfinished
+    from ..worlds.probe_length import probe_frames
 
     session, freeze = work.session, work.freeze
     early = bool(unfinished(candidate)) or stopped is not None

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ...worlds.arrays import F64
+from ...worlds.spec import Entity
 from ..worlds import small_worlds as sw
 from ..worlds.liquid_worlds import DENSITY, Flow, G, lattice, liquid_world, middle_column, pool_in_tank, water
 
@@ -87,9 +88,9 @@ def falling(rng: np.random.Generator, *, frames: int = 12) -> Flow:
     return block(size, (0.0, 0.0, float(rng.uniform(2.0, 2.4))), frames=frames)
 
 
-def block(size: Sequence[float], at: Sequence[float], *, frames: int = 12) -> Flow:
-    """A block of water in free fall."""
-    entities = {"ground": sw.ground(1.0), "pool": water(size, at, SPACING)}
+def block(size: Sequence[float], at: Sequence[float], *, frames: int = 12, beside: Mapping[str, Entity] | None = None) -> Flow:
+    """A block of water in free fall, and more static bodies."""
+    entities = {"ground": sw.ground(1.0), "pool": water(size, at, SPACING), **(beside or {})}
     spec = liquid_world(entities, spacing=SPACING, low=(-1, -1, -0.1), high=(1, 1, 3.2), frames=frames)
     start = lattice([a - s / 2 for a, s in zip(at, size, strict=True)], size, SPACING)
     times = np.arange(frames) / 24.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ...verifiers.support.bounds import HANGING_SHARE, LOOSE_REACH
 from ...worlds.predicates import BodyEvent
 from ...worlds.spec import Beat
+from ..worlds import small_worlds as sw
 from ..worlds.liquid_worlds import Flow, stream
 from . import _liquid_scenes as scenes
 from ._liquid_scenes import SPACING
@@ -58,6 +60,17 @@ def _told_by(subject: str, flow: Flow) -> Flow:
     return flow.edited(spec=flow.spec.model_copy(update={"story": story}))
 
 
+def _at_a_wall(folder: Path, m: float, rng: RNG, *, ledge: bool = False) -> World:
+    """Water whose underside is `m` [m] above the ground and whose side touches a wall, with a ledge of the wall under it or without."""
+    size = tuple(SPACING * float(n) for n in rng.integers(4, 8, 3))
+    thick = float(rng.uniform(0.02, 0.1))
+    beside = {"wall": sw.box(thick, 0.6, 2.0, at=(-0.5 * (size[0] + thick), 0.0, 1.0))}
+    if ledge:
+        beside["ledge"] = sw.box(size[0], size[1], 0.02, at=(0.0, 0.0, m - 0.01))
+    flow = scenes.block(size, (0.0, 0.0, size[2] / 2 + m), frames=4, beside=beside)
+    return World(flow.candidate(folder), () if ledge else ("pool",))
+
+
 def _lying(folder: Path, m: float, rng: RNG) -> World:
     return World(_block(m, rng).candidate(folder))
 
@@ -79,6 +92,8 @@ LOOSE_MECHANISMS = (
     Mechanism("hanging-water", "water above the ground, and no beat tells of its fall", True, _hanging_water, 1.05 * REACH, 1.0, "m", REACH),
     Mechanism("hanging-part", "a share of the water in a tank hangs over it", True, _hanging_part, 0.012, 0.6, "1", HANGING_SHARE),
     Mechanism("hanging-untold", "the same, and the only beat tells of the ground", True, _untold, 1.05 * REACH, 1.0, "m", REACH),
+    Mechanism("hanging-at-a-wall", "water above the ground that touches a wall from the side", True, _at_a_wall, 1.5 * REACH, 1.0, "m", REACH),
+    Mechanism("on-a-ledge", "water above the ground, beside a wall and on its ledge", False, partial(_at_a_wall, ledge=True), 1.5 * REACH, 1.0, "m"),
     Mechanism("lying-water", "water that lies on the ground", False, _lying, 1e-3, 0.4 * REACH, "m"),
     Mechanism("drops", "drops over the water in a tank", False, _drops, 1e-3, 0.95 * HANGING_SHARE, "1"),
     Mechanism("told-fall", "water in the air whose fall a beat tells", False, _told, 1.05 * REACH, 1.0, "m"),

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 from worldagent.simulation import probe
-from worldagent.simulation.probe import probe_frames
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.tests.stories.small_run import PROMPT as BLOCKS
 from worldagent.tests.stories.small_run import small_spec
 from worldagent.worlds.coarsening import overrides_for, write_overrides
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.probe_length import probe_frames
 from worldagent.worlds.spec import WorldSpec
 
 FREEZE = "f" * 64

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...worlds.probe_length import probe_frames
+
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row
 
-__all__ = ["only_seen", "unmended_till_baked"]
+__all__ = ["only_seen", "unmended_till_seen"]
 
 
 def only_seen(candidate: Candidate, found: Row, needed: tuple[int, int] | None = None) -> Row:
@@ -30,8 +32,11 @@ def only_seen(candidate: Candidate, found: Row, needed: tuple[int, int] | None =
     return found.model_copy(update={"status": "unverified", "frames": (first, last), "evidence": evidence})
 
 
-def unmended_till_baked(candidate: Candidate, found: Row) -> Row:
-    """The row without corrections where it only waits for frames that a probe leaves to the bake: nothing of it is to be mended."""
+def unmended_till_seen(candidate: Candidate, found: Row) -> Row:
+    """The row without corrections where it only waits for frames that nobody simulated yet: nothing of it is to be mended.
+
+    A whole probe leaves them to the bake; one that was stopped is to be probed to its end first.
+    """
     if (
         candidate.stage != "probe"
         or found.status != "unverified"
@@ -39,8 +44,12 @@ def unmended_till_baked(candidate: Candidate, found: Row) -> Row:
         or found.frames[1] <= candidate.last_frame
     ):
         return found
+    needed = probe_frames(candidate.spec) - 1
+    stopped = candidate.last_frame < needed
     told = {
-        "symptom": "it waits for frames that the probe leaves to the bake",
-        "cheapest_probe": [{"tool": "bake_sim", "look_at": found.id}],
+        "symptom": f"the probe ended before frame {needed}"
+        if stopped
+        else "it waits for frames that the probe leaves to the bake",
+        "cheapest_probe": [{"tool": "probe_sim" if stopped else "bake_sim", "look_at": found.id}],
     }
     return found.model_copy(update={"corrections": (), "evidence": {**found.evidence, "diagnosis": told}})

@@ -84,6 +84,8 @@ CLUMP = 2.0
 """[distances of particles] Own choice: edge of the cubes through which particles hang together; a gap of two parts them."""
 LOOSE_REACH = 3.0
 """[distances of particles] Own choice: matter this near to a solid lies on it: grid liquids begin up to a cell, two distances, off walls."""
+SIDEWAYS = 0.2
+"""[1] Own choice: cosine to gravity from which a nearest surface is beneath, not beside: a slope of 78 degrees; steeper ones are asked straight down."""
 HANGING_SHARE = 0.01
 """[1] Own choice: share of loose matter that may hang in the air at frame 0: drops at a rim that its volume cuts off."""
 LOWEST_ASKED = 4000

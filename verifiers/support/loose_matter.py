@@ -1,7 +1,7 @@
 """Liquids and grains at frame 0: they lie on something, or the story moves them (R92, R154).
 
-Particles fall into clumps. A clump is held where the lowest particles of its columns reach a solid, a closed side of their domain or an
-opening through which they come in. What hangs in the air falls at once, so that a beat has to tell of it.
+Particles fall into clumps. A clump is held where a solid or a closed side of the domain is right beneath one of its
+columns, or where it comes in through an opening; a wall beside it holds nothing. What hangs in the air falls at once, so that a beat has to tell of it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import Solid, distance_to_surface
+from ...geometry.triangles import ray_hits
 from ...worlds.arrays import F64
 from ...worlds.built import TriangleMesh
 from ...worlds.categories.loose import domain_box
@@ -25,7 +26,7 @@ from ..categories.registry import judge_of
 from ..rows.answers import row_of
 from ..rows.corrections import correction, move_by, pointer
 from ..rows.findings import Finding
-from .bounds import CLUMP, HANGING_SHARE, LOOSE_REACH, LOWEST_ASKED
+from .bounds import CLUMP, HANGING_SHARE, LOOSE_REACH, LOWEST_ASKED, SIDEWAYS
 from .moved import moves_of
 from .questions import LOOSE
 
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     from ...worlds.spec import LiquidInstance
 
 __all__ = ["loose_rows"]
+
+RAY_PAIRS = 200_000
+"""Rays times triangles asked at once: some 100 MB."""
 
 
 class _Matter(NamedTuple):
@@ -83,9 +87,10 @@ def _finding(candidate: Candidate, entity: str) -> Finding:
         text = f"{share:.0%} of {entity!r} is in the air, of whose motion a beat tells from frame {first} on"
         return Finding("pass", text, evidence={"share_in_the_air": share, "from_frame": first}, frames=(0, 0))
     where = matter.position[loose].mean(axis=0)
-    hanging = matter.position[loose]
-    gap = _gap(candidate, hanging[_bottom(candidate, hanging, float(matter.pitch[matter.owner.index(entity)]))])
+    hanging, pitch = matter.position[loose], float(matter.pitch[matter.owner.index(entity)])
+    gap = _gap(candidate, hanging[_bottom(candidate, hanging, pitch)])
     above = f"{gap:.3g} m from the nearest solid" if np.isfinite(gap) else "with no solid in the world"
+    above = "beside a solid that is not beneath it" if gap <= LOOSE_REACH * pitch else above
     text = (
         f"{share:.0%} of {entity!r} ({matter.mass[loose].sum():.4g} kg) hangs in the air at frame 0 about {[round(float(x), 3) for x in where]}, "
         f"{above}: nothing holds it, and no beat tells of its fall"
@@ -139,23 +144,52 @@ def _matter(candidate: Candidate) -> _Matter:
 
 
 def _held(candidate: Candidate, owner: tuple[str, ...], number: NDArray[np.intp], points: F64, reach: F64) -> NDArray[np.bool_]:
-    """Which points something holds, shape (n,)."""
+    """Which points something holds, shape (n,): it is near, and beneath them."""
     found = np.zeros(len(points), dtype=bool)
+    down = _down(candidate)
     for entity, instance in _resting(candidate).items():
         mine = np.flatnonzero(number == owner.index(entity))
-        found[mine] |= _at_sides(instance, points[mine], reach[mine]) | _fed(candidate, entity, points[mine], reach[mine])
+        found[mine] |= _at_sides(instance, down, points[mine], reach[mine]) | _fed(candidate, entity, points[mine], reach[mine])
     for solid in _solids(candidate, points[~found], float(reach.max(initial=0.0))):
         rows = np.flatnonzero(~found)
-        found[rows] = distance_to_surface(solid, points[rows]).distance <= reach[rows]
+        near = distance_to_surface(solid, points[rows])
+        touching = near.distance <= reach[rows]
+        under = (near.point - points[rows]) @ down >= SIDEWAYS * near.distance
+        found[rows[touching & under]] = True
+        beside = rows[touching & ~under]
+        found[beside] = _over(solid, points[beside], down, reach[beside])
     return found
 
 
-def _at_sides(instance: LiquidInstance | DemInstance, points: F64, reach: F64) -> NDArray[np.bool_]:
-    """Which points are at closed sides of the domain of an instance."""
+def _down(candidate: Candidate) -> F64:
+    """Direction of gravity, shape (3,)."""
+    gravity = np.array(candidate.spec.simulation.gravity)
+    return np.asarray(gravity / np.linalg.norm(gravity))
+
+
+def _over(solid: Solid, points: F64, down: F64, reach: F64) -> NDArray[np.bool_]:
+    """Which points have a surface of the solid straight beneath them within reach, counted from half of it above, shape (n,)."""
+    if not len(points):
+        return np.zeros(0, dtype=bool)
+    corner, step = solid.triangles, float(reach.max())
+    low, high = points.min(axis=0) - step, points.max(axis=0) + step
+    close = ((corner.min(axis=1) <= high) & (corner.max(axis=1) >= low)).all(axis=1)
+    if not close.any():
+        return np.zeros(len(points), dtype=bool)
+    rows = max(1, RAY_PAIRS // int(close.sum()))
+    parts = [slice(k, k + rows) for k in range(0, len(points), rows)]
+    hits = [ray_hits(corner[close], points[p] - 0.5 * reach[p, None] * down, np.tile(down, (len(points[p]), 1))) for p in parts]
+    return np.asarray(np.concatenate([h.min(axis=1) for h in hits]) <= 1.5 * reach)
+
+
+def _at_sides(instance: LiquidInstance | DemInstance, down: F64, points: F64, reach: F64) -> NDArray[np.bool_]:
+    """Which points are at closed lower sides of the domain of an instance."""
     low, high = domain_box(instance)
     sides = getattr(instance.settings.domain, "sides", ("open",) * 6)
     gaps = np.stack([g for axis in range(3) for g in (points[:, axis] - low[axis], high[axis] - points[:, axis])], axis=1)
-    return np.asarray((gaps[:, [s == "closed" for s in sides]] <= reach[:, None]).any(axis=1))
+    outward = [sign * down[axis] for axis in range(3) for sign in (-1.0, 1.0)]
+    holding = [s == "closed" and d >= SIDEWAYS for s, d in zip(sides, outward, strict=True)]
+    return np.asarray((gaps[:, holding] <= reach[:, None]).any(axis=1))
 
 
 def _fed(candidate: Candidate, entity: str, points: F64, reach: F64) -> NDArray[np.bool_]:
@@ -187,7 +221,7 @@ def _gap(candidate: Candidate, points: F64) -> float:
 
 def _bottom(candidate: Candidate, points: F64, width: float) -> NDArray[np.intp]:
     """Rows of the lowest points of upright columns, at most `LOWEST_ASKED` of them, evenly."""
-    up = -np.array(candidate.spec.simulation.gravity) / np.linalg.norm(candidate.spec.simulation.gravity)
+    up = -_down(candidate)
     across = np.eye(3)[np.argsort(np.abs(up))[:2]]
     column = np.floor(points @ (across - np.outer(across @ up, up)).T / (CLUMP * width)).astype(np.int64)
     order = np.lexsort((points @ up, column[:, 1], column[:, 0]))

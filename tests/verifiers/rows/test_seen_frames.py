@@ -12,10 +12,11 @@ from worldagent.simulation.freeze import open_freeze
 from worldagent.simulation.schedule import run_frames
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.verifiers.checks import run_checks
-from worldagent.verifiers.rows.seen import only_seen
+from worldagent.verifiers.rows.seen import only_seen, unmended_till_seen
 from worldagent.worlds.candidate import Candidate, cache_digest
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.probe_length import probe_frames
 from worldagent.worlds.requirements import Row, Status
 
 SEEN = 12
@@ -74,11 +75,24 @@ def test_the_guard_takes_the_frames_of_a_row_or_those_needed_and_leaves_failures
         assert only_seen(candidate, seen) is seen
 
 
-def test_a_row_that_waits_for_the_bake_has_nothing_to_be_mended(short: Any) -> None:
-    """A probe leaves frames to the bake: more frames, or other members, would change nothing. A bake that lacks frames is another matter."""
+def test_a_row_that_waits_for_frames_has_nothing_to_be_mended(short: Any) -> None:
+    """More frames, or other members, would change nothing. A bake that lacks frames is another matter."""
     probed, baked = ({r.id: r for r in run_checks(short(stage), reruns=False)} for stage in ("probe", "full"))
     waiting = [r for r in probed.values() if r.status == "unverified" and r.frames is not None and r.frames[1] >= SEEN]
     assert {"shots:motion:only", "shots:framed:only"} <= {r.id for r in waiting}
     assert all(r.corrections == () for r in waiting)
-    assert {p["tool"] for r in waiting for p in r.evidence["diagnosis"]["cheapest_probe"]} == {"bake_sim"}
     assert baked["shots:motion:only"].corrections
+
+
+@pytest.mark.parametrize(("end", "tool"), [(2, "bake_sim"), (24, "probe_sim")])
+def test_rows_of_later_frames_wait_for_the_bake_once_the_probe_is_whole(end: int, tool: str, short: Any) -> None:
+    """Twelve frames are more than a probe needs whose beats end at frame 2; one whose beats end at 24 was stopped."""
+    candidate = short("probe")
+    story = candidate.spec.story
+    beats = {k: b.model_copy(update={"frames": (0, end)}) for k, b in story.beats.items()}
+    plan = candidate.spec.simulation.model_copy(update={"fps": 12})
+    spec = candidate.spec.model_copy(update={"simulation": plan, "story": story.model_copy(update={"beats": beats})})
+    assert (probe_frames(spec) <= SEEN) == (tool == "bake_sim")
+    row = Row(id="x", check="shots", group="observational", predicate="p", status="unverified", artifact="x", frames=(0, 35))
+    told = unmended_till_seen(dataclasses.replace(candidate, spec=spec), row)
+    assert [p["tool"] for p in told.evidence["diagnosis"]["cheapest_probe"]] == [tool]

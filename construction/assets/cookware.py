@@ -172,17 +172,21 @@ class TinCanParameters(Parameters):
 
 
 def _tin_can(p: TinCanParameters, rng: np.random.Generator) -> Made:
-    """Rims are exact cylinders, on which it rolls; a ring of facets would lose a tenth of its energy at each."""
-    segments, r, top, wall = 32, p.diameter / 2, p.height, 0.0012
+    """Its contents reach to the outer side, one convex piece that collides: sheet of 0.4 mm is drawn, and stiff rims stand out.
+
+    Rims are exact cylinders, on which it rolls; a ring of facets would lose a tenth of its energy at each.
+    """
+    segments, r, top, sheet = 32, p.diameter / 2, p.height, 0.0004
     body = Body("tin can", p.material)
-    inner, rim = r - wall, 0.002
-    body.turned("wall", ring(inner, rim, top - rim, wall), segments=segments)
+    rim = 0.002
     for name, low in (("foot", 0.0), ("top", top - rim)):
         body.cylinder(f"rim_{name}", (0, 0, low), (0, 0, low + rim), r + 0.0012)
-    body.turned("contents", solid([(inner, rim), (inner, top - rim)]), segments=segments, material=p.filled)
+    body.turned("contents", solid([(r, rim), (r, top - rim)]), segments=segments, material=p.filled)
+    body.turned("wall", ring(r, rim, top - rim, sheet), segments=segments)
+    drawn(body, "wall")
     if p.label:
         low = rim + float(rng.uniform(0.03, 0.1)) * top
-        body.turned("label", ring(r, low, top - low, 0.0004), segments=segments, material="cardboard")
+        body.turned("label", ring(r + sheet, low, top - low, sheet), segments=segments, material="cardboard")
         drawn(body, "label")
     made = Made.of(body)
     made.places["top"] = Place((0, 0, top), (r, r))

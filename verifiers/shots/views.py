@@ -81,24 +81,21 @@ def _looks(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> _Looks:
     return found
 
 
-def _moment(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> float:
-    """Largest unoccluded share of the subject around the frame where the beat comes true.
+def _moment(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> Seen | None:
+    """The clearest view of the subject around the frame where the beat comes true; large views before small ones.
 
-    1 where there is no such moment: the beat never comes true, or is a state that lasts, which is looked at as a whole.
+    None where there is no such moment (the beat never comes true, or is a state that lasts, which is looked at as a whole), or no shot.
     """
     candidate = sight.candidate
     own = outcome_frames(candidate, beat_id)
     if first is None or own is None or is_invariant(beat.predicate):
-        return 1.0
-    limits = candidate.spec.simulation.limits
+        return None
+    limits, best = candidate.spec.simulation.limits, None
     # Nearest frames first: the first that shows it decides.
-    nearest = sorted(samples(own, SAMPLES, first), key=lambda f: abs(f - first))
-    best = 0.0
-    for frame in nearest:
+    for frame in sorted(samples(own, SAMPLES, first), key=lambda f: abs(f - first)):
         for look in _look(sight, beat_id, beat.subject, [frame]).seen:
-            if look.share >= limits.visible_pixels:
-                best = max(best, look.unoccluded)
-        if best >= limits.visible_share:
+            best = look if best is None else max(best, look, key=lambda s: (s.share >= limits.visible_pixels, s.unoccluded))
+        if best is not None and best.share >= limits.visible_pixels and best.unoccluded >= limits.visible_share:
             break
     return best
 
@@ -123,7 +120,7 @@ def visible(sight: Sight, beat_id: str, beat: Beat) -> Finding:
     return _judged(sight, beat, looks, first, _moment(sight, beat_id, beat, first))
 
 
-def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, shown: float) -> Finding:
+def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: Seen | None) -> Finding:
     """The finding about a beat's subject.
 
     Args:
@@ -131,9 +128,10 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, shown: f
         beat: the beat.
         looks: its subject at the sampled frames.
         first: frame at which the beat comes true.
-        shown: largest unoccluded share of the subject around that frame.
+        moment: the clearest view of it around that frame; None where nothing is asked of one.
     """
     limits, subject = sight.candidate.spec.simulation.limits, beat.subject
+    shown = _shown(moment, limits.visible_pixels)
     best = max(looks.seen, key=lambda s: min(s.share / limits.visible_pixels, s.unoccluded / limits.visible_share))
     good = looks.good(limits.visible_pixels)
     seen_share = len(good) / len(looks.frames)
@@ -146,8 +144,10 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, shown: f
     missed = [k for k, (value, bound) in enumerate(tests) if value < bound]
     measured, bound = tests[missed[0] if missed else 1]
     text = f"{_appearance(subject, best)}; in view at {len(good)} of {len(looks.frames)} sampled frames"
-    if shown < limits.visible_share:
-        text += f"; within {MOMENT:g} s of frame {first}, where the beat comes true, at most {shown:.0%} of it is unoccluded"
+    if moment is not None and shown < limits.visible_share:
+        behind = f", behind {moment.hidden_by}" if moment.hidden_by else ""
+        text += f"; within {MOMENT:g} s of frame {first}, where the beat comes true, at most {shown:.0%} of it is unoccluded{behind}"
+    looked = moment if missed == [3] and moment is not None else best
     bad_frames = sorted({s.frame for s in looks.seen if s not in good} | set(looks.blind))
     return Finding(
         "fail" if missed else "pass",
@@ -156,18 +156,25 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, shown: f
         bound,
         entity=subject,
         frame=first if missed[:1] == [3] else (bad_frames or [best.frame])[0],
-        hints=_nearer(sight, beat, best, leaves=0.0 < seen_share < limits.beat_seen_frames) if missed else (),
+        hints=_nearer(sight, beat, looked, leaves=0.0 < seen_share < limits.beat_seen_frames) if missed else (),
         evidence={
             "best_frame": best.frame,
             "best_share": best.share,
             "best_unoccluded": best.unoccluded,
             "seen_share": seen_share,
-            "moment": {"frame": first, "unoccluded": shown},
+            "moment": {"frame": first, "unoccluded": shown, "hidden_by": None if moment is None else moment.hidden_by},
             "samples": [[s.frame, s.shot, s.share, s.unoccluded, s.hidden_by] for s in looks.seen[:SAMPLES]],
             "pixels": [sight.width, sight.height],
         },
         frames=beat.frames,
     )
+
+
+def _shown(moment: Seen | None, pixels: float) -> float:
+    """Unoccluded share of the subject in a view; 0 where it is too small, 1 where no moment is asked for."""
+    if moment is None:
+        return 1.0
+    return moment.unoccluded if moment.share >= pixels else 0.0
 
 
 def _nearer(sight: Sight, beat: Beat, best: Seen, *, leaves: bool) -> tuple[Correction, ...]:

@@ -137,6 +137,8 @@ def test_the_moment_at_which_a_beat_comes_true_is_shown(tmp_path: Path, reach: i
     if status == "fail":
         assert row.first_failing_frame == 24
         assert "comes true" in row.evidence["explanation"]
+        assert row.evidence["explanation"].endswith("behind screen")
+        assert "screen stands in the way" in {c.cause for c in row.corrections}
 
 
 def test_what_a_shot_follows_stays_in_its_picture(tmp_path: Path) -> None:

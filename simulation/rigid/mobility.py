@@ -7,11 +7,10 @@ bottom of a light glass on a table.
 
 from __future__ import annotations
 
+from collections.abc import Set
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse import csr_array
 
 from ...worlds.arrays import F64
 from .rows import row_arms, row_centers
@@ -25,7 +24,7 @@ MOST_DOFS = 600
 """Own choice: bodies of larger islands answer as if nothing else held them; solving for one of 600 degrees of freedom takes some 5 ms."""
 
 
-def alone(mj: Any, model: Any, data: Any, rigid: RigidModel, fixed: set[str]) -> tuple[F64, F64, F64]:
+def alone(mj: Any, model: Any, data: Any, rigid: RigidModel, fixed: Set[str]) -> tuple[F64, F64, F64]:
     """1/mass (n,), inverse inertia (n, 3, 3) and velocity per impulse (n, 3, 3) of each row, whatever touches it.
 
     What hangs on joints answers with its whole tree; its 1/mass is the mean over the directions. A piece answers with its cluster, as if
@@ -85,26 +84,48 @@ def held(mj: Any, model: Any, data: Any, rigid: RigidModel, linear: F64, angular
     """
     if not data.nisland:
         return
-    active = _active(mj, data)
-    jacobian, mass = _jacobian(mj, model, data), _inertia(model, data)
-    first = model.body_dofadr[rigid.body_ids]
+    ids = rigid.body_ids
+    first = model.body_dofadr[ids]
     moved = (first >= 0) & (linear != 0.0).any(axis=(1, 2))
     island = np.where(moved, data.dof_island[np.maximum(first, 0)], -1)
-    centers = row_centers(rigid, data)
-    for which in np.unique(island[island >= 0]).tolist():
-        dofs = np.flatnonzero(data.dof_island == which)
+    wanted = np.flatnonzero(np.bincount(island[island >= 0], minlength=data.nisland))
+    blocks = _hessians(mj, model, data, wanted)
+    centers, way = row_centers(rigid, data), np.zeros((6, model.nv))
+    for row in np.flatnonzero(np.isin(island, list(blocks))).tolist():
+        body, (dofs, inverse) = int(ids[row]), blocks[int(island[row])]
+        mj.mj_jac(model, data, way[:3], way[3:], centers[row], body)
+        answer = way[:, dofs] @ inverse @ way[:, dofs].T
+        share = model.body_mass[body] / rigid.masses[row] if rigid.kin_rows[row] else 1.0
+        linear[row] = 0.5 * share * (answer[:3, :3] + answer[:3, :3].T)
+        angular[row] = 0.5 * share * (answer[3:, 3:] + answer[3:, 3:].T)
+
+
+def _hessians(mj: Any, model: Any, data: Any, wanted: Any) -> dict[int, tuple[Any, F64]]:
+    """Degrees of freedom and inverse Hessian of islands, by island; those without active constraints and larger ones are left out."""
+    of_dof, active = data.dof_island, _active(mj, data)
+    ours = np.isin(of_dof, wanted)
+    place = np.zeros(model.nv, dtype=np.intp)
+    members = {k: np.flatnonzero(of_dof == k) for k in wanted.tolist()}
+    for dofs in members.values():
+        place[dofs] = np.arange(len(dofs))
+    value, row, column = _jacobian(mj, model, data)
+    kept = active[row] & ours[column]
+    value, row, column = value[kept], row[kept], column[kept]
+    weight, i, j = _inertia(model, data)
+    kept = ours[i]
+    weight, i, j = weight[kept], i[kept], j[kept]
+    found = {}
+    for which, dofs in members.items():
         rows = np.flatnonzero(active & (data.efc_island == which))
         if not len(rows) or len(dofs) > MOST_DOFS:
             continue
-        ways = jacobian[rows][:, dofs].toarray()
-        solved = cho_factor(mass[dofs][:, dofs].toarray() + ways.T @ (data.efc_D[rows, None] * ways), lower=True)
-        for row in np.flatnonzero(island == which).tolist():
-            body, way = int(rigid.body_ids[row]), np.zeros((6, model.nv))
-            mj.mj_jac(model, data, way[:3], way[3:], centers[row], body)
-            answer = way[:, dofs] @ cho_solve(solved, way[:, dofs].T)
-            share = model.body_mass[body] / rigid.masses[row] if rigid.kin_rows[row] else 1.0
-            linear[row] = 0.5 * share * (answer[:3, :3] + answer[:3, :3].T)
-            angular[row] = 0.5 * share * (answer[3:, 3:] + answer[3:, 3:].T)
+        mine, own = of_dof[column] == which, of_dof[i] == which
+        ways, mass = np.zeros((len(rows), len(dofs))), np.zeros((len(dofs), len(dofs)))
+        ways[np.searchsorted(rows, row[mine]), place[column[mine]]] = value[mine]
+        mass[place[i[own]], place[j[own]]] = weight[own]
+        mass[place[j[own]], place[i[own]]] = weight[own]
+        found[which] = (dofs, np.linalg.inv(mass + ways.T @ (data.efc_D[rows, None] * ways)))
+    return found
 
 
 def _active(mj: Any, data: Any) -> Any:
@@ -116,21 +137,22 @@ def _active(mj: Any, data: Any) -> Any:
     return (state == int(states.mjCNSTRSTATE_QUADRATIC)) | ((state == int(states.mjCNSTRSTATE_CONE)) & first)
 
 
-def _jacobian(mj: Any, model: Any, data: Any) -> csr_array:
-    """Of all constraint rows, (nefc, nv)."""
-    if not mj.mj_isSparse(model):
-        return csr_array(data.efc_J.reshape(data.nefc, model.nv))
-    return _rows(data.efc_J, data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind, (data.nefc, model.nv))
+def _jacobian(mj: Any, model: Any, data: Any) -> tuple[F64, Any, Any]:
+    """Of all constraint rows: values, rows and columns of its entries, each (k,)."""
+    if mj.mj_isSparse(model):
+        return _entries(data.efc_J, data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind)
+    whole = data.efc_J.reshape(data.nefc, model.nv)
+    row, column = np.nonzero(whole)
+    return whole[row, column], row, column
 
 
-def _inertia(model: Any, data: Any) -> csr_array:
-    """Of all degrees of freedom, (nv, nv); the engine keeps its lower half."""
-    lower = _rows(data.M, model.M_rowadr, model.M_rownnz, model.M_colind, (model.nv, model.nv))
-    return csr_array(lower + lower.T - csr_array((lower.diagonal(), (range(model.nv), range(model.nv))), shape=lower.shape))
+def _inertia(model: Any, data: Any) -> tuple[F64, Any, Any]:
+    """Lower half of the inertia of all degrees of freedom: values, rows and columns of its entries, each (k,)."""
+    return _entries(data.M, model.M_rowadr, model.M_rownnz, model.M_colind)
 
 
-def _rows(values: F64, first: Any, count: Any, column: Any, shape: tuple[int, int]) -> csr_array:
-    """A sparse matrix from rows that lie one behind the other."""
-    row = np.repeat(np.arange(shape[0]), count)
+def _entries(values: F64, first: Any, count: Any, column: Any) -> tuple[F64, Any, Any]:
+    """Entries of rows that lie one behind the other."""
+    row = np.repeat(np.arange(len(count)), count)
     at = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
-    return csr_array((np.asarray(values)[at], (row, np.asarray(column)[at])), shape=shape)
+    return np.asarray(values)[at], row, np.asarray(column)[at]

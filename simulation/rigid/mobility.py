@@ -7,7 +7,7 @@ bottom of a light glass on a table.
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,7 @@ MOST_DOFS = 600
 """Own choice: bodies of larger islands answer as if nothing else held them; solving for one of 600 degrees of freedom takes some 5 ms."""
 
 
-def alone(mj: Any, model: Any, data: Any, rigid: RigidModel, fixed: Set[str]) -> tuple[F64, F64, F64]:
+def alone(mj: Any, model: Any, data: Any, rigid: RigidModel, fixed: Collection[str]) -> tuple[F64, F64, F64]:
     """1/mass (n,), inverse inertia (n, 3, 3) and velocity per impulse (n, 3, 3) of each row, whatever touches it.
 
     What hangs on joints answers with its whole tree; its 1/mass is the mean over the directions. A piece answers with its cluster, as if

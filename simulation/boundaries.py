@@ -85,6 +85,10 @@ class BodyState:
     """(b, 3, 3) world axes [1/(kg m^2)]; 0 where it does not react."""
     acceleration: F64
     """Linear acceleration (b, 3) from everything but the coupled solver that meets it (gravity, contacts, drivers) [m/s^2]."""
+    mobility: F64 | None = None
+    """Velocity that the centre of mass gains per impulse there, (b, 3, 3) [1/kg], what else holds the body included; None: `inverse_mass`."""
+    turning: F64 | None = None
+    """Angular velocity per angular impulse likewise, (b, 3, 3) [1/(kg m^2)]; None: `inverse_inertia`."""
     vertices: dict[int, tuple[F64, F64]] = field(default_factory=dict)
     """Deforming boundaries: row -> (vertices (v, 3), their velocities (v, 3)), world."""
     vertex_lightness: dict[int, F64] = field(default_factory=dict)
@@ -102,12 +106,20 @@ class BodyState:
 
     def copied_rows(self) -> BodyState:
         """A copy in which nothing deforms."""
-        return BodyState(*(getattr(self, name).copy() for name in self.ROWS))
+        return BodyState(*(getattr(self, name).copy() for name in self.ROWS), *(m.copy() for m in self.mobilities()))
+
+    def mobilities(self) -> tuple[F64, F64]:
+        """`mobility` and `turning`, where nothing else is known those of the bodies alone; each (b, 3, 3)."""
+        alone = self.inverse_mass[:, None, None] * np.eye(3)
+        return alone if self.mobility is None else self.mobility, self.inverse_inertia if self.turning is None else self.turning
 
     def write(self, rows: list[int], other: BodyState, theirs: list[int]) -> None:
         """Take over rows of another state."""
         for name in self.ROWS:
             getattr(self, name)[rows] = getattr(other, name)[theirs]
+        self.mobility, self.turning = (m.copy() for m in self.mobilities())
+        for own, others in zip((self.mobility, self.turning), other.mobilities(), strict=True):
+            own[rows] = others[theirs]
 
 
 @dataclass(frozen=True)

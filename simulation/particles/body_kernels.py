@@ -68,7 +68,7 @@ def move_bodies(
     v = bodies.velocity[b]
     w = bodies.spin[b]
     if bodies.lightness[b] > wp.float64(0.0):
-        v += (f * bodies.lightness[b] + bodies.acceleration[b]) * h
+        v += (bodies.give[b] * f + bodies.acceleration[b]) * h
         w += (bodies.ease[b] * c) * h
         bodies.velocity[b] = v
         bodies.spin[b] = w

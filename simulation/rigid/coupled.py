@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...worlds.arrays import F64
 from ..boundaries import BodyState, MovingSurface
 from .contact_law import set_contact_law
+from .mobility import alone, held
 from .records import velocities
 from .rows import row_arms, row_centers, row_velocities
 
@@ -46,63 +47,22 @@ class RigidBodies:
         speeds = velocities(solver.model, data)
         linear, angular = row_velocities(solver.rigid, data, speeds), speeds[1][ids]
         center = row_centers(solver.rigid, data).copy()
-        mass, inertia = self._mobility()
-        return BodyState(origin, rotation, center, linear, angular, mass, inertia, self._accelerations())
+        probe = self._looked_ahead()
+        fixed = solver.drivers.held(solver.time)
+        mass, inertia, mobility = alone(self._mj, self._model, probe, solver.rigid, fixed)
+        turning = inertia.copy()
+        held(self._mj, self._model, probe, solver.rigid, mobility, turning)
+        told = self._accelerations(probe)
+        return BodyState(origin, rotation, center, linear, angular, mass, inertia, told, mobility, turning)
 
     def surfaces(self) -> dict[str, MovingSurface]:
         """Simulation vertices of elastic members at present."""
         return {} if self._solver.flexes is None else self._solver.flexes.surfaces(self._solver.data)
 
-    def _mobility(self) -> tuple[F64, F64]:
-        """1/mass (n,) and inverse inertia (n, 3, 3) of each body alone.
-
-        What hangs on joints answers with its whole tree: the mean over the directions is taken for 1/mass. A piece answers with
-        its cluster, as if all pieces of that were pushed by their share of the mass: M / m times the cluster's answer at the
-        piece. By Cauchy-Schwarz that is never less than how the cluster gives way when many are pushed at once, so that a
-        coupled solver which solves for its pieces one by one stays stable; a piece by itself answers as any body.
-        """
-        mujoco, solver = self._mj, self._solver
-        model, data, ids = solver.model, solver.data, solver.rigid.body_ids
-        turn = data.ximat[ids].reshape(-1, 3, 3)
-        light, inverse = np.zeros(len(ids)), np.zeros((len(ids), 3, 3))
-        fixed = solver.drivers.held(solver.time)
-        arms, own, pieces = row_arms(solver.rigid, data), solver.rigid.masses, solver.rigid.kin_rows
-        factored = False
-        for row, body in enumerate(ids.tolist()):
-            if solver.rigid.bodies[row].split("/", 1)[0] in fixed:
-                continue
-            if model.body_dofnum[body] == 0:
-                continue
-            free = model.jnt_type[model.body_jntadr[body]] == mujoco.mjtJoint.mjJNT_FREE
-            if free and model.body_subtreemass[body] <= model.body_mass[body] * (1 + 1e-9):
-                light[row] = 1.0 / model.body_mass[body]
-                inverse[row] = (turn[row] / model.body_inertia[body]) @ turn[row].T
-                if pieces[row]:
-                    # Of [r]^T I^-1 [r], the answer at a distance r from the centre, the mean over the directions.
-                    square, along = float(arms[row] @ arms[row]), float(arms[row] @ inverse[row] @ arms[row])
-                    light[row] += (square * float(np.trace(inverse[row])) - along) / 3.0
-                    share = model.body_mass[body] / own[row]
-                    light[row], inverse[row] = share * light[row], share * inverse[row]
-                continue
-            if not factored:
-                mujoco.mj_copyData(self._probe, model, data)
-                mujoco.mj_crb(model, self._probe)
-                mujoco.mj_factorM(model, self._probe)
-                factored = True
-            linear, angular = np.zeros((3, model.nv)), np.zeros((3, model.nv))
-            mujoco.mj_jacBodyCom(model, self._probe, linear, angular, body)
-            both = np.concatenate([linear, angular])
-            answer = np.zeros_like(both)
-            mujoco.mj_solveM(model, self._probe, answer, both)
-            light[row] = float(np.trace(linear @ answer[:3].T)) / 3.0
-            inverse[row] = angular @ answer[3:].T
-        return light, inverse
-
-    def _accelerations(self) -> F64:
-        if not len(self._solver.rigid.body_ids):
-            return np.zeros((0, 3))
+    def _looked_ahead(self) -> Any:
+        """The state with what the engine makes of it without the coupled solvers."""
         mujoco, solver, probe = self._mj, self._solver, self._probe
-        model, ids = solver.model, solver.rigid.body_ids
+        model = solver.model
         mujoco.mj_copyData(probe, model, solver.data)
         probe.xfrc_applied[:] = solver.work.pushes
         taken, least = model.opt.timestep, SHORT * solver.settings.step / 2**solver.refined
@@ -112,6 +72,14 @@ class RigidBodies:
         mujoco.mj_rnePostConstraint(model, probe)
         if taken < least:
             set_contact_law(solver.rigid, solver.settings.contact_steps, taken)
+        return probe
+
+    def _accelerations(self, probe: Any) -> F64:
+        """Of the rows' centres of mass, from everything but the coupled solvers, (n, 3) [m/s^2]; 0 of what sleeps."""
+        solver, model = self._solver, self._solver.model
+        ids = solver.rigid.body_ids
+        if not len(ids):
+            return np.zeros((0, 3))
         arm = probe.xipos - probe.subtree_com[model.body_rootid]
         spin = probe.cvel[:, :3]
         speed = probe.cvel[:, 3:] + np.cross(spin, arm)

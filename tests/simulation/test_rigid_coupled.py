@@ -107,14 +107,16 @@ def test_an_uncoupled_instance_records_no_exchange() -> None:
     assert "exchange/impulse" not in made.frame_data()
 
 
-def bar(fixed: tuple[str, ...] = (), tension: float = 1e6) -> SolverRigid:
+def bar(fixed: tuple[str, ...] = (), tension: float = 1e6, **more: Any) -> SolverRigid:
     """Four blocks in a row, 10 kg each, 1 m up."""
     broken = {
         "pattern": {"kind": "bricks", "size": (0.2, 0.2, 0.2), "joint": 0.0},
         "bond": {"tension": tension, "shear": tension},
     }
     return solver(
-        crate={"breakable": {**broken, "fixed": fixed}, "physics": {"category": "rigid", "mass": 40.0}}, size=(0.8, 0.2, 0.2)
+        crate={"breakable": {**broken, "fixed": fixed}, "physics": {"category": "rigid", "mass": 40.0}},
+        size=(0.8, 0.2, 0.2),
+        **more,
     )
 
 

@@ -40,7 +40,7 @@ def apart_lines(spec: WorldSpec) -> list[dict[str, str]]:
             found.append(
                 {
                     "what": f"two-way coupling {name!r} in exchanges: between two of them each side takes the other as going on as it did",
-                    "effect": "what is given is what is received; a body that lies on something gives way for the length of an exchange",
+                    "effect": "what is given is what is received; a push that opens or closes contacts of a body is answered from the next exchange on",
                 }
             )
     return found

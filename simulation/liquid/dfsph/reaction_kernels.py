@@ -229,7 +229,7 @@ def react(
     b = first + wp.tid()
     f = summed(force, b, parts)
     m = summed(torque, b, parts)
-    velocity[b] = bodies.lightness[b] * single(f)
+    velocity[b] = bodies.give[b] * single(f)
     spin[b] = bodies.mobility[b] * single(m)
 
 
@@ -253,5 +253,5 @@ def account(
     linear[b] = linear[b] + dt * f
     angular[b] = angular[b] + dt * m
     if moves != 0:
-        bodies.velocity[b] = bodies.velocity[b] + settings[DT] * bodies.lightness[b] * single(f)
+        bodies.velocity[b] = bodies.velocity[b] + settings[DT] * (bodies.give[b] * single(f))
         bodies.spin[b] = bodies.spin[b] + settings[DT] * (bodies.mobility[b] * single(m))

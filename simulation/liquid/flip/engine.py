@@ -29,6 +29,8 @@ from .exchange import Exchange
 from .grid import Grid, build
 from .markers import Markers
 from .settings import FlipSettings
+from .solids import reacting
+from .supports import let_go, supports
 from .viscosity import Rubbed, Viscosity
 
 __all__ = ["Flip"]
@@ -124,24 +126,24 @@ class Flip(CutCells):
     ) -> tuple[Exchange, F64, int, int]:
         """The first projection: its exchange, the impulses, iterations, and how many solves were capped.
 
-        A body at a gap that something bears is held along that first. Where the lift is more than what bears it, that lets it go, and
+        A body that something bears is held along that first. Where the lift is more than what bears it, that lets it go, and
         it is solved for once more, free: contacts push and do not pull.
         """
         run, fine, dt = self.run, solver.levels[0], self._dt
-        supports, iterations, capped = self.gaps.supports(bodies), 0, 0
+        gravity = np.asarray(self.setup.gravity)
+        borne, iterations, capped = supports(bodies, gravity, reacting(self.setup.boundaries, bodies)), 0, 0
         while True:
             exchange = Exchange(run, self.solids, bodies, fine, grid.columns, self._shut(grid, fine), mouths)
-            exchange.mass, exchange.supports = self._density * self._cell**3, supports
+            exchange.mass, exchange.supports = self._density * self._cell**3, borne
             exchange.start(run.array("pressure_right", fine.rows, warp().float32), self._faces(grid, "new")[0], dt)
             pressed = self._press(solver, exchange)
             iterations, capped = iterations + pressed.iterations, capped + int(pressed.capped)
             impulse = exchange.end(run.array("q", fine.rows, warp().float32))
-            lifted = [n for n, s in supports.items() if impulse[n, :3] @ s.way > s.most * dt]
+            lifted = [n for n, s in borne.items() if impulse[n, :3] @ s.way > s.most * dt]
             if not lifted:
                 return exchange, impulse, iterations, capped
-            supports = {n: s for n, s in supports.items() if n not in lifted}
-            bodies = bodies.copied_rows()
-            bodies.acceleration[lifted] = self.setup.gravity
+            borne = {n: s for n, s in borne.items() if n not in lifted}
+            bodies = let_go(bodies, lifted, gravity)
             self._fill_rows(grid, fine)
 
     def _pull(self, dt: float) -> F64:

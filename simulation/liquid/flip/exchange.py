@@ -16,8 +16,8 @@ from ...boundaries import BodyState
 from ...grids.multigrid import Level
 from ...grids.runner import Runner
 from . import exchange_kernels as kernels
-from .gaps import Support
 from .solids import Solids, reacting
+from .supports import Support
 
 __all__ = ["Exchange"]
 
@@ -82,7 +82,7 @@ class Exchange:
         own = np.zeros((len(self.reacting), 6, 6))
         for k, row in enumerate(self.reacting):
             own[k, :3, :3] = self._lightness(row)
-        own[:, 3:, 3:] = self.bodies.inverse_inertia[self.reacting]
+        own[:, 3:, 3:] = self.bodies.mobilities()[1][self.reacting]
         self._give = np.linalg.solve(np.eye(6) + own @ self._inertia[self.reacting], own)
         before = self._of_owners()
         kick, spin = self._given(self._stuck(before)[self.reacting])
@@ -90,11 +90,11 @@ class Exchange:
 
     def _lightness(self, row: int) -> F64:
         """Change of a body's velocity by an impulse (3, 3) [1/kg]; none along what bears it."""
-        whole = self.bodies.inverse_mass[row] * np.eye(3)
-        if row in self.supports:
-            way = self.supports[row].way
-            whole = whole - self.bodies.inverse_mass[row] * np.outer(way, way)
-        return np.asarray(whole)
+        whole = self.bodies.mobilities()[0][row]
+        if row not in self.supports:
+            return np.asarray(whole)
+        across = np.eye(3) - np.outer(self.supports[row].way, self.supports[row].way)
+        return np.asarray(across @ whole @ across)
 
     def _of_owners(self) -> F64:
         """Velocity and spin of every owner now, (n, 6)."""
@@ -184,7 +184,7 @@ class Exchange:
         kick, spin = np.zeros((self.solids.count, 3)), np.zeros((self.solids.count, 3))
         for n, given in zip(rows, impulse, strict=True):
             kick[n] = self._lightness(n) @ given[:3]
-            spin[n] = self.bodies.inverse_inertia[n] @ given[3:]
+            spin[n] = self.bodies.mobilities()[1][n] @ given[3:]
         return kick, spin
 
     def end(self, q: Any) -> F64:

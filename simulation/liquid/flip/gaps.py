@@ -6,13 +6,11 @@ Real water wets such a gap and lifts the body by all that it displaces. No parti
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....geometry.launch import warp
-from ....worlds.arrays import F64
-from ...boundaries import BodyState
 from ...grids.runner import Runner
 from . import cut_kernels as cuts
 from . import distance_kernels as distances
@@ -23,21 +21,10 @@ if TYPE_CHECKING:
     from .grid import Grid
     from .solids import Solids
 
-__all__ = ["Gaps", "Support"]
+__all__ = ["Gaps"]
 
-BORNE = 0.02
-"""Share of gravity from which on a body counts as borne."""
 MOST_TURNS = 256
 """Cells over which liquid wets a gap from its rim."""
-
-
-class Support(NamedTuple):
-    """Push of all else than the liquid that bears a body."""
-
-    way: F64
-    """In which it pushes, a unit vector (3,)."""
-    most: float
-    """[N]"""
 
 
 class Gaps:
@@ -116,22 +103,6 @@ class Gaps:
         found = [self._of(grid, "level", wp.float32), self._of(grid, "since", wp.int32)]
         listed = run.array("gap/listed", self.count, wp.int32)
         run(filling.settle, self.count, [hidden, listed, grid.columns, *marks, *found, phi, wet, red, inside])
-
-    def supports(self, bodies: BodyState) -> dict[int, Support]:
-        """Free bodies at gaps that something else than the liquid bears, by row: it gives way to a lift as far as it bears them."""
-        if not self.count:
-            return {}
-        gravity, found = np.asarray(self.solids.setup.gravity), {}
-        listed = self.run.read(self.run.array("gap/listed", self.count, warp().int32), self.count)
-        held = self.run.array("gap/held", 1, warp().int32).numpy()[listed]
-        for row in np.unique(held[held >= 0]).tolist():
-            if self.solids.setup.boundaries[row].motion != "dynamic" or bodies.inverse_mass[row] <= 0.0:
-                continue
-            borne = bodies.acceleration[row] - gravity
-            size = float(np.linalg.norm(borne))
-            if size > BORNE * float(np.linalg.norm(gravity)):
-                found[row] = Support(borne / size, size / float(bodies.inverse_mass[row]))
-        return found
 
     def parts(self, grid: Grid) -> list[Any]:
         """Share of the first owner in what closes each face, -1 where there is one owner only, and both owners."""

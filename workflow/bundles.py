@@ -100,7 +100,7 @@ def _open_record(folder: WorldFolder, ledger: Ledger, reason: str) -> dict[str, 
 
 
 def history_of(ledger: Ledger, last: int) -> dict[str, Any]:
-    """Every revision up to `last` with its specification, oldest first, and the iterations of repair."""
+    """Every revision up to `last` with its specification, oldest first, the iterations of repair, and since when there is evidence."""
     revisions = []
     for item in (r for r in reversed(ledger.revisions(limit=ledger.revision())) if r["n"] <= last):
         found = ledger.revision_spec(item["n"])
@@ -108,7 +108,7 @@ def history_of(ledger: Ledger, last: int) -> dict[str, Any]:
             raise EvidenceError(f"revision {item['n']} is missing from the ledger; its history cannot be told")
         revisions.append({**item, "spec": json.loads(found[0])})
     iterations = [i for i in reversed(ledger.iterations(limit=10**6)) if i["revision"] <= last]
-    return {"revisions": revisions, "iterations": iterations}
+    return {"revisions": revisions, "iterations": iterations, **ledger.judged_since()}
 
 
 def _judged_revision(folder: WorldFolder, ledger: Ledger, record: Mapping[str, Any]) -> tuple[WorldSpec, int]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -16,6 +15,7 @@ from ..worlds.patch import differences, weakenings
 from ..worlds.provenance import stale_artifacts
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
+from ..worlds.weakened import told_by_motion
 from .additions import only_builds_on
 from .earlier import has_motion
 from .joint_repairs import Joint, grouped, joint_objections
@@ -29,11 +29,6 @@ MAX_LENGTH = 4
 """An iteration keeps this many changed places, with lists up to this length: enough for a pose or a velocity."""
 MAX_TOLD = 20
 """Changed places that a reply names."""
-_TOLD_BY_MOTION = re.compile(
-    r"/simulation/(frames|fps) |/story/(beats|requirements)/[^/ ]+/(subject|owner|predicate|frames|causes|margins)\b"
-    r"|claim of .* is no longer judged by /story/(beats|requirements)/[^,/]*(, /story/(beats|requirements)/[^,/]*)*$"
-)
-"""Lines of weakenings against which only motion is evidence: geometry at frame 0 says nothing of what is told there."""
 
 
 class Attempted(NamedTuple):
@@ -87,6 +82,8 @@ class Change:
         """Mandatory rows whose last judgement was a failure."""
         self.weaker: list[str] = []
         """Requirements that the edit makes easier, a line each."""
+        self.early: list[str] = []
+        """Those of which nothing was evidence yet: the history keeps them, and they are no weakenings."""
 
     def objections(self) -> list[str]:
         """Objections to the edit by the evidence that the ledger holds at this moment (R111-R113, R157)."""
@@ -98,9 +95,10 @@ class Change:
         told = self._version_objections()
         unseen = unjudged(ledger)
         if not unseen and not ledger.ever_judged() and not ledger.ever_failed():
-            self.weaker = []  # nothing of the world was ever looked at: it might as well have begun so
+            self.early = self.weaker  # nothing of the world was ever looked at: it might as well have begun so
         elif not unseen and not ledger.ever_failed(moving=True):
-            self.weaker = [w for w in self.weaker if not _TOLD_BY_MOTION.match(w)]
+            self.early = [w for w in self.weaker if told_by_motion(w)]
+        self.weaker = [w for w in self.weaker if w not in self.early]
         if self.weaker and (unseen or ledger.ever_failed()) and len(self.reason.strip()) < 15:
             told.append(
                 (f"{unseen}: " if unseen else "")

@@ -189,6 +189,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     session, freeze, built = work
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
+    _require_whole_history(session)
     with WaitingJudge() as waiting:  # it loads its modules meanwhile
         require_true_geometry(session, built)
         plates_of(work, context, distrust=True)
@@ -229,6 +230,23 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "approximations": record["approximations"][:20],
         **proof,
     }
+
+
+def _require_whole_history(session: Session) -> None:
+    """Refuse a ledger whose revisions do not tell how the specification became what it is.
+
+    Raises:
+        RefusedError: one is missing or was changed, or hides that it made the specification easier.
+    """
+    from ..verifiers.delivery.bundle import compare_history
+    from .bundles import history_of
+
+    told = compare_history(history_of(session.ledger, session.revision), spec_digest(session.spec))
+    if told:
+        raise RefusedError(
+            f"the history of {session.folder.id!r} does not agree with itself: {told[0]}. Its ledger was changed outside the server; "
+            "make the world anew with edit_spec and its specification"
+        )
 
 
 def _beside(session: Session, rows: Sequence[Row]) -> list[str]:

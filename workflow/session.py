@@ -123,6 +123,7 @@ class Session(OpenedWorld):
             groups=[g.name for g in change.groups],
             weakenings=change.weaker,
             reason=change.reason,
+            early=change.early,
         )
         if number is None:
             raise RefusedError(

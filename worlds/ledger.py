@@ -37,26 +37,28 @@ class Ledger(ReviewLedger, LookLedger):
         groups: Iterable[str] = (),
         weakenings: Iterable[str] = (),
         reason: str = "",
+        early: Iterable[str] = (),
     ) -> int | None:
-        """Append a revision if the latest one is `expected`; returns its number, or None when another came first."""
+        """Append a revision if the latest one is `expected`; returns its number, or None when another came first.
+
+        `early` are lines that make it easier before there was any evidence that could count against them: no weakenings.
+        """
         with self._write() as db:
             latest = db.execute("SELECT COALESCE(MAX(n), 0) FROM revisions").fetchone()[0]
             if latest != expected:
                 return None
-            db.execute(
-                "INSERT INTO revisions VALUES (?,?,?,?,?,?,?,?,?)",
-                (
-                    latest + 1,
-                    time.time(),
-                    digest,
-                    spec_json,
-                    json.dumps(list(patch)),
-                    hypothesis,
-                    json.dumps(sorted(groups)),
-                    json.dumps(list(weakenings)),
-                    reason,
-                ),
+            told = (
+                json.dumps(list(patch)),
+                hypothesis,
+                json.dumps(sorted(groups)),
+                json.dumps(list(weakenings)),
+                reason,
             )
+            lines = json.dumps(list(early))
+            made = (latest + 1, time.time(), digest, spec_json, *told)
+            db.execute("INSERT INTO revisions VALUES (?,?,?,?,?,?,?,?,?)", made)
+            db.execute("INSERT INTO early VALUES (?,?)", (latest + 1, lines))
+            put_seal(db, f"edit:{latest + 1}", *told, lines)
             put_seal(db, f"revision:{latest + 1}", digest, spec_json)
             return int(latest) + 1
 
@@ -78,10 +80,14 @@ class Ledger(ReviewLedger, LookLedger):
         """Revisions, newest first, without their specs."""
         with self._open() as db:
             rows = db.execute(
-                "SELECT n, created, digest, patch, hypothesis, groups, weakenings, reason FROM revisions ORDER BY n DESC LIMIT ? OFFSET ?",
+                """
+                SELECT n, created, digest, patch, hypothesis, groups, weakenings, reason, COALESCE(lines, '[]') AS early
+                FROM revisions LEFT JOIN early USING (n) ORDER BY n DESC LIMIT ? OFFSET ?""",
                 (limit, offset),
             ).fetchall()
-            parsed = ("patch", "groups", "weakenings")
+            for r in rows:
+                _check_edit(db, r)
+            parsed = ("patch", "groups", "weakenings", "early")
             return [{k: json.loads(r[k]) if k in parsed else r[k] for k in r.keys()} for r in rows]  # noqa: SIM118
 
     def failed_revisions(self) -> list[int]:
@@ -92,9 +98,17 @@ class Ledger(ReviewLedger, LookLedger):
 
     def weakenings(self) -> list[dict[str, Any]]:
         """All weakening edits with their reasons, oldest first (R157)."""
+        found = reversed(self.revisions(limit=self.revision()))
+        return [{"revision": r["n"], "weakenings": r["weakenings"], "reason": r["reason"]} for r in found if r["weakenings"]]
+
+    def judged_since(self) -> dict[str, int | None]:
+        """First revision at which a row other than of the audit was judged, and at which a row about motion failed; None: at none."""
+        first = "SELECT MIN(revision) AS n FROM history WHERE stage != 'audit'"
         with self._open() as db:
-            rows = db.execute("SELECT n, weakenings, reason FROM revisions WHERE weakenings != '[]' ORDER BY n").fetchall()
-            return [{"revision": r["n"], "weakenings": json.loads(r["weakenings"]), "reason": r["reason"]} for r in rows]
+            judged, failed = (
+                db.execute(q).fetchone()["n"] for q in (first, f"{first} AND status = 'fail' AND stage != 'static'")
+            )
+        return {"judged_since": judged, "motion_failed_since": failed}
 
     # ---------------------------------------------------------------- matrix
 
@@ -376,3 +390,9 @@ def _add_columns(db: sqlite3.Connection, table: str) -> None:
     for column in _LATER_COLUMNS[table]:
         if column not in known:
             db.execute(f"ALTER TABLE {table} ADD COLUMN {column} TEXT")
+
+
+def _check_edit(db: sqlite3.Connection, row: sqlite3.Row) -> None:
+    """Compare what a revision says of its edit with its seal."""
+    told = (row["patch"], row["hypothesis"], row["groups"], row["weakenings"], row["reason"], row["early"])
+    check_seal(db, f"edit:{row['n']}", *told)

@@ -20,6 +20,7 @@ _TABLES = {
     "revisions": """
         n INTEGER PRIMARY KEY, created REAL NOT NULL, digest TEXT NOT NULL, spec TEXT NOT NULL, patch TEXT NOT NULL,
         hypothesis TEXT NOT NULL, groups TEXT NOT NULL, weakenings TEXT NOT NULL, reason TEXT NOT NULL""",
+    "early": "n INTEGER PRIMARY KEY, lines TEXT NOT NULL",
     "matrix": """
         id TEXT PRIMARY KEY, revision INTEGER NOT NULL, stage TEXT NOT NULL, status TEXT NOT NULL, row TEXT NOT NULL,
         updated REAL NOT NULL""",
@@ -57,6 +58,8 @@ class LedgerFile:
             known = {r["name"] for r in db.execute("SELECT name FROM sqlite_master WHERE type='table'")}
             if not known >= _TABLES.keys():
                 db.executescript("".join(f"CREATE TABLE IF NOT EXISTS {name} ({columns});" for name, columns in _TABLES.items()))
+            if not known:
+                db.execute("INSERT OR IGNORE INTO meta VALUES ('seals', 'all')")
 
     @contextmanager
     def together(self, undo: Callable[[], None] = lambda: None) -> Iterator[None]:
@@ -193,7 +196,7 @@ def put_seal(db: sqlite3.Connection, place: str, *texts: str) -> None:
 
 
 def check_seal(db: sqlite3.Connection, place: str, *texts: str) -> None:
-    """Compare a place with its digest; a place without one is of an older ledger.
+    """Compare a place with its digest; one that holds something has none only in ledgers of older servers.
 
     A seal finds accidents. It keeps nobody from writing both: what counts against that is the acceptance process.
 
@@ -203,6 +206,8 @@ def check_seal(db: sqlite3.Connection, place: str, *texts: str) -> None:
     if not all(isinstance(text, str) for text in texts):  # a flipped bit of its type makes a text a number or bytes
         raise ValueError(f"the record {place!r} holds what is no text")
     found = db.execute("SELECT value FROM meta WHERE key=?", (f"seal:{place}",)).fetchone()
+    if found is None and texts and db.execute("SELECT 1 FROM meta WHERE key='seals'").fetchone() is not None:
+        raise ValueError(f"the seal of the record {place!r} was taken away")
     if found is not None and found["value"] != _sealed(texts):
         raise ValueError(f"the record {place!r} is not what was written")
 

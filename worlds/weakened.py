@@ -8,6 +8,7 @@ strengths and stiffnesses it is known which way what is asked becomes easier: on
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -26,6 +27,7 @@ __all__ = [
     "physical_weakenings",
     "relation_weakenings",
     "surface_weakenings",
+    "told_by_motion",
 ]
 
 Document = Mapping[str, Any]
@@ -38,6 +40,17 @@ _JOINTS = "/simulation/joints/"
 _SIDES = ("harder_up", "harder_down")
 _RANGE = "/simulation/limits/scale_ratio"
 _REQUIRED = object()
+_TOLD_BY_MOTION = re.compile(
+    r"/simulation/(frames|fps) |/story/(beats|requirements)/[^/ ]+/(subject|owner|predicate|frames|causes|margins)\b"
+    r"|claim of .* is no longer judged by /story/(beats|requirements)/[^,/]*(, /story/(beats|requirements)/[^,/]*)*$"
+)
+
+
+def told_by_motion(line: str) -> bool:
+    """True if only motion is evidence against such a weakening: geometry at frame 0 says nothing of what is told there."""
+    return _TOLD_BY_MOTION.match(line) is not None
+
+
 """Stands for the default of a field that has none."""
 
 

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import sqlite3
 from pathlib import Path
 from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.verifiers.delivery.bundle import compare_history
 from worldagent.workflow.answers import weaker_told
+from worldagent.workflow.bundles import history_of
 from worldagent.workflow.creation import create
+from worldagent.workflow.jobs import _require_whole_history
 from worldagent.workflow.session import Session
-from worldagent.worlds.errors import RefusedError
+from worldagent.worlds.canonical import spec_digest
+from worldagent.worlds.errors import EvidenceError, RefusedError
 from worldagent.worlds.patch import apply_patch
 from worldagent.worlds.requirements import Correction, Row
 
@@ -50,6 +55,36 @@ def test_before_anything_is_judged_no_edit_is_a_weakening_and_after_it_is(tmp_pa
     session.check_static()
     told = _edit(session, "/simulation/limits/support_drift", 0.04, hypothesis="things may creep farther still")
     assert session.ledger.weakenings() != [], told
+
+
+def test_a_history_tells_what_was_made_easier_before_there_was_evidence(tmp_path: Path) -> None:
+    """The comparison that acceptance and `verify` make; whoever empties a list of weakenings, or calls a later one early, is found."""
+    (tmp_path / "a").mkdir()
+    session, _ = create(tmp_path / "a", "w", PROMPT, small_spec())
+    session.audit()
+    _edit(session, "/simulation/limits/support_drift", 0.02, hypothesis="things may creep farther here")
+    session.check_static()
+    _require_whole_history(session)
+    _edit(session, "/simulation/limits/support_drift", 0.04, hypothesis="things may creep farther still")
+    _require_whole_history(session)
+    told = history_of(session.ledger, session.revision)
+    first, second = told["revisions"][1:]
+    assert [bool(r[k]) for r in (first, second) for k in ("early", "weakenings")] == [True, False, False, True]
+    assert compare_history(told, spec_digest(session.spec)) == []
+    second["early"], second["weakenings"] = second["weakenings"], []
+    assert "revision 3 hides weakenings" in compare_history(told, spec_digest(session.spec))[0]
+    with sqlite3.connect(session.ledger.path) as db:
+        db.execute("UPDATE revisions SET weakenings='[]'")
+    with pytest.raises(EvidenceError, match="is not what was written"):
+        session.ledger.weakenings()
+    with sqlite3.connect(session.ledger.path) as db:
+        db.execute("DELETE FROM meta WHERE key LIKE 'seal:%'")
+    with pytest.raises(EvidenceError, match="was taken away"):
+        session.ledger.weakenings()
+    with sqlite3.connect(session.ledger.path) as db:
+        db.execute("DELETE FROM meta WHERE key='seals'")  # now it looks like the ledger of an older server
+    with pytest.raises(RefusedError, match="hides weakenings"):
+        _require_whole_history(session)
 
 
 def test_after_a_motion_that_failed_it_is(tmp_path: Path) -> None:

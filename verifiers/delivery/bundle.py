@@ -11,6 +11,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.canonical import spec_digest
 from ...worlds.errors import EvidenceError, SpecError
 from ...worlds.patch import parse_spec, weakenings
+from ...worlds.weakened import told_by_motion
 from ..predicates.evaluators import evaluate
 from .bounds import NOISE, OTHER_MACHINE
 
@@ -147,10 +148,19 @@ def compare_history(history: Mapping[str, Any], digest: str) -> list[str]:
         if last != revision["digest"]:
             problems.append(f"history: the specification of revision {number} does not give its digest")
         owed: list[str] = [] if before is None else weakenings(before, after)
-        hidden = sorted(set(owed) - set(revision["weakenings"]))
+        hidden = sorted(set(owed) - set(revision["weakenings"]) - set(_early(history, revision)))
         if hidden:
             problems.append(f"history: revision {number} hides weakenings: {'; '.join(hidden[:4])}")
         before = after
     if last != digest:
         problems.append("history: the last revision is not the specification of the verdict")
     return problems
+
+
+def _early(history: Mapping[str, Any], revision: Mapping[str, Any]) -> list[str]:
+    """Lines that made a specification easier before there was evidence that could count against them."""
+    lines, number = list(revision.get("early", ())), revision["n"]
+    judged, failed = history.get("judged_since"), history.get("motion_failed_since")
+    if judged is None or number <= judged:
+        return lines
+    return [line for line in lines if told_by_motion(line)] if failed is None or number <= failed else []

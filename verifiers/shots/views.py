@@ -146,7 +146,9 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: 
     text = f"{_appearance(subject, best)}; in view at {len(good)} of {len(looks.frames)} sampled frames"
     if moment is not None and shown < limits.visible_share:
         behind = f", behind {moment.hidden_by}" if moment.hidden_by else ""
-        text += f"; within {MOMENT:g} s of frame {first}, where the beat comes true, at most {shown:.0%} of it is unoccluded{behind}"
+        text += (
+            f"; within {MOMENT:g} s of frame {first}, where the beat comes true, at most {shown:.0%} of it is unoccluded{behind}"
+        )
     looked = moment if missed == [3] and moment is not None else best
     bad_frames = sorted({s.frame for s in looks.seen if s not in good} | set(looks.blind))
     return Finding(

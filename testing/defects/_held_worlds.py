@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,18 @@ def _static_in_the_air(folder: Path, m: float, rng: RNG) -> World:
     if kind == 2:
         scene.add("vase", Box(size=(0.5 * x, 0.5 * y, 0.1)), at=(0, 0, height + z + 0.05 + 1e-4))
     return scene.world(folder, "thing", still=True)
+
+
+def _on_a_drawn_post(folder: Path, m: float, rng: RNG, *, solid: bool = False) -> World:
+    """A block m [m] above the floor on a post of its own, of which collisions know or not, with a drawn label on it."""
+    scene, (x, y, z) = Scene(rng), _size(rng)
+    parts = [
+        Part(shape=Box(size=(x, y, z)), pose=Pose(position=(0, 0, m + z / 2))),
+        Part(shape=Box(size=(0.2 * x, 0.2 * y, m)), pose=Pose(position=(0, 0, m / 2)), collides=solid),
+        Part(shape=Box(size=(0.5 * x, 0.002, 0.5 * z)), pose=Pose(position=(0, y / 2 + 0.001, m + z / 2)), collides=False),
+    ]
+    scene.add("thing", *parts)
+    return scene.world(folder, *(() if solid else ("thing",)), still=True)
 
 
 def _loose_part(folder: Path, m: float, rng: RNG) -> World:
@@ -405,6 +418,7 @@ def _plates_together(folder: Path, m: float, rng: RNG) -> World:
 HELD_MECHANISMS = (
     Mechanism("static-in-the-air", "static, and nothing touches it", True, _static_in_the_air, OVER * SEAM, 1.0, "m", SEAM),
     Mechanism("loose-part", "a part that touches no other", True, _loose_part, OVER * SEAM, 0.5, "m", SEAM),
+    Mechanism("on-a-drawn-post", "static, on a post that is drawn only", True, _on_a_drawn_post, OVER * SEAM, 1.0, "m", SEAM),
     Mechanism("static-on-free", "static, on bodies that may move", True, _static_on_free, 0.05, 1.0, "m"),
     Mechanism("beside-its-post", "static, its centre beside its post", True, _beside_its_post, OVER * OUTSIDE, 1.0, "m", OUTSIDE),
     Mechanism("beads", "a row of static things with a little air at each", True, _beads, 0.5 * NARROW, UNDER * NARROW, "m"),
@@ -427,6 +441,15 @@ HELD_MECHANISMS = (
     Mechanism("let-go-untold", "hangs on a driver that no beat tells of", True, _let_go_untold, 0.02, 1.0, "film"),
     Mechanism("carried-untold", "a force that no beat tells of carries it", True, _carried_untold, OVER * GAP, 1.0, "m", GAP),
     Mechanism("plates-apart", "parts of a free body with nothing between", True, _plates_apart, OVER * GAP, 0.5, "m", GAP),
+    Mechanism(
+        "on-its-own-post",
+        "the same on a post that bears, with a drawn label",
+        False,
+        partial(_on_a_drawn_post, solid=True),
+        0.02,
+        1.0,
+        "m",
+    ),
     Mechanism("on-its-wall", "held from the side or above", False, _on_its_wall, 1e-6, UNDER * NARROW, "m"),
     Mechanism("over-its-post", "static, its centre just over its post", False, _over_its_post, 1e-4, 0.04, "m"),
     Mechanism("short-row", "two static things, a little air at each", False, _short_row, 1e-6, UNDER * NARROW, "m"),

@@ -14,6 +14,10 @@ ALIKE = 0.1
 red, green and blue, look the same at a glance."""
 NEARER = 1.414
 """[1] Ratio at which a value lies as near to a number as to twice it. Own choice: nearness is measured in ratios, as half and twice are."""
+AS_BUILT = 1.05
+"""[1] Own choice: ratio to a plain number within which a thing is built, starts or is dense as the words say; rounding of what people write."""
+AS_SAID = 1.25
+"""[1] Own choice: the same of what motion gives, where the number is said plainly; who reads 1.2 m/s may be shown 0.96 to 1.5."""
 CROSS_ENDS = 0.1
 """[1] Own choice: share of the extent of what is crossed, within which what comes from one of its ends, or to the other, may begin and end."""
 CROSS_BODY = 0.25

@@ -1,7 +1,7 @@
 """Claims of a quantity against what is measured (R131, R154).
 
-Words that say a number, or about one, exclude half of it and twice it: what is measured has to be nearer to the number than to either, in
-ratios. Words that give the least or the most have no rival: the bound is the number that they say. What nothing measures stays the agent's
+Words that say about a number exclude half of it and twice it: what is measured has to be nearer to the number than to either, in
+ratios. A plain number is held closer: what is built to a twentieth, what motion gives to a fifth. Words that give the least or the most have no rival: the bound is the number that they say. What nothing measures stays the agent's
 reading, which the verdict prints.
 """
 
@@ -13,7 +13,7 @@ from ...worlds.claims import targets_of
 from ...worlds.quantities import quantity_said
 from ..rows.corrections import correction
 from ..rows.findings import Finding
-from .bounds import NEARER
+from .bounds import AS_BUILT, AS_SAID, NEARER
 from .measured import is_told, measured_at
 
 if TYPE_CHECKING:
@@ -44,21 +44,28 @@ def _wanted(spec: WorldSpec, name: str) -> Quantity | None:
     return quantity_said(spec, name)
 
 
-def limits_of(wanted: Quantity) -> Limits:
-    """Values that are no rival of a quantity, in its unit; of temperatures in degrees Celsius."""
+def limits_of(wanted: Quantity, plainly: float = NEARER) -> Limits:
+    """Values that are no rival of a quantity, in its unit; of temperatures in degrees Celsius.
+
+    Args:
+        wanted: what the words say.
+        plainly: ratio within which a number without a hedge is met.
+    """
     shift = CELSIUS if wanted.dimension == "temperature" else 0.0
     low, value, high = (v - shift for v in (wanted.low, wanted.value, wanted.high))
     if wanted.how in ("at least", "at most") or value <= 0.0:
         return Limits(low, high)
-    return Limits(min(low, value / NEARER), max(high, value * NEARER))
+    ratio = plainly if wanted.how == "written" else NEARER
+    return Limits(min(low, value / ratio), max(high, value * ratio))
 
 
 def quantity_of(candidate: Candidate, name: str) -> Finding:
     """The finding about a claim of a quantity."""
     spec, wanted = candidate.spec, _wanted(candidate.spec, name)
     assert wanted is not None
-    quote, limits = spec.claims[name].quote, limits_of(wanted)
-    found = [m for p in targets_of(spec.claims, name) for m in measured_at(candidate, p)]
+    quote, by = spec.claims[name].quote, targets_of(spec.claims, name)
+    limits = limits_of(wanted, AS_SAID if any(p.startswith("/story/") for p in by) else AS_BUILT)
+    found = [m for p in by for m in measured_at(candidate, p)]
     if not found:
         return Finding("unverified", f"{quote!r}: nothing measured tells of what it names")
     lost = [m for m in found if m.value is None]
@@ -80,7 +87,7 @@ def quantity_of(candidate: Candidate, name: str) -> Finding:
         return Finding("pass", text, value, bound, wanted.unit, comparison=sign, evidence=evidence)  # type: ignore[arg-type]
     said = f"{quote!r}, but what it names measures {value:.3g} {wanted.unit}: {told}"
     if wanted.how not in ("at least", "at most"):
-        said += f"; {'half' if value < wanted.value else 'twice'} of it is as near"
+        said += f"; {limits.low:.3g} to {limits.high:.3g} {wanted.unit} are what the words say"
     hint = correction(said, "story", "change the motion or the body so that it measures what the words say", pointers=hint_at)
     return Finding("fail", said, value, bound, wanted.unit, hints=(hint,), comparison=sign, evidence=evidence)  # type: ignore[arg-type]
 

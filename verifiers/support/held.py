@@ -61,6 +61,12 @@ def afloat_lines(spec: WorldSpec) -> list[dict[str, str]]:
     ]
 
 
+def _is_solid(spec: WorldSpec, part: Any) -> bool:
+    """True of a surface of which collisions know."""
+    declared = spec.entities[part.entity].parts.get(part.part)
+    return declared is None or declared.collides
+
+
 class Held:
     """Parts of static things that a chain of contacts joins with the ground, at frame 0."""
 
@@ -115,9 +121,16 @@ class Held:
                 continue
             toward[part], total[part] = before, width
             for other, gap in self.touching[part].items():
-                if other not in total:
+                if other not in total and self._bears(part, other):
                     heappush(waiting, (width + gap, links + 1, other, part))
         return toward, total
+
+    def _bears(self, part: int, other: int) -> bool:
+        """What is drawn only bears nothing but what is drawn on it."""
+        one, two = (self.surfaces.parts[i] for i in (part, other))
+        if _is_solid(self.surfaces.candidate.spec, one):
+            return True
+        return one.entity == two.entity and not _is_solid(self.surfaces.candidate.spec, two)
 
     @cached_property
     def _toward(self) -> Mapping[int, int | None]:

@@ -9,7 +9,7 @@ import regex
 from ..predicates.registry import PREDICATES
 from ..prompts.measures import SI_UNITS
 
-__all__ = ["dimension_at", "leaf_at", "value_at"]
+__all__ = ["DIMENSIONS", "dimension_at", "leaf_at", "value_at"]
 
 _UNITS: tuple[tuple[str, str], ...] = (
     (
@@ -50,7 +50,8 @@ _OWN = {
 _VARIOUS = frozenset(("joint_angle", "landscape_water", "landscape_field", "compares"))
 """Kinds whose bounds have the unit of what they ask about."""
 _KNOWN = tuple((regex.compile(pattern), unit) for pattern, unit in _UNITS)
-_DIMENSIONS = {unit: dimension for dimension, unit in SI_UNITS.items()}
+DIMENSIONS = {unit: dimension for dimension, unit in SI_UNITS.items()}
+"""Dimension of each unit of SI."""
 
 
 def value_at(document: Any, pointer: str) -> Any:
@@ -87,4 +88,4 @@ def dimension_at(document: Any, pointer: str) -> str | None:
     else:
         unit = _OWN.get(field) or next((unit for pattern, unit in _KNOWN if pattern.search(bare)), "")
     unit = unit.replace("^", "")
-    return _DIMENSIONS.get(unit, unit) if unit else None
+    return DIMENSIONS.get(unit, unit) if unit else None

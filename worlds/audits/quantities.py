@@ -7,8 +7,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal
+
+import regex
 
 from ..bound_fields import spoken_of
 from ..claim_targets import named_in
@@ -24,11 +26,12 @@ from ..prompts.units import folded, units_of
 from ..quantities import quantity_said
 from ..references import references
 from ..spec import Claim, SpecModel, WorldSpec
-from .leaves import dimension_at, leaf_at
+from .leaves import DIMENSIONS, dimension_at, leaf_at
 from .quantity_targets import INSTEAD, is_setting, target_problems
 
 __all__ = ["in_unit", "quantity_problems", "side_of"]
 
+_BRACKETS = regex.compile(r"\[([^\[\]]+)\]")
 _SPEAK = ("thing", "count", "property", "place", "weather")
 _WATCHED = {
     "en": "camera lens fov fps frames view eye zoom shot filmed seen sun light lamp look looking",
@@ -52,8 +55,11 @@ _HEIGHT = {
 """Words of height by language. Reviewed by hand."""
 
 
-_SIZES = frozenset(["tall", "high", "wide", "long", "deep", "thick", "across", "broad", "in", "of"])
+_SIZES = frozenset(["tall", "high", "wide", "long", "deep", "thick", "broad", "of"])
 """Words behind a length that make it one of a body, or of what follows."""
+_ACROSS = frozenset(["across", "in"])
+"""Words that do so where no article follows: `8 cm across` is a size, `8 cm across a floor` a way."""
+_ARTICLES = frozenset(["a", "an", "the", "its", "their", "his", "her", "this", "that", "one", "two", "some", "every", "each"])
 
 
 def quantity_problems(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[Problem]:
@@ -73,7 +79,7 @@ def quantity_problems(spec: WorldSpec, document: Any, name: str, claim: Claim) -
         yield from misplaced
         if wanted is None or misplaced:
             continue
-        other = _other_dimension(document, pointer, wanted)
+        other = _other_dimension(spec, document, pointer, wanted)
         if other is not None:
             text = f"{claim.quote!r} is a {wanted.dimension} [{wanted.unit}], and {pointer} is a {other}; name a number that is a {wanted.dimension}"
             yield Problem(place, text)
@@ -98,10 +104,23 @@ def in_unit(spec: WorldSpec, pointer: str, value: float, wanted: Quantity) -> fl
     return abs(value) if wanted.value >= 0 else value
 
 
-def _other_dimension(document: Any, pointer: str, wanted: Quantity) -> str | None:
+def _other_dimension(spec: WorldSpec, document: Any, pointer: str, wanted: Quantity) -> str | None:
     """Dimension of the number at a pointer, where it is not the wanted one."""
-    have = dimension_at(document, pointer)
+    have = dimension_at(document, pointer) or _declared(spec, pointer)
     return None if have is None or have == wanted.dimension else have
+
+
+def _declared(spec: WorldSpec, pointer: str) -> str | None:
+    """Dimension, else unit, by the one unit in brackets of the description of a field, as `drag on the body [N s/m]`; None where it has none."""
+    keys = pointer.strip("/").split("/")
+    while keys[-1].isdigit():
+        keys.pop()
+    at: Any = spec
+    for key in keys[:-1]:
+        at = at.get(key) if isinstance(at, Mapping) else at[int(key)] if isinstance(at, (list, tuple)) else getattr(at, key, None)
+    field = type(at).model_fields.get(keys[-1]) if isinstance(at, SpecModel) else None
+    units = {u.replace("^", "") for u in _BRACKETS.findall(field.description or "")} if field is not None else set()
+    return DIMENSIONS.get(*units, *units) if len(units) == 1 else None
 
 
 def _height(spec: WorldSpec, name: str, pointer: str) -> Iterator[Problem]:
@@ -139,7 +158,7 @@ def _way(spec: WorldSpec, name: str, pointer: str, wanted: Quantity) -> Iterator
         return
     before, behind = _beside(spec, name)
     for other, claim in spec.claims.items():
-        if claim.type != "event" or not before.rstrip().endswith(claim.quote) or (behind[:1] and behind[0] in _SIZES):
+        if claim.type != "event" or not before.rstrip().endswith(claim.quote) or _is_size(behind):
             continue
         quote = spec.claims[name].quote
         text = (
@@ -148,6 +167,12 @@ def _way(spec: WorldSpec, name: str, pointer: str, wanted: Quantity) -> Iterator
         )
         yield Problem(f"/claims/{name}/by", text)
         return
+
+
+def _is_size(behind: Sequence[str]) -> bool:
+    """True if the words behind a length make it one of a body."""
+    first, second = (*behind[:2], "", "")[:2]
+    return first in _SIZES or (first in _ACROSS and second not in _ARTICLES)
 
 
 # ---------------------------------------------------------------- sides

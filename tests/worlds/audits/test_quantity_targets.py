@@ -57,6 +57,19 @@ def test_a_distance_is_no_size() -> None:
     assert "says how far" not in said("A [block](thing b1) [5 cm](quantity /entities/b1/dimensions/size/2) tall.")
 
 
+def test_a_number_of_another_unit_is_refused_by_the_description_of_its_field() -> None:
+    """A mass is no drag on a body in N s/m."""
+    marked = "A [ball](thing ball) of [8 kg](quantity /entities/ball/physics/%s) [rolls](event roll) on the [shelf](thing shelf)."
+    assert "is a N s/m" in said(marked % "linear_damping")
+    assert "is a N s/m" not in said(marked % "mass")
+
+
+def test_a_way_across_a_floor_is_no_size() -> None:
+    marked = "A [ball](thing ball) [rolls](event roll) [4 cm](quantity /entities/ball/dimensions/size/0) across%s"
+    assert "says how far" in said(marked % " the [shelf](thing shelf).")
+    assert "says how far" in said(marked % " a [shelf](thing shelf).")
+
+
 @pytest.mark.parametrize(
     ("language", "text", "words"),
     [

@@ -73,7 +73,7 @@ def _on_a_drawn_post(folder: Path, m: float, rng: RNG, *, solid: bool = False) -
         Part(shape=Box(size=(0.2 * x, 0.2 * y, m)), pose=Pose(position=(0, 0, m / 2)), collides=solid),
         Part(shape=Box(size=(0.5 * x, 0.002, 0.5 * z)), pose=Pose(position=(0, y / 2 + 0.001, m + z / 2)), collides=False),
     ]
-    scene.add("thing", *parts)
+    scene.add("thing", *parts, at=(0, 0, 0))
     return scene.world(folder, *(() if solid else ("thing",)), still=True)
 
 

@@ -70,7 +70,6 @@ class Batches:
         zeros, device = wp.zeros, e.device
         self._weight = float(e.mass.sum())
         self._strays = [0.5 * (k * of.shortest - of.touch[0]) for k in FAR]
-        self._stray = self._strays[0]
         self._quantum = QUANTUM * self._weight
         self._edges = wp.array(e.host_edges, dtype=wp.vec2i, device=device)
         self._lengths = wp.array(e.host_lengths, dtype=wp.float64, device=device)
@@ -90,10 +89,14 @@ class Batches:
         self._given = self._book[HEAD:]
         self._own = Slots(device, of.sheet.count, NEAR, bare=True)
         self._rooms = [LEAST, LEAST]
-        self._ahead = AHEAD
+        self.begin()
         self._ready: dict[str, Any] = {}
         self._refits = [s.tree.refit for s in (of.sheet, of.solid) if s is not None]
         self._make()
+
+    def begin(self) -> None:
+        """Forget how far vertices strayed, so that a run that goes on from a checkpoint has the batches and lists of one that took it."""
+        self._stray, self._ahead = self._strays[0], AHEAD
 
     def _make(self) -> None:
         """Room for pairs: those with solids come first."""
@@ -244,7 +247,7 @@ class Batches:
 
     def take_air(self, span: float) -> F64:
         """Momentum [N s] and energy [J] that air and fields gave in all `short`s of `span` seconds since the last call, (4,)."""
-        force = self._taken.numpy()
+        force = self._taken.numpy().copy()
         self._taken.zero_()
         return np.array([*(force[:3] * span), force[3]])
 

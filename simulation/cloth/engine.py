@@ -393,6 +393,8 @@ class Cloth(ClothArrays):
             self._strides.begin()
         if self.grips is not None:
             self.grips.begin()
+        if self.batches is not None:
+            self.batches.begin()
         self.contacts.fresh = False
         self.reaction.zero_()
         self.contacts.held_back.zero_()

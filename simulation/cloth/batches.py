@@ -29,7 +29,8 @@ from .near_lists import Slots
 from .near_part_kernels import LANES, later_ones, pick_pairs
 
 if TYPE_CHECKING:
-    from .engine import Cloth
+    from .contacts import Contacts
+    from .forces import ClothForces
 
 __all__ = ["Batches"]
 
@@ -61,12 +62,13 @@ class Batches:
     """Explicit steps of one run on a GPU.
 
     Args:
-        engine: whose arrays it moves.
+        arrays: what they move, and the forces on it.
+        contacts: what it meets.
     """
 
-    def __init__(self, engine: Cloth) -> None:
-        self._of = e = engine
-        wp, of = warp(), e.contacts
+    def __init__(self, arrays: ClothForces, contacts: Contacts) -> None:
+        self._of, self._contacts = arrays, contacts
+        e, of, wp = arrays, contacts, warp()
         zeros, device = wp.zeros, e.device
         self._weight = float(e.mass.sum())
         self._strays = [0.5 * (k * of.shortest - of.touch[0]) for k in FAR]
@@ -125,7 +127,7 @@ class Batches:
             *e.airing(), self._keeps(0),
             p.fold("drifts", pace.drifts, e.n, [e.masses, e.v, self._partial]),
             p.close("drifts_close", sums.close, e.n, [self._partial[:3], self._momentum]),
-            p.fold("fastest", pace.fastest, e.n, [self._weight, self._momentum, e.v, e.acceleration, gravity, e.contacts.drift, self._partial]),
+            p.fold("fastest", pace.fastest, e.n, [self._weight, self._momentum, e.v, e.acceleration, gravity, self._contacts.drift, self._partial]),
             p.close("fastest_close", pace.close_most, e.n, [self._partial, self._most]),
             p.fold("stretches", pace.stretches, count, [e.x, self._edges, self._lengths, self._partial]),
             p.close("stretches_close", pace.close_most, count, [self._partial, self._stretch]),
@@ -138,7 +140,7 @@ class Batches:
 
     def _changing(self) -> tuple[Any, ...]:
         e = self._of
-        return e.x, e.v, e.u, e.reaction, e.contacts.held_back
+        return e.x, e.v, e.u, e.reaction, self._contacts.held_back
 
     def _back(self, level: int) -> None:
         """Take back all steps since `_look` (0) or the last batch (1)."""
@@ -149,7 +151,7 @@ class Batches:
 
     def _search(self) -> list[Any]:
         """Passes that begin a batch and look for pairs."""
-        e, of, p = self._of, self._of.contacts, self._of.passes
+        e, of, p = self._of, self._contacts, self._of.passes
         places = max(e.total, len(self._book))
         made = [
             self._keeps(1),
@@ -181,7 +183,7 @@ class Batches:
 
     def _step(self) -> list[Any]:
         """Passes of one step."""
-        e, of, p = self._of, self._of.contacts, self._of.passes
+        e, of, p = self._of, self._contacts, self._of.passes
         if not of.active:
             return [*e.forces(), p("stride", bounds.stride, e.n, [e.clock, e.u, e.x, e.v]), p("tick", steps.tick, 1, [e.clock])]
         pairs, inverse = (self._pairs, self._kinds), e.inverse
@@ -230,23 +232,24 @@ class Batches:
 
     # ------------------------------------------------------------------ step
 
-    def short(self, span: float, since: float, time: float, solid_speed: float) -> tuple[F64, int]:
-        """As `Cloth._short`, `since` seconds after bodies' states were given; `take_air` tells what air and fields gave."""
-        e = self._of
-        e.breathe(time, lambda: e.x.numpy()[: e.n])
+    def look(self) -> tuple[float, float, float, tuple[float, float]]:
+        """Keep the moment, and look at it: the greatest speed against the mean velocity [m/s], the greatest acceleration by air and fields
+        [m/s^2], that mean velocity's size [m/s], and the greatest and least length of edges over that at rest."""
         self._graph("look", self._look)()
         found = self._found.numpy()
-        drift, push = float(np.linalg.norm(found[:3])) / self._weight, math.sqrt(found[4])
-        longest = e.longest_now(
-            math.sqrt(found[3]) + push * span, drift, solid_speed, lambda: (float(found[5]), float(-found[6]))
-        )
-        count = max(1, math.ceil(span / longest - 1e-6))
-        total, count = e.retaken(span, count, lambda dt, many: self._run(dt, many, since), lambda: self._back(0))
+        drift = float(np.linalg.norm(found[:3])) / self._weight
+        return math.sqrt(found[3]), math.sqrt(found[4]), drift, (float(found[5]), float(-found[6]))
+
+    def take_back(self) -> None:
+        """Take back all steps since `look`."""
+        self._back(0)
+
+    def finish(self) -> None:
+        """Count what air and fields gave since `look`, for `take_air`."""
         self._graph("finish", self._finish)()
-        return total, count
 
     def take_air(self, span: float) -> F64:
-        """Momentum [N s] and energy [J] that air and fields gave in all `short`s of `span` seconds since the last call, (4,)."""
+        """Momentum [N s] and energy [J] that air and fields gave in all parts of `span` seconds, from `look` to `finish`, since the last call, (4,)."""
         force = self._taken.numpy().copy()
         self._taken.zero_()
         return np.array([*(force[:3] * span), force[3]])
@@ -261,9 +264,14 @@ class Batches:
             p("add", pace.add, 4, [self._air, self._taken]),
         ]
 
-    def _run(self, dt: float, count: int, since: float) -> F64:
-        """Take `count` steps; impulses given to the bodies by contact (b, 6)."""
-        e, of = self._of, self._of.contacts
+    def run(self, dt: float, count: int, since: float) -> F64:
+        """Take `count` steps, the first of them `since` seconds after bodies' states were given; impulses given to the bodies by contact
+        (b, 6).
+
+        Raises:
+            OutranError: a vertex outran the search for contacts in a single step.
+        """
+        e, of = self._of, self._contacts
         total, done = np.zeros((len(e.setup.boundaries), 6)), 0
         felt = of.books()
         while done < count:
@@ -286,9 +294,8 @@ class Batches:
                 self._ahead = self._ahead if strayed else min(2 * self._ahead, AHEAD)
                 continue
             if self._stray == widest and each == 1:
-                words = e.outran(dt)
                 of.reopen(felt)
-                raise OutranError(words)
+                raise OutranError
             self._back(1)
             self._ahead = max(each // 2, 1) if self._stray == widest else self._ahead
             self._stray = min(WIDER * self._stray, widest)
@@ -297,7 +304,7 @@ class Batches:
 
     def _fits(self, book: I64) -> bool:
         """True if all that was found had room; if not there is more from now on."""
-        of, fits = self._of.contacts, True
+        of, fits = self._contacts, True
         for slots, most in ((of.others, int(book[3])), (self._own, int(book[4]))):
             if most > slots.room:
                 slots.widen(most)
@@ -313,7 +320,7 @@ class Batches:
 
     def _told(self, book: I64) -> F64:
         """Impulses given to the bodies in a batch (b, 6); counts what soft ones felt, and what held vertices did."""
-        e, of = self._of, self._of.contacts
+        e, of = self._of, self._contacts
         if of.held_count:
             e.passes("lean", contact.lean, of.held_count, [self._quantum, of.state["held"], self._leaned, e.reaction])()
         given = self._summed(book[HEAD:]).reshape(-1, 7)[: of.bodies]
@@ -325,7 +332,7 @@ class Batches:
         return given[:, :6]
 
     def _summed(self, sums: I64) -> F64:
-        """What whole and fine quanta come to."""
+        """Values of sums of whole and fine quanta."""
         two = sums.reshape(-1, 2).astype(np.float64)
         return np.asarray(self._quantum * (two[:, 0] + two[:, 1] / float(contact.FINE)))
 
@@ -339,4 +346,4 @@ class Batches:
     def farthest(self) -> int:
         """The vertex that went farthest from where pairs were last looked for."""
         e = self._of
-        return int(((e.x.numpy()[: e.n] - e.contacts.anchor.numpy()) ** 2).sum(1).argmax())
+        return int(((e.x.numpy()[: e.n] - self._contacts.anchor.numpy()) ** 2).sum(1).argmax())

@@ -244,7 +244,7 @@ def add_up(sums: wp.array(dtype=wp.int64), at: wp.int32, value: wp.float64, quan
 
 @wp.func
 def summed(sums: wp.array(dtype=wp.int64), at: wp.int32, quantum: wp.float64):
-    """What sum `at` has come to."""
+    """Value of sum `at`."""
     return quantum * (wp.float64(sums[2 * at]) + wp.float64(sums[2 * at + 1]) / FINE)
 
 

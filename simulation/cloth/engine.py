@@ -12,19 +12,17 @@ import numpy as np
 from ...geometry.launch import warp
 from ...worlds.arrays import F64
 from ...worlds.errors import EngineError
-from ..passes import FEW
 from ..sealed import from_bytes, to_bytes
 from . import bound_kernels as bounds
-from . import force_kernels as forces
 from . import step_kernels as steps
-from .arrays import ClothArrays
 from .batches import Batches
 from .contacts import Contacts
 from .folds import Folds, OutranError
+from .forces import ClothForces
 from .grips import Grips
 from .near_lists import Surfaces
 from .pace import fastest_point, stiffened, stiffening, stretched
-from .setup import ClothReport, ClothSetup, still_air
+from .setup import ClothReport, ClothSetup
 from .soft_solids import Patience
 from .stability import highest_frequency, longest_step
 from .strides import Strides
@@ -53,7 +51,7 @@ STIFFENING = 4
 """Calls between two looks at how much stretch stiffens the sheets."""
 
 
-class Cloth(ClothArrays):
+class Cloth(ClothForces):
     """Sheets of one instance.
 
     Args:
@@ -69,12 +67,10 @@ class Cloth(ClothArrays):
         beta = max(float(s.modulus[:, 3].max()) for s in setup.sheets)
         self.longest = min(SAFE * min(longest_step(f, beta) for f in highest), setup.max_step)
         self.contacts = self._make_contacts(setup)
-        self._air_rests = False
-        self.carries = bool(self.led_count or self._soft.rows) and self.total > self.n
         self.folds: Folds | None = None
         if self.device == "cpu" and self.contacts.active:
             self.folds = Folds(self, self.contacts, self.forces, self.carry if self.carries else None)
-        self.batches = None if self.device == "cpu" else Batches(self)
+        self.batches = None if self.device == "cpu" else Batches(self, self.contacts)
         self._strides = Strides(self) if setup.integrator == "implicit" and self.device == "cpu" else None
         self.grips = Grips(self, self._strides) if self._strides is not None and not self._soft.rows else None
         self.time, self.steps_done = 0.0, 0
@@ -143,7 +139,7 @@ class Cloth(ClothArrays):
                 each = (span - done) / parts
                 for k in range(parts):
                     if self.batches is not None:
-                        given, steps_taken = self.batches.short(each, k * each, time + k * each, solid_speed)
+                        given, steps_taken = self._short_in_batches(self.batches, each, k * each, time + k * each, solid_speed)
                     else:
                         given, steps_taken = self._short(each, time + done + k * each, solid_speed, air)
                     total += given
@@ -160,14 +156,24 @@ class Cloth(ClothArrays):
         push = self.blow(time, start)
         count = max(1, math.ceil(span / self._longest(speed, push, span, solid_speed) - 1e-6))
         before = self._moment()
-        total, count = self.retaken(span, count, lambda dt, many: self._run(dt, many, solid_speed), lambda: self._back(before))
+        total, count = self._retaken(span, count, lambda dt, many: self._run(dt, many, solid_speed), lambda: self._back(before))
         given = self.mass[:, None] * push
         air += [*(given.sum(0) * span), float((given * (self.x.numpy()[: self.n] - start)).sum())]
         return total, count
 
-    def retaken(self, span: float, count: int, run: Callable[[float, int], F64], back: Callable[[], None]) -> tuple[F64, int]:
-        """What `run` gives with steps (length [s], number) over `span`, and their number: where it outran the search for contacts it is
-        taken `back` and run again, half as long."""
+    def _short_in_batches(self, batches: Batches, span: float, since: float, time: float, solid_speed: float) -> tuple[F64, int]:
+        """The same on a GPU, `since` seconds after bodies' states were given; `Batches.take_air` tells what air and fields gave."""
+        self.breathe(time, lambda: self.x.numpy()[: self.n])
+        fastest, push, drift, stretch = batches.look()
+        longest = self._longest_now(fastest + push * span, drift, solid_speed, lambda: stretch)
+        count = max(1, math.ceil(span / longest - 1e-6))
+        total, count = self._retaken(span, count, lambda dt, many: self._batched(batches, dt, many, since), batches.take_back)
+        batches.finish()
+        return total, count
+
+    def _retaken(self, span: float, count: int, run: Callable[[float, int], F64], back: Callable[[], None]) -> tuple[F64, int]:
+        """Impulses of `run`, which takes `count` steps over `span` (length [s], number), and how many they were: where one outran the
+        search for contacts all are taken `back` and run again, half as long."""
         for halving in range(HALVINGS + 1):
             try:
                 return run(span / count, count), count
@@ -194,14 +200,14 @@ class Cloth(ClothArrays):
         """Longest step [s] of vertices with these velocities and pushes of the air."""
         drift = self.mass @ speed / self.mass.sum()
         fastest = float(np.sqrt(((speed - drift) ** 2).sum(1).max())) + float(np.linalg.norm(push, axis=1).max()) * span
-        return self.longest_now(
+        return self._longest_now(
             fastest,
             float(np.linalg.norm(drift)),
             solid_speed,
             lambda: stretched(self.x.numpy(), self.host_edges, self.host_lengths),
         )
 
-    def longest_now(self, fastest: float, drift: float, solid_speed: float, stretch: Callable[[], tuple[float, float]]) -> float:
+    def _longest_now(self, fastest: float, drift: float, solid_speed: float, stretch: Callable[[], tuple[float, float]]) -> float:
         """Longest step [s]: stable, and such that no vertex outruns in one step what the search for contacts leaves between its
         soft and its hard bounds.
 
@@ -236,7 +242,7 @@ class Cloth(ClothArrays):
             try:
                 return self.folds.run(dt, count, solid_speed)
             except OutranError:
-                raise OutranError(self.outran(dt)) from None
+                raise OutranError(self._outran(dt)) from None
         clock, p = self.clock.numpy(), self.passes
         clock[0], clock[2] = dt, 0.0
         passes = [*self.forces(), p("stride", bounds.stride, self.n, [self.clock, self.u, self.x, self.v])]
@@ -248,7 +254,14 @@ class Cloth(ClothArrays):
                 one()
         return np.zeros((len(self.setup.boundaries), 6))
 
-    def outran(self, dt: float) -> str:
+    def _batched(self, batches: Batches, dt: float, count: int, since: float) -> F64:
+        """Take `count` steps on a GPU; as `_run`."""
+        try:
+            return batches.run(dt, count, since)
+        except OutranError:
+            raise OutranError(self._outran(dt)) from None
+
+    def _outran(self, dt: float) -> str:
         """Words on the vertex that went farthest from where contacts were last looked for, and what it touches."""
         scheme = self.folds or self.batches
         assert scheme is not None
@@ -265,59 +278,6 @@ class Cloth(ClothArrays):
         )
         speed = float(np.linalg.norm(self.v.numpy()[worst]))
         return f"cloth at {place} m moves at {speed:.3g} m/s {where}, further in a step of {dt:g} s than contacts are looked for; {cure}"
-
-    def lead(self) -> Any:
-        """The pass that leads what bodies take along."""
-        return self.passes("lead", steps.lead, self.led_count, [*self._led, self._rotation, self._origin, self._center, self._velocity, self._spin, self.clock, self.x, self.target, self.u])  # fmt: skip
-
-    def blow(self, time: float, x: F64) -> F64:
-        """Take the air and the fields as they are now; the acceleration of vertices but for gravity, (n, 3)."""
-        self.breathe(time, lambda: x)
-        for one in self.airing():
-            one()
-        return np.asarray(self.acceleration.numpy() - self.setup.gravity)
-
-    def breathe(self, time: float, where: Callable[[], F64]) -> None:
-        """Take the air and the fields as they are now at the vertices, which are asked for `where` they are (n, 3) only if that matters."""
-        setup = self.setup
-        if setup.acceleration is not None or self.loads is not None:
-            pull = np.zeros((self.n, 3)) if setup.acceleration is None else setup.acceleration(where(), time)
-            self._pulled.assign(setup.gravity + pull + (0.0 if self.loads is None else self.loads / self.mass[:, None]))
-            if not self.blown:
-                warp().copy(self.acceleration, self._pulled)
-        if self.blown and not self._air_rests:
-            x = where()
-            self.air.assign(setup.air((x[self.faces[:, 0]] + x[self.faces[:, 1]] + x[self.faces[:, 2]]) / 3.0, time))
-            self._air_rests = setup.air is still_air
-
-    def airing(self) -> list[Any]:
-        """Passes to the acceleration of the vertices by gravity, fields and the air."""
-        if not self.blown:
-            return []
-        p = self.passes
-        return [
-            p("blow", steps.blow, len(self.faces), [self.x, self.v, self.face_array, self.air, self.drag, self._blast]),
-            p("catch", steps.catch_air, self.n, [self.masses, *self.corners, self._blast, self._pulled, self.acceleration]),
-        ]
-
-    def forces(self) -> list[Any]:
-        """Passes to the velocities after all forces but those of contacts."""
-        p, n = self.passes, self.n
-        inner = [self.x, self.v, self.face_array, self.rest, self.law, self.force]
-        made = [p("membrane", forces.membrane, len(self.faces), inner, block=FEW)]
-        if len(self.host_hinges):
-            made.append(p("bending", forces.bending, len(self.host_hinges), [self.x, self.v, self.hinges, self.weight, self.hinge_law, self.pull], block=FEW))  # fmt: skip
-        if self.led_count:
-            made.append(self.lead())
-        made.append(
-            p("fall", steps.fall, n, [self.x, self.v, self.masses, *self.corners, self.force, *self.ends, self.weights, self.pull,
-              self.acceleration, self.inverse, self.target, self.clock, self.reaction, self.u], block=FEW)
-        )  # fmt: skip
-        return made
-
-    def carry(self) -> Any:
-        """The pass that moves the solids' vertices."""
-        return self.passes("carry", steps.carry, self.total - self.n, [self.n, self.clock, self.u, self.x])
 
     def _report(
         self, span: float, bodies: BodyState, start: F64, air: F64, total: F64, pressed: F64, worked: F64, count: int

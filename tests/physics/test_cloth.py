@@ -244,7 +244,7 @@ def test_lists_of_pairs_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
         running = thrown(16)
         running._strides = running.grips = None
         if batches:
-            running.folds, running.batches = None, Batches(running)
+            running.folds, running.batches = None, Batches(running, running.contacts)
             running.batches._own.widen(0)
         run(running, 0.2)
         return running

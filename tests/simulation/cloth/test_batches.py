@@ -34,7 +34,7 @@ def in_batches(running: Cloth) -> Cloth:
     """The same in explicit steps alone; on a CPU too in batches."""
     running._strides = running.grips = None
     if running.device == "cpu":
-        running.folds, running.batches = None, Batches(running)
+        running.folds, running.batches = None, Batches(running, running.contacts)
     return running
 
 
@@ -161,7 +161,7 @@ SCENES: dict[str, tuple[Callable[[str], Course], float]] = {
     "led by bodies": (_led, 0.1), "in moving air": (_blown, 0.1), "under a body that gives way": (_soft, 0.06),
     "sliding": (_laid, 0.1), "crumpling": (_thrown, 0.25), "struck": (_struck, 0.02),
 }  # fmt: skip
-"""What batches take and folds do, with how long [s]."""
+"""Runs by what is special about them, each with its length [s]."""
 
 
 def _batched(name: str, device: str) -> Course:

@@ -2,7 +2,7 @@
 
     python -m worldagent.bench.cloth_gpu [--side 100] [--frames 4] [--crumple 12] [--device cuda] [--newton]
 
-`--side` squared is the number of vertices. Needs numpy, scipy, pydantic and warp-lang only, and this package on the path. `--newton` runs
+`--side` squared is the number of vertices. Needs numpy, scipy, numba, PyYAML, pydantic and warp-lang only, and this package on the path. `--newton` runs
 Newton's VBD on the device as well, frames captured as graphs, with more and more iterations until the hung strip errs by no more than
 `cloth.ALLOWED`; its Python is the one that `$WORLDAGENT_NEWTON_PYTHON` names.
 """

@@ -104,8 +104,8 @@ class ClothArrays:
         self.clock = wp.zeros(3, dtype=wp.float64, device=self.device)
         self.host_hinges, self.host_weight = hinges, weight
         starts = np.cumsum([0, *(len(s.mass) for s in sheets)])
-        self._edges = np.concatenate([s.edges + o for s, o in zip(sheets, starts, strict=False)])
-        self._edge_length = np.concatenate([s.edge_length for s in sheets])
+        self.host_edges = np.concatenate([s.edges + o for s, o in zip(sheets, starts, strict=False)])
+        self.host_lengths = np.concatenate([s.edge_length for s in sheets])
 
     def _hold(self, setup: ClothSetup) -> None:
         """Who leads which vertices: held ones of the sheets and those of moving solids."""

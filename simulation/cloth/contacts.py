@@ -1,4 +1,4 @@
-"""Which vertices, edges and triangles are near each other, and the impulses between them."""
+"""Which vertices, edges and triangles are near each other, and what contacts gave."""
 
 from __future__ import annotations
 
@@ -10,15 +10,12 @@ import numpy as np
 
 from ...geometry.launch import cores, warp
 from ...worlds.arrays import F64
-from ..passes import FEW, Pass, Passes
+from ..passes import Pass, Passes
 from ..team import team
-from . import bound_kernels as bounds
-from . import contact_kernels as contact
+from . import end_kernels as ends
 from . import list_kernels as lists
 from . import near_kernels as near
-from . import soft_kernels as softly
-from .near_lists import Corners, Slots, Surface, Surfaces
-from .near_part_kernels import near_self_parts
+from .near_lists import Slots, Surface, Surfaces
 from .pick_kernels import bounds as bounds_of
 from .pick_kernels import pick
 
@@ -67,7 +64,7 @@ class Contacts:
         self.self_collision, self.iterations = setup.self_collision, setup.iterations
         self.touch, self.shortest = touch, shortest
         self.sheet = Surface(faces, device)
-        self._kin = wp.array(np.ascontiguousarray(kin[faces], dtype=np.int32), dtype=wp.vec3i, device=device)
+        self.kin = wp.array(np.ascontiguousarray(kin[faces], dtype=np.int32), dtype=wp.vec3i, device=device)
         self.solid = Surface(solid_faces, device) if len(solid_faces) else None
         self.active = self.self_collision or self.solid is not None
         self.held_count = int((holder != -2).sum())
@@ -75,17 +72,15 @@ class Contacts:
         self.holder = wp.array(holder.astype(np.int32), dtype=wp.int32, device=device)
         self.friction = wp.array(friction, dtype=wp.float64, device=device)
         self.bodies = len(friction) - 1
-        self._soft, self._felt = soft, np.zeros((len(state["x"]) - sheet_vertices if soft else 0, 3))
-        self._work_by_row, self._yielding = np.zeros(self.bodies), len(state["x"]) if soft else sheet_vertices
+        self.soft, self._felt = soft, np.zeros((len(state["x"]) - sheet_vertices if soft else 0, 3))
+        self._work_by_row = np.zeros(self.bodies)
         self._make_lists()
-        self.split = wp.zeros(len(state["x"]), dtype=wp.float64, device=device)
         self.anchor = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
         self.drift, self.none = (wp.zeros(1, dtype=wp.vec3d, device=device) for _ in range(2))
         self.plan = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
         self.span = wp.zeros(1, dtype=wp.float64, device=device)
         self.budget = wp.zeros(4, dtype=wp.float64, device=device)
         self.reach = wp.zeros(2, dtype=wp.float64, device=device)
-        self.over = wp.zeros(3, dtype=wp.int32, device=device)
         self.held_back = wp.zeros(sheet_vertices, dtype=wp.vec3d, device=device)
         # Trees are made of the first places, so that a run that goes on from a checkpoint walks them in the same order.
         self.sheet.fit(passes, "boxes", *self._moving(self.drift))
@@ -97,24 +92,16 @@ class Contacts:
         self._grow(256)
 
     def _make_lists(self) -> None:
-        """Room for what triangles find, and for corners of pairs by vertex."""
-        wp, passes, device = warp(), self.passes, self.passes.device
-        self.gathers = device != "cpu"
-        self._nearby, self._box = (
-            Slots(passes, 1 if self.gathers else self.sheet.count, 40, bare=True),
-            np.empty((self.sheet.count, 6)),
-        )
-        self.own = Slots(passes, (6 if self.gathers else 1) * self.sheet.count, 8)
+        """Room for what triangles find."""
+        wp, device = warp(), self.passes.device
+        self._nearby = Slots(device, self.sheet.count, 40, bare=True)
+        self._box = np.empty((self.sheet.count, 6))
+        self.own, self.others = Slots(device, self.sheet.count, 8), Slots(device, self.sheet.count, 16)
         self._all = wp.ones(self.sheet.count, dtype=wp.int32, device=device)
-        self.others = Slots(passes, self.sheet.count, 16)
         self.count, self._room, self.looked_at = 0, 0, 0
-        self._start = wp.zeros(self._yielding + 1, dtype=wp.int32, device=device)
+        self._start = wp.zeros(self.n + 1, dtype=wp.int32, device=device)
         self._ranges = self._start[:-1], self._start[1:]
-        if self.gathers:
-            self._pressing, self._cut = (
-                Corners(passes, "enlist", self._yielding, 32),
-                Corners(passes, "enlist_cut", self.n, 8),
-            )
+        self._over = wp.zeros(2, dtype=wp.int32, device=device)
 
     def _moving(self, drift: Any) -> tuple[Any, Any, Any, Any]:
         return self.state["x"], self.state["u"], self.span, drift
@@ -130,15 +117,11 @@ class Contacts:
         self.normal = wp.zeros(room, dtype=wp.vec4d, device=device)
         self.wanted = wp.zeros(room, dtype=wp.float64, device=device)
         self.impulse = wp.zeros(room, dtype=wp.vec3d, device=device)
-        self.change = wp.zeros(room, dtype=wp.vec3d, device=device)
         self.slack = wp.zeros(room, dtype=wp.float64, device=device)
         self.limit = wp.zeros(room, dtype=wp.vec4d, device=device)
         # Twice the room: sorting needs it.
         self._keys, self._items = (wp.zeros(8 * room, dtype=wp.int32, device=device) for _ in range(2))
-        self.given = wp.zeros(room, dtype=wp.vec3d, device=device)
-        self.turned = wp.zeros(room, dtype=wp.vec3d, device=device)
-        self.felt = wp.zeros(4 * room if self._soft else 1, dtype=wp.vec3d, device=device)
-        self.worked = wp.zeros(room if self._soft else 1, dtype=wp.float64, device=device)
+        self.given, self.turned = (wp.zeros(room, dtype=wp.vec3d, device=device) for _ in range(2))
 
     # ------------------------------------------------------------------ search
 
@@ -153,7 +136,7 @@ class Contacts:
         most = 0.5 * (FARTHEST * self.shortest - self.touch[1])
         return own, min(max(own * (1.0 + drift / max(speed, 1e-3)), own), most)
 
-    def search(self, speed: float, drift: F64, span: float = 0.0, *, far: float = FAR) -> None:
+    def search(self, speed: float, drift: F64, span: float = 0.0) -> None:
         """Look for all pairs anew.
 
         Args:
@@ -161,9 +144,8 @@ class Contacts:
             drift: that mean velocity, (3,) [m/s].
             span: time [s] over which all are taken to go on as they move; pairs that could meet within are found too, and what counts
                 from then on is how far vertices stray from there. 0: how far they move counts.
-            far: reach within sheets, in shortest edges.
         """
-        self._aim(speed, drift, span, far)
+        self._aim(speed, drift, span)
         found = list[Slots]()
         if self.self_collision:
             self.sheet.fit(self.passes, "boxes", *self._moving(self.drift))
@@ -178,19 +160,10 @@ class Contacts:
 
     def find_own(self, places: Any, speeds: Any, span: Any, due: Any = None) -> Slots:
         """Pairs of sheets, by the triangles' bounds as they are; of those that are due, or all."""
-        s, o = self.sheet, self.own
         while True:
-            if self.gathers:
-                self.passes(
-                    "near_self_parts", near_self_parts, o.count,
-                    [s.tree.id, places, speeds, span, self.drift, s.faces, self._kin, s.owned, s.spread, self.reach, o.room, o.found, o.pairs,
-                     o.kinds],
-                    block=FEW,
-                )()  # fmt: skip
-            else:
-                self._pick(places, speeds, span, self._all if due is None else due)
-            if o.fits():
-                return o
+            self._pick(places, speeds, span, self._all if due is None else due)
+            if self.own.fits():
+                return self.own
             due = None
 
     def _pick(self, places: Any, speeds: Any, span: Any, due: Any) -> None:
@@ -205,7 +178,7 @@ class Contacts:
         bounds_of(faces, x, self._box)
         rows = (
             due.numpy(), self._nearby.others.numpy(), self._nearby.found.numpy(), self._nearby.room, x, speeds.numpy(), float(span.numpy()[0]),
-            float(self.reach.numpy()[0]), faces, self._kin.numpy(), s.owned.numpy(), s.spread.numpy(), self._box, o.found.numpy(), o.room,
+            float(self.reach.numpy()[0]), faces, self.kin.numpy(), s.owned.numpy(), s.spread.numpy(), self._box, o.found.numpy(), o.room,
             o.pairs.numpy(), o.kinds.numpy(),
         )  # fmt: skip
         cuts = [s.count * k // (4 * cores()) for k in range(4 * cores() + 1)]
@@ -213,23 +186,28 @@ class Contacts:
 
     def find_others(self, places: Any, speeds: Any, span: Any) -> Slots:
         """Pairs of sheets with solids, by the triangles' bounds as they are."""
+        assert self.solid is not None
+        self.solid.fit(self.passes, "solid_boxes", places, speeds, span, self.none)
+        while True:
+            self.near_solids(places, speeds, span)()
+            if self.others.fits():
+                return self.others
+
+    def near_solids(self, places: Any, speeds: Any, span: Any) -> Pass:
+        """The pass that finds them."""
         s, solid, o = self.sheet, self.solid, self.others
         assert solid is not None
-        solid.fit(self.passes, "solid_boxes", places, speeds, span, self.none)
-        while True:
-            self.passes(
-                "near_solids", near.near_solids, s.count,
-                [solid.tree.id, places, speeds, span, s.faces, s.owned, self.holder, s.lower, s.upper, s.spread, solid.faces,
-                 solid.owned, self.body_of, solid.spread, self.reach, o.room, o.found, o.pairs, o.kinds],
-            )()  # fmt: skip
-            if o.fits():
-                return o
+        return self.passes(
+            "near_solids", near.near_solids, s.count,
+            [solid.tree.id, places, speeds, span, s.faces, s.owned, self.holder, s.lower, s.upper, s.spread, solid.faces,
+             solid.owned, self.body_of, solid.spread, self.reach, o.room, o.found, o.pairs, o.kinds],
+        )  # fmt: skip
 
-    def _aim(self, speed: float, drift: F64, span: float, reach: float) -> None:
+    def _aim(self, speed: float, drift: F64, span: float) -> None:
         """Set how far is looked and how far vertices may move until the next search; arguments as `search`."""
         wp = warp()
         own, others = self.margins(speed, float(np.linalg.norm(drift)))
-        own, far = own + 0.5 * (reach - FAR) * self.shortest, 1e9
+        far = 1e9
         if span > 0.0:
             others = own
             budget = [SPARE * own, far, own, far]
@@ -245,7 +223,6 @@ class Contacts:
         self.drift.assign(np.asarray(drift, dtype=np.float64).reshape(1, 3))
         self.solid_margin = SPARE * others if span == 0.0 else far
         wp.copy(self.anchor, self.state["x"], count=self.n)
-        self.over.zero_()
 
     def _take(self, found: list[Slots]) -> None:
         """Make lists of what was found, in the order of the triangles that found it."""
@@ -260,94 +237,47 @@ class Contacts:
             inputs = [slots.room, behind, slots.found, slots.before, slots.pairs, slots.kinds, self.pairs, self.kinds]
             p("together", lists.together, slots.count, inputs)()
             behind += total
-        if not self.gathers:
-            p("by_vertex", lists.by_vertex, corners, [self._yielding, self.pairs, self._keys, self._items])()
-            warp().utils.radix_sort_pairs(self._keys, self._items, corners)
-            p("starts", lists.starts, self._yielding + 1, [corners, self._keys, self._start])()
+        p("by_vertex", ends.by_vertex, corners, [self.n, self.pairs, self._keys, self._items])()
+        warp().utils.radix_sort_pairs(self._keys, self._items, corners)
+        p("starts", ends.starts, self.n + 1, [corners, self._keys, self._start])()
         self._solids_from = totals[0] if self.self_collision else 0
-        self.host_kinds = (
-            self.kinds[self._solids_from : self.count].numpy()[:, 0] if self.solid is not None else np.zeros(0, np.int32)
-        )
         self.given.zero_()
         self.turned.zero_()
-        self.felt.zero_()
-        self.worked.zero_()
         self.slack.zero_()
-        if self.count < self._room:
-            # Places behind the last pair are always too far apart, so that a graph of steps holds for lists of any length.
-            self.slack[self.count :].fill_(1e30)
 
-    # ------------------------------------------------------------------ step
-
-    def steps(self) -> list[Pass]:
-        """Passes of one step from the velocities after all other forces to the places at its end."""
-        p, s, n, made = self.passes, self.state, self.n, []
-        if self.count:
-            count = self._spread()
-            made += [
-                p("meet", contact.meet, count, [n, s["x"], s["v"], s["u"], s["radius"], self.pairs, self.kinds, s["clock"], self.share, self.normal, self.wanted, self.impulse, self.slack]),
-            ]  # fmt: skip
-            at = (*self._ranges, self._items)
-            if self.gathers:
-                made += self._pressing.made(lists.enlist, count, [self.pairs, self.wanted], self.over)
-                at = self._pressing.lists
-            made.append(p("crowd", contact.crowd, self._yielding, [*at, self.wanted, s["inverse"], self.split]))
-            press = p("press", contact.press, count, [s["u"], self.split, self.pairs, self.kinds, self.friction, self.share, self.normal, self.wanted, self.impulse, self.change])  # fmt: skip
-            yields = p(
-                "yield",
-                contact.yield_to,
-                self._yielding,
-                [*at, self.wanted, self.share, self.change, s["inverse"], s["u"]],
-            )
-            made += [press, yields] * self.iterations
-            if self.held_count:
-                made.append(p("lean", contact.lean, self.held_count, [s["held"], *at, self.wanted, self.share, self.impulse, s["reaction"]]))  # fmt: skip
-        return [*made, *self.ends()]
-
-    def _spread(self) -> int:
-        """Places of the lists that a step goes through."""
-        return self.count if self.passes.device == "cpu" or not self.count else self._room
+    # ------------------------------------------------------------------ books
 
     def ends(self) -> list[Pass]:
-        """Passes at the end of a step: what impulses gave to solids, and the move, cut short where anything would cross."""
-        p, s, n, count, made = self.passes, self.state, self.n, self._spread(), []
-        if self.count:
+        """Passes at the end of a step with contacts: what impulses gave to solids, and the move, cut short where anything would cross."""
+        p, s, n, count, made = self.passes, self.state, self.n, self.count, []
+        if count:
             if self.solid is not None:
-                made.append(p("tell", contact.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
-            if self._soft:
-                made.append(p("tell_vertices", softly.tell_vertices, count, [n, self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["u"], self.felt, self.worked]))  # fmt: skip
-            made.append(p("bound", bounds.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, self.wanted, s["clock"], self.limit]))  # fmt: skip
-        at = (*self._ranges, self._items)
-        if self.gathers:
-            picked = self._cut.made(lists.enlist_cut, count, [self.pairs, self.wanted, self.limit], self.over)
-            made += picked if count else picked[:1]
-            at = self._cut.lists
+                made.append(p("tell", ends.tell, count, [s["x"], self.pairs, self.kinds, self.share, self.wanted, self.impulse, s["center"], s["velocity"], s["clock"], self.given, self.turned]))  # fmt: skip
+            made.append(p("bound", ends.bound, count, [s["x"], s["u"], s["inverse"], s["radius"], self.pairs, self.kinds, self.share, self.normal, self.wanted, s["clock"], self.limit]))  # fmt: skip
         made.append(
-            p("move", bounds.move, n, [s["clock"], *at, self.kinds, self.wanted, self.limit, self.normal, s["mass"], s["inverse"],
-              self.anchor, self.plan, self.budget, s["u"], s["x"], s["v"], self.held_back, self.over])
+            p("move", ends.move, n, [s["clock"], *self._ranges, self._items, self.kinds, self.wanted, self.limit, self.normal, s["mass"],
+              s["inverse"], self.anchor, self.plan, self.budget, s["u"], s["x"], s["v"], self.held_back, self._over])
         )  # fmt: skip
         return made
 
-    def outrun(self) -> tuple[bool, bool]:
-        """Two answers: a vertex went farther since the last search than its lists hold; some vertex had more contacts than there was room
-        for, and there is more from now on."""
-        _, far, full = self.over.numpy()
-        if full:
-            for one in (self._pressing, self._cut):
-                one.grow(2)
-        return bool(far), bool(full)
-
-    def solids_at(self, vertex: int) -> list[int]:
-        """Rows of the bodies that a vertex of a sheet gets impulses from in the last step, those of its triangles' pairs included."""
+    def collect(self) -> F64:
+        """Impulses given to the bodies in such steps since the last call, (b, 6)."""
+        total = np.zeros((self.bodies, 6))
         if self.count == 0 or self.solid is None:
-            return []
+            return total
         own = slice(self._solids_from, self.count)
-        pressed = (self.impulse[own].numpy() != 0.0).any(axis=1) & (self.pairs[own].numpy() == vertex).any(axis=1)
-        return sorted({int(k) for k in (self.host_kinds[pressed] - 2) // 4})
+        if own.stop > own.start:
+            rows = (self.kinds[own].numpy()[:, 0] - 2) // 4
+            both = np.concatenate([self.given[own].numpy(), self.turned[own].numpy()], axis=1)
+            for k in range(6):
+                total[:, k] = np.bincount(rows, weights=both[:, k], minlength=self.bodies)
+        self.given.zero_()
+        self.turned.zero_()
+        return total
 
     def soft_books(self) -> tuple[bool, F64, F64]:
         """True if vertices of solids move by themselves; what they got, and works on their bodies, to be added to."""
-        return self._soft, self._felt, self._work_by_row
+        return self.soft, self._felt, self._work_by_row
 
     def books(self) -> tuple[F64, F64]:
         """Impulses and works that soft bodies have felt so far, for `reopen`."""
@@ -355,33 +285,9 @@ class Contacts:
 
     def reopen(self, books: tuple[F64, F64]) -> None:
         """Forget what was found and given since these books; pairs are looked for anew."""
-        self.collect()
         self._felt[:], self._work_by_row[:] = books
-        self.over.zero_()
+        self.collect()
         self.fresh = False
-
-    def collect(self) -> F64:
-        """Impulses given to the bodies since the last call, (b, 6)."""
-        total = np.zeros((self.bodies, 6))
-        if self.count == 0 or self.solid is None:
-            return total
-        own = slice(self._solids_from, self.count)
-        if own.stop > own.start:
-            rows = (self.host_kinds - 2) // 4
-            both = np.concatenate([self.given[own].numpy(), self.turned[own].numpy()], axis=1)
-            for k in range(6):
-                total[:, k] = np.bincount(rows, weights=both[:, k], minlength=self.bodies)
-            if self._soft:
-                corner = self.pairs[own].numpy()
-                theirs = corner >= self.n
-                felt = self.felt[4 * own.start : 4 * own.stop].numpy().reshape(-1, 4, 3)
-                np.add.at(self._felt, corner[theirs] - self.n, felt[theirs])
-                self._work_by_row += np.bincount(rows, weights=self.worked[own].numpy(), minlength=self.bodies)
-                self.felt.zero_()
-                self.worked.zero_()
-        self.given.zero_()
-        self.turned.zero_()
-        return total
 
     def felt_by_vertices(self) -> tuple[F64, F64]:
         """Impulses given to the vertices of solids by what was collected since the last call, (m, 3), and work on the solids (b,)."""

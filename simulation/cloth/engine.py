@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +13,16 @@ from ...geometry.launch import warp
 from ...worlds.arrays import F64
 from ...worlds.errors import EngineError
 from ..sealed import from_bytes, to_bytes
-from . import force_kernels as forces
+from . import bound_kernels as bounds
 from . import step_kernels as steps
-from .arrays import ClothArrays
+from .batches import Batches
 from .contacts import Contacts
 from .folds import Folds, OutranError
+from .forces import ClothForces
 from .grips import Grips
 from .near_lists import Surfaces
-from .pace import fastest_point, stiffening
-from .setup import ClothReport, ClothSetup, still_air
+from .pace import fastest_point, stiffened, stiffening, stretched
+from .setup import ClothReport, ClothSetup
 from .soft_solids import Patience
 from .stability import highest_frequency, longest_step
 from .strides import Strides
@@ -45,15 +47,11 @@ CATCH = 0.3
 HALVINGS = 6
 """Most times that explicit steps are taken again, half as long, where a vertex outran the search for contacts: what slips off an edge under
 tension, or is struck, moves at once many times as fast as anything moved when the step was chosen."""
-AHEAD = 13
-"""Most steps on a GPU that are taken with the same lists."""
-FAR_AHEAD = 0.9
-"""Reach of the search for them within sheets, in shortest edges."""
 STIFFENING = 4
 """Calls between two looks at how much stretch stiffens the sheets."""
 
 
-class Cloth(ClothArrays):
+class Cloth(ClothForces):
     """Sheets of one instance.
 
     Args:
@@ -69,11 +67,10 @@ class Cloth(ClothArrays):
         beta = max(float(s.modulus[:, 3].max()) for s in setup.sheets)
         self.longest = min(SAFE * min(longest_step(f, beta) for f in highest), setup.max_step)
         self.contacts = self._make_contacts(setup)
-        self._air_rests = False
-        self.carries = bool(self.led_count or self._soft.rows) and self.total > self.n
         self.folds: Folds | None = None
         if self.device == "cpu" and self.contacts.active:
             self.folds = Folds(self, self.contacts, self.forces, self.carry if self.carries else None)
+        self.batches = None if self.device == "cpu" else Batches(self, self.contacts)
         self._strides = Strides(self) if setup.integrator == "implicit" and self.device == "cpu" else None
         self.grips = Grips(self, self._strides) if self._strides is not None and not self._soft.rows else None
         self.time, self.steps_done = 0.0, 0
@@ -124,9 +121,11 @@ class Cloth(ClothArrays):
         span = limit / max(1, math.ceil(limit / longest - 1e-6))
         self._last_span = span
         self._take_bodies(bodies, span)
-        self.clock.assign(np.array([0.0, 0.0, float(self.clock.numpy()[2])]))
+        if self.batches is None:
+            self.clock.assign(np.array([0.0, 0.0, float(self.clock.numpy()[2])]))
         solid_speed = fastest_point(self.setup.boundaries, self.solid_place, self.solid_row, bodies)
-        solid_speed = max(solid_speed, self._soft.fastest(self.u.numpy()[self.n :]))
+        if self._soft.rows:
+            solid_speed = max(solid_speed, self._soft.fastest(self.u.numpy()[self.n :]))
         start, air = self.x.numpy()[: self.n].copy(), np.zeros(4)
         total, count = np.zeros((len(self.setup.boundaries), 6)), 0
         if self._strides is not None and self._strides.take(span, time, solid_speed, air):
@@ -139,9 +138,14 @@ class Cloth(ClothArrays):
                 parts = max(1, math.ceil((span - done) / BREATH - 1e-6))
                 each = (span - done) / parts
                 for k in range(parts):
-                    given, steps_taken = self._short(each, time + done + k * each, solid_speed, air)
+                    if self.batches is not None:
+                        given, steps_taken = self._short_in_batches(self.batches, each, k * each, time + k * each, solid_speed)
+                    else:
+                        given, steps_taken = self._short(each, time + done + k * each, solid_speed, air)
                     total += given
                     count += steps_taken
+                if self.batches is not None:
+                    air += self.batches.take_air(each)
         pressed, worked = self.contacts.felt_by_vertices()
         self.steps_done += count
         return self._report(span, bodies, start, air, total, pressed, worked, count)
@@ -152,18 +156,33 @@ class Cloth(ClothArrays):
         push = self.blow(time, start)
         count = max(1, math.ceil(span / self._longest(speed, push, span, solid_speed) - 1e-6))
         before = self._moment()
-        for halving in range(HALVINGS + 1):
-            try:
-                total = self._run(span / count, count, solid_speed)
-                break
-            except OutranError as error:
-                if halving == HALVINGS:
-                    raise EngineError(str(error)) from None
-                self._back(before)
-                count *= 2
+        total, count = self._retaken(span, count, lambda dt, many: self._run(dt, many, solid_speed), lambda: self._back(before))
         given = self.mass[:, None] * push
         air += [*(given.sum(0) * span), float((given * (self.x.numpy()[: self.n] - start)).sum())]
         return total, count
+
+    def _short_in_batches(self, batches: Batches, span: float, since: float, time: float, solid_speed: float) -> tuple[F64, int]:
+        """The same on a GPU, `since` seconds after bodies' states were given; `Batches.take_air` tells what air and fields gave."""
+        self.breathe(time, lambda: self.x.numpy()[: self.n])
+        fastest, push, drift, stretch = batches.look()
+        longest = self._longest_now(fastest + push * span, drift, solid_speed, lambda: stretch)
+        count = max(1, math.ceil(span / longest - 1e-6))
+        total, count = self._retaken(span, count, lambda dt, many: self._batched(batches, dt, many, since), batches.take_back)
+        batches.finish()
+        return total, count
+
+    def _retaken(self, span: float, count: int, run: Callable[[float, int], F64], back: Callable[[], None]) -> tuple[F64, int]:
+        """Impulses of `run`, which takes `count` steps over `span` (length [s], number), and how many they were: where one outran the
+        search for contacts all are taken `back` and run again, half as long."""
+        for halving in range(HALVINGS + 1):
+            try:
+                return run(span / count, count), count
+            except OutranError as error:
+                if halving == HALVINGS:
+                    raise EngineError(str(error)) from None
+                back()
+                count *= 2
+        raise AssertionError
 
     def _moment(self) -> tuple[Any, ...]:
         """All that explicit steps change, for `_back`."""
@@ -178,77 +197,77 @@ class Cloth(ClothArrays):
         self.contacts.reopen(books)
 
     def _longest(self, speed: F64, push: F64, span: float, solid_speed: float) -> float:
-        """Longest step [s]: stable, and such that no vertex outruns in one step what the search for contacts leaves between its
-        soft and its hard bounds."""
-        contacts = self.contacts
+        """Longest step [s] of vertices with these velocities and pushes of the air."""
         drift = self.mass @ speed / self.mass.sum()
         fastest = float(np.sqrt(((speed - drift) ** 2).sum(1).max())) + float(np.linalg.norm(push, axis=1).max()) * span
-        dt = self.longest / self._stiffer()
+        return self._longest_now(
+            fastest,
+            float(np.linalg.norm(drift)),
+            solid_speed,
+            lambda: stretched(self.x.numpy(), self.host_edges, self.host_lengths),
+        )
+
+    def _longest_now(self, fastest: float, drift: float, solid_speed: float, stretch: Callable[[], tuple[float, float]]) -> float:
+        """Longest step [s]: stable, and such that no vertex outruns in one step what the search for contacts leaves between its
+        soft and its hard bounds.
+
+        Args:
+            fastest: greatest speed against the mean velocity [m/s].
+            drift: that one.
+            solid_speed: of the fastest solid.
+            stretch: greatest and least length of edges over that at rest, where they are looked at.
+        """
+        contacts = self.contacts
+        dt = self.longest / self._stiffer(stretch)
         if contacts.self_collision:
-            dt = min(dt, QUICK * contacts.margins(fastest, float(np.linalg.norm(drift)))[0] / max(fastest, 1e-9))
+            dt = min(dt, QUICK * contacts.margins(fastest, drift)[0] / max(fastest, 1e-9))
         if contacts.solid is not None:
             dt = min(dt, CATCH * contacts.touch[1] / max(solid_speed, 1e-9))
         return dt
 
     def pace(self) -> float:
         """Time in which the fastest swing of the sheets turns by less than two radians [s]: an explicit step is 2 over its frequency at most."""
-        return 0.6 * self.longest / math.sqrt(stiffening(self.x.numpy(), self._edges, self._edge_length))
+        return 0.6 * self.longest / math.sqrt(stiffening(self.x.numpy(), self.host_edges, self.host_lengths))
 
-    def _stiffer(self) -> float:
+    def _stiffer(self, stretch: Callable[[], tuple[float, float]]) -> float:
         """Factor by which the highest frequency exceeds that at rest, looked at now and then."""
         if self._looks % STIFFENING == 0:
-            self._stiffness = stiffening(self.x.numpy(), self._edges, self._edge_length)
+            self._stiffness = stiffened(*stretch())
         self._looks += 1
         return math.sqrt(self._stiffness)
 
     def _run(self, dt: float, count: int, solid_speed: float) -> F64:
-        """Take `count` steps; the impulses given to the bodies by contact, (b, 6).
-
-        On a GPU several steps are taken with the same lists, and taken back where a vertex strayed from where it was expected."""
-        contacts = self.contacts
+        """Take `count` steps on a CPU; the impulses given to the bodies by contact, (b, 6)."""
         if self.folds is not None:
             try:
                 return self.folds.run(dt, count, solid_speed)
             except OutranError:
                 raise OutranError(self._outran(dt)) from None
-        total, done, each = np.zeros((len(self.setup.boundaries), 6)), 0, min(count, AHEAD)
-        while done < count:
-            each = min(each, count - done)
-            before = self._moment()
-            self._look_ahead(dt, each)
-            passes = self._passes()
-            for _ in range(each):
-                for one in passes:
-                    one()
-            far, full = contacts.outrun() if contacts.active else (False, False)
-            if not far and not full:
-                total, done, each = total + contacts.collect(), done + each, min(2 * each, AHEAD)
-                continue
-            if each == 1 and not full:
-                raise OutranError(self._outran(dt))
-            self._back(before)
-            each = each if full else each // 2
-        return total
+        clock, p = self.clock.numpy(), self.passes
+        clock[0], clock[2] = dt, 0.0
+        passes = [*self.forces(), p("stride", bounds.stride, self.n, [self.clock, self.u, self.x, self.v])]
+        if self.carries:
+            passes.append(self.carry())
+        passes.append(p("tick", steps.tick, 1, [self.clock]))
+        for _ in range(count):
+            for one in passes:
+                one()
+        return np.zeros((len(self.setup.boundaries), 6))
 
-    def _look_ahead(self, dt: float, count: int) -> None:
-        """Look for the pairs that come near in so many steps if all goes on as it does."""
-        clock = self.clock.numpy()
-        self.clock.assign(np.array([dt, float(clock[1]), 0.0]))
-        if not self.contacts.active:
-            return
-        warp().copy(self.u, self.v, count=self.n)
-        if self.led_count:
-            self.lead()()
-        now = self.v.numpy()
-        drift = self.mass @ now / self.mass.sum()
-        self.contacts.search(float(np.sqrt(((now - drift) ** 2).sum(1).max())), drift, count * dt, far=FAR_AHEAD)
+    def _batched(self, batches: Batches, dt: float, count: int, since: float) -> F64:
+        """Take `count` steps on a GPU; as `_run`."""
+        try:
+            return batches.run(dt, count, since)
+        except OutranError:
+            raise OutranError(self._outran(dt)) from None
 
     def _outran(self, dt: float) -> str:
         """Words on the vertex that went farthest from where contacts were last looked for, and what it touches."""
-        moved = np.linalg.norm(self.x.numpy()[: self.n] - self.contacts.anchor.numpy(), axis=1)
-        worst = int(moved.argmax()) if self.folds is None else self.folds.farthest()
+        scheme = self.folds or self.batches
+        assert scheme is not None
+        worst = scheme.farthest()
         place = np.round(self.x.numpy()[worst], 3).tolist()
-        rows = (self.folds or self.contacts).solids_at(worst)
+        rows = scheme.solids_at(worst)
         touched = [self.setup.boundaries[row].name for row in rows]
         where = f"between {' and '.join(touched[:3])}" if len(rows) > 1 else f"at {touched[0]}" if rows else "at no solid"
         cure = (
@@ -260,64 +279,15 @@ class Cloth(ClothArrays):
         speed = float(np.linalg.norm(self.v.numpy()[worst]))
         return f"cloth at {place} m moves at {speed:.3g} m/s {where}, further in a step of {dt:g} s than contacts are looked for; {cure}"
 
-    def lead(self) -> Any:
-        """The pass that leads what bodies take along."""
-        return self.passes("lead", steps.lead, self.led_count, [*self._led, self._rotation, self._origin, self._center, self._velocity, self._spin, self.clock, self.x, self.target, self.u])  # fmt: skip
-
-    def blow(self, time: float, x: F64) -> F64:
-        """Take the air and the fields as they are now; the acceleration of vertices but for gravity, (n, 3)."""
-        setup, p, n = self.setup, self.passes, self.n
-        pulled = setup.acceleration is not None or self.loads is not None
-        if pulled:
-            pull = np.zeros((n, 3)) if setup.acceleration is None else setup.acceleration(x, time)
-            self._pulled.assign(setup.gravity + pull + (0.0 if self.loads is None else self.loads / self.mass[:, None]))
-        if self.blown:
-            if not self._air_rests:
-                self.air.assign(setup.air((x[self.faces[:, 0]] + x[self.faces[:, 1]] + x[self.faces[:, 2]]) / 3.0, time))
-                self._air_rests = setup.air is still_air
-            p("blow", steps.blow, len(self.faces), [self.x, self.v, self.face_array, self.air, self.drag, self._blast])()
-            p("catch", steps.catch_air, n, [self.masses, *self.corners, self._blast, self._pulled, self.acceleration])()
-        elif pulled:
-            warp().copy(self.acceleration, self._pulled)
-        return np.asarray(self.acceleration.numpy() - setup.gravity)
-
-    def forces(self) -> list[Any]:
-        """Passes to the velocities after all forces but those of contacts."""
-        p, n = self.passes, self.n
-        made = [
-            p("membrane", forces.membrane, len(self.faces), [self.x, self.v, self.face_array, self.rest, self.law, self.force])
-        ]
-        if len(self.host_hinges):
-            made.append(p("bending", forces.bending, len(self.host_hinges), [self.x, self.v, self.hinges, self.weight, self.hinge_law, self.pull]))  # fmt: skip
-        if self.led_count:
-            made.append(self.lead())
-        made.append(
-            p("fall", steps.fall, n, [self.x, self.v, self.masses, *self.corners, self.force, *self.ends, self.weights, self.pull,
-              self.acceleration, self.inverse, self.target, self.clock, self.reaction, self.u])
-        )  # fmt: skip
-        return made
-
-    def carry(self) -> Any:
-        """The pass that moves the solids' vertices."""
-        return self.passes("carry", steps.carry, self.total - self.n, [self.n, self.clock, self.u, self.x])
-
-    def _passes(self) -> list[Any]:
-        p = self.passes
-        made = [*self.forces(), *self.contacts.steps()]
-        if self.carries:
-            made.append(self.carry())
-        made.append(p("tick", steps.tick, 1, [self.clock]))
-        return [p.chain("step", made)] if self.device != "cpu" else made
-
     def _report(
         self, span: float, bodies: BodyState, start: F64, air: F64, total: F64, pressed: F64, worked: F64, count: int
     ) -> ClothReport:
         x = self.x.numpy()[: self.n]
         if not np.isfinite(x).all():
             raise EngineError("the cloth's coordinates are not finite; shorten max_step")
-        moved = x - start
-        loads = np.zeros((self.n, 3)) if self.loads is None else self.loads
-        load = np.array([*(loads.sum(0) * span), float((loads * moved).sum())])
+        moved, load = x - start, np.zeros(4)
+        if self.loads is not None:
+            load = np.array([*(self.loads.sum(0) * span), float((self.loads * moved).sum())])
         air = air - load
         reaction = np.zeros(4)
         impulse = total.copy()
@@ -335,7 +305,7 @@ class Cloth(ClothArrays):
             self.reaction.zero_()
         back = self.contacts.held_back
         lost = back.numpy()
-        cut = np.array([*lost.sum(0), float((lost != 0).any(axis=1).sum())])
+        cut = np.array([*lost.sum(0), float(((lost[:, 0] != 0) | (lost[:, 1] != 0) | (lost[:, 2] != 0)).sum())])
         if cut[3]:
             back.zero_()
         work = 0.0
@@ -343,7 +313,8 @@ class Cloth(ClothArrays):
             twist = np.concatenate([bodies.velocity, bodies.angular_velocity], axis=1)
             soft = np.array([b.deforming for b in self.setup.boundaries])
             work = -float(np.where(soft, worked, (total * twist).sum(axis=1)).sum())
-        fastest = float(np.sqrt((self.v.numpy() ** 2).sum(1).max()))
+        square = self.v.numpy() ** 2
+        fastest = float(np.sqrt((square[:, 0] + square[:, 1] + square[:, 2]).max()))
         return ClothReport(
             dt=span, impulse=impulse, vertex_impulse=self._soft.given(pressed), steps=count, fastest=fastest, contact=total,
             air=air, held=reaction, cut=cut, load=load, work=work, contacts=self.contacts.looked_at,
@@ -382,6 +353,8 @@ class Cloth(ClothArrays):
             self._strides.begin()
         if self.grips is not None:
             self.grips.begin()
+        if self.batches is not None:
+            self.batches.begin()
         self.contacts.fresh = False
         self.reaction.zero_()
         self.contacts.held_back.zero_()

@@ -1,12 +1,16 @@
 # mypy: ignore-errors
 """Warp kernels that find what comes near: vertices and triangles, edges and edges, of sheets and of solids."""
 
+from typing import Any
+
 import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
 __all__ = [
     "boxes",
+    "comes_to_edge",
+    "comes_to_triangle",
     "is_edges",
     "mark",
     "near_ones",
@@ -20,48 +24,48 @@ __all__ = [
 
 
 @wp.func
-def on_triangle(p: wp.vec3d, a: wp.vec3d, b: wp.vec3d, c: wp.vec3d):
+def on_triangle(p: Any, a: Any, b: Any, c: Any):
     """Barycentric place of the point of a triangle that is nearest to p (Ericson 2005, Real-Time Collision Detection, 5.1.5)."""
-    zero = wp.float64(0.0)
-    one = wp.float64(1.0)
+    zero = p.dtype(0.0)
+    one = p.dtype(1.0)
     ab = b - a
     ac = c - a
     ap = p - a
     d1 = wp.dot(ab, ap)
     d2 = wp.dot(ac, ap)
     if d1 <= zero and d2 <= zero:
-        return wp.vec3d(one, zero, zero)
+        return wp.vector(one, zero, zero)
     bp = p - b
     d3 = wp.dot(ab, bp)
     d4 = wp.dot(ac, bp)
     if d3 >= zero and d4 <= d3:
-        return wp.vec3d(zero, one, zero)
+        return wp.vector(zero, one, zero)
     vc = d1 * d4 - d3 * d2
     if vc <= zero and d1 >= zero and d3 <= zero:
         s = d1 / (d1 - d3)
-        return wp.vec3d(one - s, s, zero)
+        return wp.vector(one - s, s, zero)
     cp = p - c
     d5 = wp.dot(ab, cp)
     d6 = wp.dot(ac, cp)
     if d6 >= zero and d5 <= d6:
-        return wp.vec3d(zero, zero, one)
+        return wp.vector(zero, zero, one)
     vb = d5 * d2 - d1 * d6
     if vb <= zero and d2 >= zero and d6 <= zero:
         s = d2 / (d2 - d6)
-        return wp.vec3d(one - s, zero, s)
+        return wp.vector(one - s, zero, s)
     va = d3 * d6 - d5 * d4
     if va <= zero and d4 - d3 >= zero and d5 - d6 >= zero:
         s = (d4 - d3) / ((d4 - d3) + (d5 - d6))
-        return wp.vec3d(zero, one - s, s)
+        return wp.vector(zero, one - s, s)
     down = va + vb + vc
-    return wp.vec3d(va / down, vb / down, vc / down)
+    return wp.vector(va / down, vb / down, vc / down)
 
 
 @wp.func
-def on_segments(p0: wp.vec3d, p1: wp.vec3d, q0: wp.vec3d, q1: wp.vec3d):
+def on_segments(p0: Any, p1: Any, q0: Any, q1: Any):
     """Places along two segments at which they are nearest (Ericson 2005, 5.1.9)."""
-    zero = wp.float64(0.0)
-    one = wp.float64(1.0)
+    zero = p0.dtype(0.0)
+    one = p0.dtype(1.0)
     d = p1 - p0
     e = q1 - q0
     r = p0 - q0
@@ -72,7 +76,7 @@ def on_segments(p0: wp.vec3d, p1: wp.vec3d, q0: wp.vec3d, q1: wp.vec3d):
     g = wp.dot(e, e)
     down = a * g - b * b
     s = zero
-    if down > wp.float64(1.0e-12) * a * g:
+    if down > p0.dtype(1.0e-12) * a * g:
         s = wp.clamp((b * f - c * g) / down, zero, one)
     t = (b * s + f) / g
     if t < zero:
@@ -81,7 +85,7 @@ def on_segments(p0: wp.vec3d, p1: wp.vec3d, q0: wp.vec3d, q1: wp.vec3d):
     elif t > one:
         t = one
         s = wp.clamp((b - c) / a, zero, one)
-    return wp.vec2d(s, t)
+    return wp.vector(s, t)
 
 
 @wp.func
@@ -200,6 +204,69 @@ def touch_edges(x: wp.array(dtype=wp.vec3d), e: wp.vec2i, g: wp.vec2i, reach: wp
     s = on_segments(a, b, c, d)
     r = a + s[0] * (b - a) - c - s[1] * (d - c)
     return wp.dot(r, r) < reach * reach
+
+
+@wp.func
+def comes_within(r: wp.vec3, closing: float, far: float, span: float):
+    """True if two convex things at `r` from each other come within `far` in a span of time, in which they close by `closing` along it:
+    what their nearest points are apart along that direction, all others are at least."""
+    d = wp.length(r)
+    return d < far + span * wp.max(closing, 0.0) / wp.max(d, 1.0e-30)
+
+
+@wp.func
+def comes_to_triangle(
+    x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    i: wp.int32,
+    f: wp.vec3i,
+    near: float,
+    far: float,
+    span: float,
+):
+    """True if vertex i may come within `far` of a triangle in a span of time, which it does not if it is farther than `near` now.
+    Seen from the vertex single precision is enough."""
+    o = x[i]
+    a = wp.vec3(x[f[0]] - o)
+    b = wp.vec3(x[f[1]] - o)
+    c = wp.vec3(x[f[2]] - o)
+    low = wp.min(a, wp.min(b, c))
+    high = wp.max(a, wp.max(b, c))
+    for k in range(3):
+        if low[k] > near or high[k] < -near:
+            return False
+    w = on_triangle(wp.vec3(), a, b, c)
+    r = -(w[0] * a + w[1] * b + w[2] * c)
+    v = u[i]
+    fast = wp.max(wp.dot(wp.vec3(u[f[0]] - v), r), wp.max(wp.dot(wp.vec3(u[f[1]] - v), r), wp.dot(wp.vec3(u[f[2]] - v), r)))
+    return comes_within(r, fast, far, span)
+
+
+@wp.func
+def comes_to_edge(
+    x: wp.array(dtype=wp.vec3d),
+    u: wp.array(dtype=wp.vec3d),
+    e: wp.vec2i,
+    g: wp.vec2i,
+    near: float,
+    far: float,
+    span: float,
+):
+    """True if two edges may come within `far` of each other in a span of time, which they do not if they are farther than `near` now.
+    Seen from one of their ends single precision is enough."""
+    o = x[e[0]]
+    a = wp.vec3()
+    b = wp.vec3(x[e[1]] - o)
+    c = wp.vec3(x[g[0]] - o)
+    d = wp.vec3(x[g[1]] - o)
+    for k in range(3):
+        if wp.max(a[k], b[k]) + near < wp.min(c[k], d[k]) or wp.max(c[k], d[k]) + near < wp.min(a[k], b[k]):
+            return False
+    s = on_segments(a, b, c, d)
+    r = s[0] * b - c - s[1] * (d - c)
+    v = u[e[0]]
+    own = wp.min(0.0, wp.dot(wp.vec3(u[e[1]] - v), r))
+    return comes_within(r, wp.max(wp.dot(wp.vec3(u[g[0]] - v), r), wp.dot(wp.vec3(u[g[1]] - v), r)) - own, far, span)
 
 
 @wp.kernel

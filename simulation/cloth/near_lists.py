@@ -1,4 +1,4 @@
-"""Triangles with a tree over them, room for the pairs that they find, and lists of the corners of pairs at each vertex."""
+"""Triangles with a tree over them, and room for the pairs that they find."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ import numpy as np
 
 from ...geometry.launch import warp
 from ...worlds.arrays import I32
-from ..passes import Pass, Passes
-from . import list_kernels as lists
+from ..passes import Passes
 from . import near_kernels as near
 
-__all__ = ["Corners", "Slots", "Surface", "Surfaces", "ownership"]
+__all__ = ["Slots", "Surface", "Surfaces", "ownership"]
 
 
 class Surfaces(NamedTuple):
@@ -69,9 +68,8 @@ class Surface:
 class Slots:
     """Room for what each triangle finds."""
 
-    def __init__(self, passes: Passes, count: int, room: int, *, bare: bool = False) -> None:
-        self.count, self.room, self.passes, self.device, self._bare = count, room, passes, passes.device, bare
-        self._most = warp().zeros(1, dtype=warp().int32, device=self.device)
+    def __init__(self, device: str, count: int, room: int, *, bare: bool = False) -> None:
+        self.count, self.room, self.device, self._bare = count, room, device, bare
         self._make()
 
     def _make(self) -> None:
@@ -85,61 +83,18 @@ class Slots:
 
     def fits(self) -> bool:
         """True if all found room; if not there is more from now on."""
-        if self.device == "cpu":
-            most = int(self.found.numpy().max(initial=0))
-        else:
-            self._most.zero_()
-            self.passes("widest", lists.widest, self.count, [self.found, self._most])()
-            most = int(self._most.numpy()[0])
-        if most <= self.room:
-            return True
+        most = int(self.found.numpy().max(initial=0))
+        if most > self.room:
+            self.widen(most)
+            return False
+        return True
+
+    def widen(self, most: int) -> None:
+        """Have more room than for so many."""
         self.room = int(1.5 * most) + 1
         self._make()
-        return False
 
     def total(self) -> int:
         """Number of pairs found; where each triangle's begin among them is known from then on."""
         warp().utils.array_scan(self.found, self.before, inclusive=False)
         return int(self.before[-1:].numpy()[0]) + int(self.found[-1:].numpy()[0])
-
-
-class Corners:
-    """Corners of some of the pairs at each vertex, listed anew in every step of a GPU.
-
-    Args:
-        passes: where its kernels are kept.
-        name: of its passes.
-        count: vertices.
-        room: corners at each.
-    """
-
-    def __init__(self, passes: Passes, name: str, count: int, room: int) -> None:
-        self.passes, self.name, self.count, self.room = passes, name, count, room
-        self.grow(1)
-
-    def grow(self, factor: int) -> None:
-        """Have more room."""
-        wp, device = warp(), self.passes.device
-        self.room *= factor
-        self.start = wp.array(self.room * np.arange(self.count, dtype=np.int32), dtype=wp.int32, device=device)
-        self.end = wp.zeros(self.count, dtype=wp.int32, device=device)
-        self._any, self.items = (wp.zeros(self.room * self.count, dtype=wp.int32, device=device) for _ in range(2))
-
-    @property
-    def lists(self) -> tuple[Any, Any, Any]:
-        """Where each vertex' corners begin and end, and the corners."""
-        return self.start, self.end, self.items
-
-    def made(self, kernel: Any, pairs: int, inputs: list[Any], over: Any) -> list[Pass]:
-        """Passes that make the lists of what a kernel picks among the pairs."""
-        p, name = self.passes, self.name
-        return [
-            p(name + "_none", lists.none_yet, self.count, [self.start, self.end]),
-            p(name, kernel, pairs, [self.count, self.room, *inputs, self.end, self._any]),
-            p(
-                name + "_order",
-                lists.order,
-                self.room * self.count,
-                [self.room, self.start, self.end, self._any, self.items, over],
-            ),
-        ]

@@ -12,7 +12,7 @@ from ...worlds.arrays import F64, I32
 if TYPE_CHECKING:
     from ..boundaries import BodyState, Boundary
 
-__all__ = ["fastest_point", "stiffening"]
+__all__ = ["fastest_point", "stiffened", "stiffening", "stretched"]
 
 TENSION = 1.5
 """Own choice, above what tension adds to the stiffness across itself per extension."""
@@ -30,8 +30,18 @@ def stiffening(x: F64, edges: I32, length: F64) -> float:
         edges: shape (e, 2).
         length: theirs at rest [m], shape (e,).
     """
+    return stiffened(*stretched(x, edges, length))
+
+
+def stretched(x: F64, edges: I32, length: F64) -> tuple[float, float]:
+    """Greatest and least length of edges over that at rest; arguments as `stiffening`."""
     ratio = np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1) / length
-    return max(1.0 + TENSION * (float(ratio.max()) - 1.0), min(1.0 / max(float(ratio.min()), 1e-3) ** 2, MOST), 1.0)
+    return float(ratio.max()), float(ratio.min())
+
+
+def stiffened(greatest: float, least: float) -> float:
+    """As `stiffening`, by the greatest and the least stretch."""
+    return max(1.0 + TENSION * (greatest - 1.0), min(1.0 / max(least, 1e-3) ** 2, MOST), 1.0)
 
 
 def fastest_point(boundaries: Sequence[Boundary], place: F64, row: I32, bodies: BodyState) -> float:

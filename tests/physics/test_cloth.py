@@ -11,10 +11,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 from worldagent.bench.cloth_scene import nothing, thrown
 from worldagent.geometry import pierced
+from worldagent.simulation.cloth.batches import Batches
 from worldagent.simulation.cloth.energy import bending_energy, membrane_energy
 from worldagent.simulation.cloth.engine import Cloth
 from worldagent.simulation.cloth.mesh import sheet_of
-from worldagent.simulation.cloth.near_lists import Corners, Slots
 from worldagent.tests.physics.cloth_sheets import DENSITY, STIFFNESS, box, cloth, fabric, hold, run, sheet, standing
 from worldagent.worlds.arrays import F64
 from worldagent.worlds.categories.cloth.facts import sheet_grid
@@ -238,16 +238,14 @@ def test_equal_runs_give_equal_bytes_and_go_on_from_a_checkpoint() -> None:
 
 def test_lists_of_pairs_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Choice: a sheet that falls on its edge is where it is, to the byte, whatever the margins of the lists; steps in batches, as a GPU takes
-    them, with too little room for contacts at first, lead there but for rounding."""
+    them, with too little room for contacts at first, lead there but for rounding, and with other margins to the same bytes."""
 
     def fallen(*, batches: bool = False) -> Cloth:
         running = thrown(16)
         running._strides = running.grips = None
         if batches:
-            of = running.contacts
-            of.gathers, running.folds = True, None
-            of.own = Slots(of.passes, 6 * of.sheet.count, 1)
-            of._pressing, of._cut = Corners(of.passes, "enlist", of._yielding, 1), Corners(of.passes, "enlist_cut", of.n, 1)
+            running.folds, running.batches = None, Batches(running, running.contacts)
+            running.batches._own.widen(0)
         run(running, 0.2)
         return running
 
@@ -257,6 +255,10 @@ def test_lists_of_pairs_decide_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("worldagent.simulation.cloth.folds.AHEAD", 3)
     monkeypatch.setattr("worldagent.simulation.cloth.folds.STRAY", 0.3)
     assert fallen().checkpoint() == usual.checkpoint()
+    monkeypatch.setattr("worldagent.simulation.cloth.batches.LEAST", 1)
     batched = fallen(batches=True)
-    assert batched.contacts._pressing.room > 1
+    assert batched.batches is not None
+    assert min(batched.batches._own.room, *batched.batches._rooms) > 1
     assert np.abs(batched.vertices()[0] - x).max() < 1e-9
+    monkeypatch.setattr("worldagent.simulation.cloth.batches.FAR", (0.8, 0.8, 1.0))
+    assert fallen(batches=True).checkpoint() == batched.checkpoint()

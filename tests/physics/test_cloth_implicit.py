@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from worldagent.simulation.cloth.energy import bending_energy, membrane_energy
 from worldagent.simulation.cloth.factor import Preconditioner
+from worldagent.simulation.cloth.grips import Grips
 from worldagent.simulation.cloth.solve_kernels import precondition
 from worldagent.tests.physics.cloth_sheets import STIFFNESS, box, cloth, fabric, hold, run, sheet
 from worldagent.worlds.arrays import F64
@@ -142,3 +143,49 @@ def test_the_factor_solves_the_sheet_at_rest(step: float, bend: float) -> None:
     assert (found[:3] == 0).all()
     for axis, matrix in enumerate(whole.matrices(step)):
         assert matrix @ found[free][:, axis] == pytest.approx(wanted[free][:, axis], abs=1e-4)
+
+
+def test_a_heap_goes_on_from_a_checkpoint_amid_folds_and_steps_with_contacts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Choice: the same bytes of state and reports as the run through, which went on from the same checkpoints, from one taken while the sheet
+    crumples in explicit steps and from ones between steps with contacts."""
+    taken = [0]
+    step = Grips._step
+
+    def counted(self: Grips, h: float, time: float, solid_speed: float, air: F64) -> bool:
+        found = step(self, h, time, solid_speed, air)
+        taken[0] += found
+        return found
+
+    monkeypatch.setattr(Grips, "_step", counted)
+    flat = sheet((0.2, 0.2), 0.0125, fabric()).position
+    wave = 0.01 * np.sin(40 * flat[:, 1]) + 0.1 * flat[:, 1]
+    upright = sheet((0.2, 0.2), 0.0125, fabric(), np.stack([flat[:, 0], wave, flat[:, 1] + 0.102], axis=1))
+
+    def made() -> Any:
+        return cloth(upright, boundaries=(box((2, 2, 0.2), (0, 0, -0.1)),), drag=((1.2, 0.05),))
+
+    def frame(running: Any, number: int) -> list[Any]:
+        reports = run(running, 1 / 24, number / 24)
+        running.restore(running.checkpoint())
+        return reports
+
+    def bytes_of(running: Any, reports: list[Any]) -> list[bytes]:
+        told = [getattr(r, name).tobytes() for r in reports for name in ("impulse", "contact", "air", "cut")]
+        return [running.checkpoint(), *told, *(repr((r.dt, r.steps, r.fastest, r.work)).encode() for r in reports)]
+
+    through, states, frames, grips = made(), [], [], []
+    for k in range(9):
+        before = taken[0]
+        states.append(through.checkpoint())
+        reports = frame(through, k)
+        frames.append(bytes_of(through, reports))
+        grips.append(taken[0] - before)
+        if k in (3, 4):
+            assert grips[k] == 0
+            assert max(r.contacts for r in reports) > 1000
+    assert min(grips[6:]) > 5
+    for start in (4, 7, 8):
+        resumed = made()
+        resumed.restore(states[start])
+        for k in range(start, 9):
+            assert bytes_of(resumed, frame(resumed, k)) == frames[k], (start, k)

@@ -29,7 +29,7 @@ PLACED: dict[str, dict[str, Any]] = {
     "topples": {"entity": "it"},
     "contact": {"a": "it", "b": "other"},
 }
-"""What is asked of kinds of which no ledger tells, on motions of the same stage."""
+"""Fields of kinds of which no ledger tells, on motions of the same stage."""
 KINDS = (*EVENTS, *PLACED)
 model: Any = TypeAdapter(Predicate).validate_python
 CLAIM = {"e": {"quote": "it happens", "type": "event", "by": ["/story/beats/b"]}}

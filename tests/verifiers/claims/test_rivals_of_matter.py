@@ -142,12 +142,12 @@ WORLDS: dict[str, tuple[Callable[[Path], Candidate], dict[str, Any]]] = {
     "buries": (lambda folder: burying.laid(burying.sand(folder / "run"), folder), {"entity": "sand", "other": "ball"}),
     "tears": (strip, {"entity": "strip"}),
     "torn": (strip, {"entity": "strip", "min": 0.001}),
-    "flutters": (flag, {"entity": "flag", "min_amplitude": 0.1}),
-    "broken": (wall, {"entity": "wall", "min": 0.05}),
+    "flutters": (flag, {"entity": "flag", "min_amplitude": 0.05}),
+    "broken": (wall, {"entity": "wall", "min": 0.02}),
     "breach": (wall, {"entity": "wall", "point": [0, 0, 0.24], "direction": [0, 1, 0], "min_width": 0.04, "min_height": 0.04}),
     "liquid_arrives": (flow(lambda: stream(others={"post": POST})), {"entity": "pool", "target": "post"}),
     "liquid_flux_through": (flow(lambda: stream(speed=1.0)), {"entity": "pool", **DISC, "min": 1e-4}),
-    "splash_height": (flow(splash), {"entity": "pool", "min": 0.25}),
+    "splash_height": (flow(splash), {"entity": "pool", "min": 0.1}),
     "gas_arrives": (haze, {"entity": "smoke", "target": "floor"}),
     "gas_clears": (haze, {"entity": "smoke", "max_share": 0.02}),
     "burns": (snuffed, {"entity": "smoke"}),
@@ -217,7 +217,7 @@ def test_a_body_at_rest_is_found_where_the_same_is_true_of_it(kind: str, made: C
 
 @pytest.mark.parametrize("kind", WORLDS)
 def test_the_same_before_its_onset_is_no_event_of_the_interval(kind: str, made: Callable[[str], Candidate]) -> None:
-    """Of matter no rival asks it: the beat is empty (`beat:vacuous`), or the event is over and does not come true."""
+    """No rival of matter asks it: the beat is empty (`beat:vacuous`), or the event is over and does not come true."""
     told = {"kind": kind, **WORLDS[kind][1]}
     honest = staged(made(kind), told, told["entity"])
     asked = honest.spec.story.beats["b"].predicate

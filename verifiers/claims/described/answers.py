@@ -15,7 +15,7 @@ __all__ = ["Answer", "finding_of"]
 
 
 _TOLD = "run it again with probe_sim and bake_sim, so that its frames tell who bears it, or let one rigid body have that posture there"
-"""What is done where no record tells of a posture."""
+"""Next step where no record tells of a posture."""
 
 
 class Answer(NamedTuple):

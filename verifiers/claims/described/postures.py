@@ -186,7 +186,7 @@ class _Held:
         return its < own
 
     def standing(self) -> list[str]:
-        """What bears it from below, but for nails and brackets."""
+        """Bearers from below, but for nails and brackets."""
         return [n for n in self.below if not self.is_fixing(n)]
 
     def interval(self) -> int:

@@ -12,14 +12,14 @@ import pytest
 from worldagent.testing.worlds.claimed_worlds import claimed
 from worldagent.testing.worlds.simulated_worlds import simulate as simulated
 from worldagent.testing.worlds.small_cloth import FLAG_PROMPT, flag_spec
-from worldagent.testing.worlds.small_worlds import box, ground, world
+from worldagent.testing.worlds.small_worlds import box, entity, ground, make_candidate, world
 from worldagent.testing.worlds.soft_worlds import block_mesh, deformed_candidate
 from worldagent.tests.physics.fracture_world import simulate, struck_wall
 from worldagent.verifiers.claims.described.check import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import CameraKey, ElasticPhysics, Shot, WorldSpec
+from worldagent.worlds.spec import CameraKey, ElasticPhysics, Rope, Shot, WorldSpec
 
 SIZE = (0.2, 0.2, 0.6)
 SHOT = Shot(frames=(0, 12), keys={"k": CameraKey(frame=0, position=(0, -4, 1), target=(0, 0, 0.2))}, subjects=[])
@@ -115,6 +115,17 @@ def test_what_has_several_bodies_is_measured_as_one(wall: Candidate, verb: str, 
     spec = said(wall.spec, f"A wall {verb} on the floor.", "on", "floor", "wall")
     found = row(dataclasses.replace(wall, spec=spec))
     assert len(wall.entity("wall").bodies) > 1
+    assert found.status == status, found.evidence
+
+
+@pytest.mark.parametrize(("tied", "z", "status"), [("beam", 0.0, "pass"), (None, -0.1, "fail"), (None, -1.99, "fail")])
+def test_a_rope_hangs_from_what_it_is_tied_to(tied: str | None, z: float, status: str, tmp_path: Path) -> None:
+    """Tied to a beam; under it and tied to nothing; on the floor."""
+    points = [(0, 0, 2 + z), (0, 0, 1.5)] if z > -1.0 else [(0, 0, 2 + z), (0.5, 0, 2 + z)]
+    rope = entity(rope=Rope(points=points, radius=0.005, segments=5, attach_start=tied), motion="dynamic")
+    beam = box(2.0, 0.1, 0.1, at=(0, 0, 2.055))
+    spec = world({"floor": ground(), "beam": beam, "rope": rope}, frames=13, shots={"only": SHOT})
+    found = row(make_candidate(tmp_path, said(spec, "A rope hangs from the beam.", "hangs from", "beam", "rope"), tracks={}))
     assert found.status == status, found.evidence
 
 

@@ -18,6 +18,7 @@ from worldagent.tests.physics.fracture_world import simulate, struck_wall
 from worldagent.verifiers.claims.described.check import check
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.patch import parse_spec
+from worldagent.worlds.poses import pose_said, subjects_of
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import CameraKey, ElasticPhysics, Rope, Shot, WorldSpec
 
@@ -142,3 +143,18 @@ def test_a_flag_that_pins_hold_hangs_and_does_not_stand(verb: str, status: str, 
     found = row(dataclasses.replace(flag, spec=spec))
     assert found.status == status, found.evidence
     assert np.isfinite(found.measured or 0.0)
+
+
+def test_a_participle_is_about_the_thing_right_before_it(tmp_path: Path) -> None:
+    """What lies on the flag is borne from below, and it is the flag that hangs."""
+    document = flag_spec(frames=3, resolution=0.1)
+    document["simulation"]["drivers"] = {}
+    flag = simulated(tmp_path, parse_spec({**document, "prompt": FLAG_PROMPT}))
+    pole = next(n for n in flag.spec.entities if n not in ("flag", "ground"))
+    for verb, about in (("hung from", ["flag", "ground"]), ("hangs from", ["ground"])):
+        prompt = f"A ground lies under a flag {verb} the {pole}."
+        claims = {n: (n, "thing", [f"/entities/{n}"]) for n in ("flag", "ground", pole)}
+        spec = claimed(flag.spec, prompt, {**claims, "it": ("from", "place", [f"/entities/{pole}"])})
+        posed = pose_said(spec, "it")
+        assert posed is not None
+        assert sorted(subjects_of(spec, posed)) == about

@@ -146,7 +146,7 @@ def test_a_flag_that_pins_hold_hangs_and_does_not_stand(verb: str, status: str, 
 
 
 def test_a_participle_is_about_the_thing_right_before_it(tmp_path: Path) -> None:
-    """What lies on the flag is borne from below, and it is the flag that hangs."""
+    """A flag hangs, and not the ground that the sentence begins with."""
     document = flag_spec(frames=3, resolution=0.1)
     document["simulation"]["drivers"] = {}
     flag = simulated(tmp_path, parse_spec({**document, "prompt": FLAG_PROMPT}))

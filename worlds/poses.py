@@ -101,6 +101,8 @@ VERBS: Mapping[str, Mapping[Pose, str]] = {
 """Verbs and participles of posture by language. Reviewed by hand; French *posé*, Spanish *está*, Italian *si trova* say no posture and are not here."""
 _BARE = regex.compile(r"\b(?:stand|sit|hang|lean|lie)\b", regex.IGNORECASE)
 """English forms of which a noun or an imperative may be meant: `on a cake stand`."""
+_PARTICIPLE = regex.compile(r"\w+ing|hung|suspended|perched|leant|leaned|propped(?: up)?", regex.IGNORECASE)
+"""English forms that may describe the noun before them."""
 _PLURAL = regex.compile(r"(?:(?<![su])s|\band \S+|\b(?:people|men|women|children|geese|sheep|mice|dice|that|which|who|they|we|you))\s*(?:\w+ly\s*)?$", regex.IGNORECASE)  # fmt: skip
 _DENIED = regex.compile(r"\b(?:not|never|no longer|nicht|nie|kein\w*|ne|pas|no|non|nunca|mai|não|nao|niet|nooit|не)\s*$|n['’]t\s*$|[不没]$", regex.IGNORECASE)  # fmt: skip
 _SENTENCE = regex.compile(r"[.!?…;。！？；\n]")
@@ -200,14 +202,20 @@ def spoken_later(spec: WorldSpec, posed: Posed) -> bool:
 
 
 def subjects_of(spec: WorldSpec, posed: Posed) -> list[str]:
-    """Bodies that an English posture may be about: of the things before it in its sentence that no preposition leads in; empty where there are none."""
+    """Bodies that an English posture may be about: of the things before it in its sentence that no preposition leads in; empty where there are none.
+
+    A participle is also about the thing right before it: `drops on a cloth hung between posts`.
+    """
     if language_of(spec.prompt) != "en":
         return []
     start = max((m.end() for m in _SENTENCE.finditer(spec.prompt, 0, posed.start)), default=0)
     found: list[str] = []
     for name, claim in spec.claims.items():
         span = _span(spec, name) if claim.type in ("thing", "count") and claim.waived is None else None
-        if span is not None and start <= span[0] < posed.start and not _led_in(spec, span[0], start):
+        if span is None or not start <= span[0] < posed.start:
+            continue
+        beside = _PARTICIPLE.fullmatch(posed.word) is not None and not spec.prompt[span[1] : posed.start].strip()
+        if beside or not _led_in(spec, span[0], start):
             found += [n for n in named_in(spec, name, "entities") if n in spec.entities]
     return list(dict.fromkeys(found))
 

@@ -1,8 +1,11 @@
-"""A wheel holds every package of the product, and the data that its packages read."""
+"""A wheel holds every package of the product, and the data that its packages read; every extra that documents name is one."""
 
 from __future__ import annotations
 
+import ast
+import re
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -47,3 +50,27 @@ def test_data_of_packages_is_in_the_wheel() -> None:
     lost = [p for p in data if p not in held and not any(str(p).startswith(f"{out}/") for out in LEFT_OUT)]
     assert len(data) > 50
     assert [str(p) for p in lost] == []
+
+
+def project() -> dict[str, Any]:
+    found: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return found
+
+
+def test_every_extra_that_is_told_to_install_exists() -> None:
+    told = {name for p in files("*.md") + files("*.py") for name in re.findall(r"worldagent\[(\w+)\]", (ROOT / p).read_text())}
+    assert {"eval", "metrics", "review"} <= told
+    assert sorted(told - set(project()["optional-dependencies"])) == []
+
+
+def test_readers_need_nothing_but_the_standard_library_and_the_extra_says_so() -> None:
+    assert project()["optional-dependencies"]["review"] == []
+    needed = {re.split(r"[<>=!~\[ ]", line)[0].lower().replace("-", "_") for line in project()["dependencies"]}
+    modules = [p for p in files("*.py") if p.parts[:2] == ("workflow", "review")]
+    assert len(modules) > 5
+    for module in modules:
+        for node in ast.walk(ast.parse((ROOT / module).read_text(encoding="utf-8"))):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) and node.level == 0 else []
+            others = {n.partition(".")[0].lower() for n in names} - sys.stdlib_module_names
+            assert others <= needed, module

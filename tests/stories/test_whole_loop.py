@@ -73,8 +73,9 @@ def test_a_prompt_becomes_an_accepted_world_with_rows_links_and_job_ids(loop: An
     assert {j["kind"]: j["state"] for j in data["jobs"]["jobs"]} == {"probe": "done", "bake": "done", "accept": "done"}
 
 
-def test_an_accepted_world_renders_its_final_sequence(accepted: Any) -> None:
+def test_an_accepted_world_renders_its_final_sequence(loop: Any, accepted: Any) -> None:
     data = accepted.call("render_shot", world="w", kind="final", width=64, height=64, samples=1)
+    assert data["says"] == json.loads(loop.answers["accept"].content[0].text)["says"] == "accepted, prompt read by nobody"
     assert (data["frames"], data["width"], data["height"]) == (36, 64, 64)
     video = accepted.workspace / "w" / data["video"]
     assert video.stat().st_size > 1000

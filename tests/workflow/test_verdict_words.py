@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.tools.edit_spec import edit_spec
 from worldagent.tools.inspect_world import inspect_world
 from worldagent.tools.run_checks import _reply
+from worldagent.workflow import jobs
 from worldagent.workflow.context import ToolContext
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.ledger import Ledger
@@ -66,6 +68,27 @@ def test_overview_acceptance_report_and_reply_say_the_same(context: ToolContext,
     counts = {"pass": 3, "fail": 0, "unverified": 0, "mandatory_open": 0}
     reply = _reply("w", 1, {"verdict": told["verdict"], "says": words, "counts": counts}, "concise").data
     assert reply["summary"].startswith(f"{words}: 3 rows pass")
+
+
+@pytest.mark.parametrize("words", [w for w, told in WORDS.items() if told["verdict"] == "accepted"])
+def test_the_film_says_what_the_verdict_that_opened_it_says(words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The job of the film with its pictures left out: its words are those of the acceptance that it asked for."""
+    film = tmp_path / "final.webm"
+    film.write_bytes(b"film")
+    spec = SimpleNamespace(simulation=SimpleNamespace(fps=24), look=SimpleNamespace(samples=2))
+    folder = SimpleNamespace(candidate=lambda freeze: tmp_path, relative=lambda path: path.name)
+    session = SimpleNamespace(spec=spec, folder=folder)
+    candidate = SimpleNamespace(caches={})
+    work = SimpleNamespace(session=session, freeze="f" * 64, candidate=lambda stage: candidate)
+    monkeypatch.setattr(jobs, "open_work", lambda payload, present: work)
+    monkeypatch.setattr(jobs, "require_acceptance", lambda session, freeze: {"record": WORDS[words]})
+    monkeypatch.setattr(jobs, "film_sheet", lambda *args: "sheet.jpg")
+    monkeypatch.setattr("worldagent.workflow.plates.require_seen", lambda *args: None)
+    monkeypatch.setattr("worldagent.rendering.render_sequence", lambda *args, **more: [film])
+    video = SimpleNamespace(path=film, codec="vp9", frames=1, width=64, height=64, note="")
+    monkeypatch.setattr("worldagent.rendering.write_video", lambda *args: video)
+    asked = SimpleNamespace(progress=lambda *args: None, check=lambda: None, cancelled=lambda: False)
+    assert jobs.final({}, asked)["says"] == words  # type: ignore[arg-type]
 
 
 def test_the_acceptance_tells_how_the_prompt_was_judged_without_its_spans(context: ToolContext) -> None:

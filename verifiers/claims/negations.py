@@ -2,7 +2,8 @@
 
 A negation has no rival, but one of what cannot happen says nothing. What it denies is therefore tried on the forged motion of its kind
 (`verifiers/forged`): a plain one, of a body as large as the one that is spoken of. What does not even come true there asks for more than its
-words, unless a claim of a quantity quotes the bound. Bodies that cannot move or break are told by the audit.
+words, unless a claim of a quantity quotes the bound. Bodies that cannot move or break are told by the audit. Of matter no motion is forged: a
+bound of its own is compared with the measure of a plain event (`verifiers/forged/matter.py`), and one that a plain event does not reach is refused.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from ...worlds.claims import targets_of
 from ...worlds.decoys import unspoken
 from ...worlds.predicates import And, Count, Not, Or, Until, atoms_of, describe_predicate, entities_of
 from ...worlds.predicates.registry import PREDICATES
+from ..forged.matter import plain_measures
 from ..forged.trial import forged_outcome, is_forged
 from ..predicates.combine import substitute
 from ..predicates.evaluators import evaluate
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ...worlds.candidate import Candidate
+    from ...worlds.predicate_base import PredicateInfo
     from ...worlds.spec import Requirement, SpecModel, WorldSpec
 
 __all__ = ["negation_of"]
@@ -117,10 +120,25 @@ def _atom(candidate: Candidate, atom: SpecModel) -> str | None:
     if info is None:
         return None
     if not is_forged(info.kind):
-        # Of matter nothing is forged: its kinds of event have thresholds of their own, and more has to be quoted.
-        more = [n for n in info.tightens if getattr(atom, n, None)] if info.event else []
-        return f"{describe_predicate(atom)} asks for a {more[0]} of its own" if more else None
+        return _of_matter(candidate, atom, info)
     outcome = forged_outcome(candidate, atom)
     if outcome.status != "fail":
         return None
     return f"{describe_predicate(atom)} does not come true where it plainly happens: {outcome.explanation}"
+
+
+def _of_matter(candidate: Candidate, atom: SpecModel, info: PredicateInfo) -> str | None:
+    """Why what matter does is asked for beyond a plain event of its kind; None where it is not."""
+    plain = plain_measures(candidate, atom)
+    for name, easier in info.tightens.items():
+        value, default = getattr(atom, name, None), type(atom).model_fields[name].default
+        if not value or value == default or (name == "max" and not info.event):
+            continue
+        if name in plain:
+            high = easier == "up"
+            if (value > plain[name]) if high else (value < plain[name]):
+                most = f"at {'most' if high else 'least'} {plain[name]:.3g}"
+                return f"{describe_predicate(atom)} asks for a {name} of {value:g}, and what plainly does so has {most}"
+        elif info.event:
+            return f"{describe_predicate(atom)} asks for a {name} of its own"
+    return None

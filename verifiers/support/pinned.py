@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...worlds.spec import Entity
     from ..scene.surfaces import Surfaces
 
-__all__ = ["pin_bound", "pinned_points", "pinned_rows"]
+__all__ = ["pin_bound", "pinned_points", "pinned_rows", "pinned_vertices"]
 
 
 def pinned_rows(surfaces: Surfaces) -> list[Row]:
@@ -40,13 +40,18 @@ def pinned_rows(surfaces: Surfaces) -> list[Row]:
 
 def pinned_points(entity: Entity, key: str, rest: F64) -> F64:
     """Vertices that a pin holds, of all of them in the entity's frame [m]: shape (n, 3) -> (k, 3)."""
+    return rest[pinned_vertices(entity, key, rest)]
+
+
+def pinned_vertices(entity: Entity, key: str, rest: F64) -> NDArray[np.intp]:
+    """Rows of the vertices that a pin holds, of all of them in the entity's frame [m]: shape (n, 3) -> (k,)."""
     physics = entity.physics
     if isinstance(physics, ClothPhysics):
-        return rest[held_by(physics.pins[key], rest)]
+        return np.asarray(held_by(physics.pins[key], rest), dtype=np.intp)
     assert isinstance(physics, ElasticPhysics)
     pin = physics.pins[key]
     inside: NDArray[np.bool_] = (np.abs(rest - np.array(pin.center)) <= 0.5 * np.array(pin.size) * (1 + 1e-9)).all(axis=1)
-    return rest[inside]
+    return np.flatnonzero(inside)
 
 
 def pin_bound(surfaces: Surfaces, name: str, carrier: str) -> float:

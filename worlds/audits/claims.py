@@ -280,7 +280,7 @@ def _whole(spec: WorldSpec, reading: Reading) -> Iterator[Problem]:
     for held in reading.held:
         yield from _held(spec, reading, held)
     if reading.waived > WAIVED_SHARE:
-        text = f"{reading.waived:.0%} of the prompt's letters are waived, at most {WAIVED_SHARE:.0%} may be; claim more of them"
+        text = f"{reading.waived:.0%} of the prompt's letters are waived, at most {WAIVED_SHARE:.0%} may be: the world is incomplete; claim more of them"
         yield Problem("/claims", text)
 
 

@@ -14,11 +14,16 @@ if TYPE_CHECKING:
 __all__ = ["Answer", "finding_of"]
 
 
+_TOLD = "run it again with probe_sim and bake_sim, so that its frames tell who bears it, or let one rigid body have that posture there"
+"""Next step where no record tells of a posture."""
+
+
 class Answer(NamedTuple):
     """Measurement for one word, and what it came to."""
 
     word: str
-    ok: bool
+    ok: bool | None
+    """None where no record tells."""
     text: str
     """A sentence with numbers."""
     measured: float | None = None
@@ -30,7 +35,7 @@ class Answer(NamedTuple):
 def finding_of(
     quote: str, answers: Sequence[Answer], *, group: str, action: str, pointers: Iterable[str], entities: Iterable[str] = ()
 ) -> Finding:
-    """The finding of a claim: every word must hold; numbers are those of the first that does not.
+    """The finding of a claim: every word must hold; numbers are those of the first that does not, or of which nothing tells.
 
     Args:
         quote: of the claim.
@@ -40,12 +45,13 @@ def finding_of(
         pointers: places of it.
         entities: what was looked at.
     """
-    worst = next((a for a in answers if not a.ok), answers[0])
+    missed = next((a for a in answers if a.ok is False), None)
+    worst = missed or next((a for a in answers if a.ok is None), answers[0])
     ok = all(a.ok for a in answers)
     said = f"{quote!r}: " + "; ".join(a.text for a in (answers if ok else [worst]))
-    hints = () if ok else (correction(said, group, action, pointers=tuple(pointers)),)
+    hints = () if ok else (correction(said, group, action if missed else _TOLD, pointers=tuple(pointers)),)
     return Finding(
-        "pass" if ok else "fail",
+        "pass" if ok else "fail" if missed else "unverified",
         said,
         worst.measured,
         worst.bound,

@@ -77,7 +77,7 @@ def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
             answers.append(_all_alike(candidate, name, word, bodies))
         else:
             others = alike(spec, name, word.term)
-            answers.append(min((_of_body(candidate, word, b, others) for b in bodies), key=lambda a: a.ok))
+            answers.append(min((_of_body(candidate, word, b, others) for b in bodies), key=lambda a: bool(a.ok)))
     places = [f"/entities/{b}/parts" for b in bodies] or targets_of(spec.claims, name)
     action = "build it as the words say, or claim the words of the body that they are about"
     return finding_of(quote, answers, group="shape" if bodies else "terrain", action=action, pointers=places, entities=bodies)

@@ -30,7 +30,7 @@ from .bounds import WALLS
 from .facing import against
 from .placed import Place
 from .posed import SAYS, frames_of, pose_answers, posed_things
-from .postures import why_not
+from .postures import untold, why_not
 from .required import required
 from .rests import SENTENCE, rest_said, still_at
 from .standing import TESTS, touching
@@ -94,12 +94,12 @@ def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
     if posed and not (relations or regions or grounds):
         answers = [*answers, *pose_answers(candidate, name, things_of(spec, name), ())]
     if not answers and posed and (relations or regions or grounds or asked):
-        return Finding("not_applicable", f"{quote!r}: nothing of its sentence is one rigid body, whose posture is measured")
+        return Finding("not_applicable", f"{quote!r}: nothing of its sentence is a body, whose posture is measured")
     if not answers:
         return Finding(
             "not_applicable", f"{quote!r} names land alone; rows of `terrain` and of the thing judge what was built and is seen"
         )
-    if any(not a.ok for a in answers) and _misnamed(spec, name, grounds):
+    if any(a.ok is False for a in answers) and _misnamed(spec, name, grounds):
         pointers, action = [f"/claims/{name}/by"], _naming(spec, name, (words or posed)[0])
     return finding_of(quote, answers, group="placement", action=action, pointers=pointers, entities=grounds)
 
@@ -146,7 +146,7 @@ def _answer(candidate: Candidate, name: str, word: Word, relations: list[str], r
     if regions:
         return _in_regions(candidate, word, things, regions)
     found = _first(candidate, name, word, things, grounds)
-    if not found.ok and _misnamed(spec, name, grounds):
+    if found.ok is False and _misnamed(spec, name, grounds):
         text = (
             f"the claim names {', '.join(grounds)}, which stands before {word.text!r} in the prompt: {_naming(spec, name, word)}"
         )
@@ -222,6 +222,7 @@ def _first(candidate: Candidate, name: str, word: Word, things: list[str], groun
     rest, posed = rest_said(candidate.spec, name), pose_said(candidate.spec, name)
     test = TESTS[word.term] if posed is None or word.term != "on" else ON_AS.get(posed.pose, TESTS["on"])
     where, frames, passing = f"{word.term} {', '.join(grounds)}", frames_of(candidate, name), list[str]()
+    open_: list[str] = []
     for frame in frames:
         place = Place(candidate, grounds, frame)
         for thing in (t for t in posed_things(candidate.spec, posed, things) if t in candidate.solids):
@@ -233,10 +234,14 @@ def _first(candidate: Candidate, name: str, word: Word, things: list[str], groun
                 passing.append(f"{is_there} and does not {posed.pose} there: {why}")
             elif rest is not None and not still_at(candidate, thing, grounds, frame):
                 passing.append(f"{is_there} and not at rest there")
+            elif posed is not None and (unknown := untold(place, posed.pose, thing)) is not None:
+                open_.append(f"{is_there}, but {unknown}")
             else:
                 return Answer(
                     word.text, True, is_there if posed is None else f"{is_there} and {SAYS[posed.pose]} there", 1.0, 1.0
                 )
+    if open_:
+        return Answer(word.text, None, open_[0])
     text = f"none of {', '.join(things[:4]) or 'no thing of the sentence'} is {where} at frames {', '.join(map(str, frames))}"
     told = "comes to rest" if rest == "comes" else SAYS[posed.pose] if posed is not None else "lies" if rest else ""
     return Answer(

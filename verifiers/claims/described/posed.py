@@ -9,7 +9,7 @@ from ...shots.views import samples
 from .answers import Answer
 from .bounds import OPENING
 from .placed import Place
-from .postures import is_measured, why_not
+from .postures import is_measured, untold, why_not
 from .rests import rest_said
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def frames_of(candidate: Candidate, name: str) -> list[int]:
 
 
 def pose_answers(candidate: Candidate, name: str, things: Sequence[str], grounds: Sequence[str]) -> list[Answer]:
-    """The answer to whether something of a sentence has the posture that its words say; none where no rigid body of it is measured.
+    """The answer to whether something of a sentence has the posture that its words say; none where it speaks of no body.
 
     Args:
         candidate: what is judged.
@@ -58,15 +58,20 @@ def pose_answers(candidate: Candidate, name: str, things: Sequence[str], grounds
         grounds: bodies of the place, as seen from which it is at rest.
     """
     posed = pose_said(candidate.spec, name)
-    about = posed_things(candidate.spec, posed, things)
-    if posed is None or not about or not all(is_measured(candidate, t) for t in about):
+    about = [t for t in posed_things(candidate.spec, posed, things) if is_measured(candidate, t)]
+    if posed is None or not about:
         return []
     why: list[str] = []
+    open_: list[str] = []
     for frame in frames_of(candidate, name):
         place = Place(candidate, list(grounds), frame)
         for thing in about:
             found = why_not(place, posed.pose, thing)
-            if found is None:
+            unknown = untold(place, posed.pose, thing) if found is None else None
+            if unknown is not None:
+                open_.append(unknown)
+            elif found is None:
                 return [Answer(posed.word, True, f"{thing!r} {SAYS[posed.pose]} at frame {frame}", 1.0, 1.0)]
-            why.append(f"{thing!r} does not {posed.pose} at frame {frame}: {found}")
-    return [Answer(posed.word, False, why[0], 0.0, 1.0)]
+            else:
+                why.append(f"{thing!r} does not {posed.pose} at frame {frame}: {found}")
+    return [Answer(posed.word, None if open_ else False, (open_ or why)[0], None if open_ else 0.0, None if open_ else 1.0)]

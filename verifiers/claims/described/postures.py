@@ -1,4 +1,4 @@
-"""Postures of a rigid body at a frame: what stands, sits, hangs, leans or lies there is at rest and borne as that (R131, R155).
+"""Postures of a body at a frame: what stands, sits, hangs, leans or lies there is at rest and borne as that (R131, R155).
 
 - *at rest*: its centre moves no faster, as seen from the place or from what bears it, than a tenth of its greatest extent per second and what
   `rests_on` takes for at rest. What hangs may sway.
@@ -9,7 +9,8 @@
 - *hangs*: by a joint, a spring, a rope or a contact above its centre of mass, or from the side by what it is fixed to; what touches it from below
   bears less than half of its weight.
 
-A body that deforms or has several bodies is not measured, nor is what a path moves asked who bears it. Statics: a body is borne where the forces on it balance its weight;
+What has several bodies is turned as the heaviest of them, what deforms as its best rigid fit; where it *stands* it keeps the share of its height at rest
+that is left at that tilt. Of both it is unverified where no record tells who bears them. What a path moves is not asked who bears it. Statics: a body is borne where the forces on it balance its weight;
 what bears it from above its centre of mass holds it stably, from below only within its base (Goldstein, Classical Mechanics, 1.3).
 """
 
@@ -30,6 +31,7 @@ from ...predicates.events.hanging import carried_point
 from ...scene.surfaces import surfaces_of
 from ...support.afloat import afloat
 from ...support.links import links_of
+from ...support.pinned import pinned_vertices
 from ...support.touching import contacts_of
 from .bounds import BORNE, PACE, SCENERY, TILT, ZINGG
 from .rests import still_at
@@ -41,16 +43,36 @@ if TYPE_CHECKING:
     from ....worlds.poses import Pose
     from .placed import Place
 
-__all__ = ["is_measured", "why_not"]
+__all__ = ["is_measured", "untold", "why_not"]
 
 
 def is_measured(candidate: Candidate, thing: str) -> bool:
-    """True of one rigid body, whose posture the rules measure."""
-    return thing in candidate.solids and thing not in candidate.deforming and len(candidate.entity(thing).bodies) == 1
+    """True of what has a surface of its own; liquids, gases and grains have no posture."""
+    return thing in candidate.solids
+
+
+def untold(place: Place, pose: Pose, thing: str) -> str | None:
+    """Why nothing tells who bears a thing that deforms or has several bodies; None where something does, and of one rigid body.
+
+    Args:
+        place: bodies at a frame.
+        pose: that its words say.
+        thing: the body.
+    """
+    candidate = place.candidate
+    soft, count = thing in candidate.deformables, len(candidate.entity(thing).bodies)
+    if (not soft and count == 1) or candidate.spec.entities[thing].motion != "dynamic" or candidate.last_frame < 1:
+        return None
+    held, what = _Held(place, thing), "deforms" if soft else f"has {count} bodies"
+    if held.share() is None:
+        return f"no record tells who bears {thing!r}, which {what}: {held.missing}"
+    if pose == "hang" and held.above and held.standing() and held.from_below() is None:
+        return f"no record tells how much of the weight of {thing!r}, which {what}, {held.standing()[0]!r} bears from below"
+    return None
 
 
 def why_not(place: Place, pose: Pose, thing: str) -> str | None:
-    """Why a thing has not a posture at the frame of a place, in words; None where it has, or where that is not measured."""
+    """Why a thing has not a posture at the frame of a place, in words; None where it has, or has none by what it is."""
     if not is_measured(place.candidate, thing):
         return None
     held = _Held(place, thing)
@@ -73,6 +95,8 @@ class _Held:
         self.below: list[str] = []
         self.above: list[str] = []
         self.beside: list[str] = []
+        self.missing = ""
+        """Why its share is not known."""
         center = float(place.center(thing)[2])
         for other in surfaces_of(self.candidate).parts_of:
             if other == thing or not place.touches(thing, other):
@@ -99,8 +123,10 @@ class _Held:
         spec, frame = self.candidate.spec, self.place.frame
         for link in links_of(surfaces_of(self.candidate)):
             if self.thing in (link.a, link.b) and link.holds[min(frame, len(link.holds) - 1)]:
-                point = self._end(link.name)
-                if point is not None:
+                point, pinned = self._end(link.name), self._pinned(link.name)
+                if pinned is not None:
+                    yield link.name, pinned
+                elif point is not None:
                     yield link.name, float(carried_point(self.candidate, self.thing, point)[frame] @ self.place.turn[2])
         for key, relation in spec.graph.relations.items():
             if isinstance(relation, Fastened) and self.thing in (relation.a, relation.b):
@@ -122,6 +148,20 @@ class _Held:
             x, y, z = pose_of(spec.entities[name].pose).apply(np.array(point, dtype=np.float64)[None])[0].tolist()
             return (x, y, z)
         return None
+
+    def _pinned(self, name: str) -> float | None:
+        """Height of the highest vertex of the thing that a pin holds [m]; None of what is no pin of it."""
+        entity, key = self.candidate.spec.entities[self.thing], name.partition(":")[2]
+        if not name.startswith(f"{self.thing}:") or key not in getattr(entity.physics, "pins", {}):
+            return None
+        rest = [p.simulation.vertices for p in self.candidate.entity(self.thing).parts if p.simulation is not None]
+        if not rest:
+            return None
+        points = np.concatenate(rest)
+        which = pinned_vertices(entity, key, points)
+        soft = self.candidate.deforming.get(self.thing)
+        placed = pose_of(entity.pose).apply(points) if soft is None else soft.positions(self.place.frame)
+        return float((placed[which] @ self.place.turn[2]).max()) if len(which) else None
 
     def _on_land(self) -> bool:
         points = self.place.seen(self.thing).triangles.reshape(-1, 3) @ self.place.turn
@@ -145,6 +185,10 @@ class _Held:
         own, its = (float(np.ptp(self.place.box(n)[:, :2], axis=0).prod()) for n in (self.thing, other))
         return its < own
 
+    def standing(self) -> list[str]:
+        """Bearers from below, but for nails and brackets."""
+        return [n for n in self.below if not self.is_fixing(n)]
+
     def interval(self) -> int:
         """The interval between frames that begins at the frame, or ends there at the last one."""
         return min(self.place.frame, self.candidate.last_frame - 1)
@@ -155,7 +199,8 @@ class _Held:
             return None
         try:
             return float(course_of(self.candidate, self.thing).carried[self.interval()])
-        except (EvidenceError, KeyError):
+        except (EvidenceError, KeyError) as error:
+            self.missing = str(error)
             return None
 
     def from_below(self) -> float | None:
@@ -198,7 +243,7 @@ def _hangs(held: _Held) -> str | None:
     total, below = held.share(), held.from_below()
     if total is not None and total < BORNE and not held.above:
         return f"it falls: others bear {max(total, 0.0):.2g} of its weight, at least {BORNE:g} is asked"
-    standing = [n for n in held.below if not held.is_fixing(n)]
+    standing = held.standing()
     if standing and (not held.above or (below is not None and below >= BORNE)):
         borne = "" if below is None else f", {below:.2g} of its weight"
         return f"{standing[0]!r} bears it from below{borne}, and it hangs by nothing that holds it above its centre"
@@ -222,7 +267,7 @@ def _moves(place: Place, thing: str, held: _Held) -> str | None:
 
 def _turned(place: Place, pose: Pose, thing: str) -> str | None:
     """Why it is not turned as what stands, or lies; None where it is."""
-    entity, built = place.candidate.spec.entities[thing], place.candidate.entity(thing).bodies[0]
+    entity, built = place.candidate.spec.entities[thing], max(place.candidate.entity(thing).bodies, key=lambda b: b.mass)
     turn = compose(place.candidate.pose(thing, place.frame, built.name), built.pose.inverse())
     points = place.seen(thing).triangles.reshape(-1, 3) @ place.turn
     own = np.sort(np.ptp(turn.inverse().apply(points), axis=0))
@@ -232,7 +277,18 @@ def _turned(place: Place, pose: Pose, thing: str) -> str | None:
     said = f"it is {height:.3g} m high of {own[2]:.3g} m that it extends at most"
     if pose == "stand" and axis < upright and height < upright * own[2]:
         return f"it lies: {said}, and its own z axis is {math.degrees(math.acos(min(axis, 1.0))):.0f} deg off the vertical"
+    rest = _rest_height(place.candidate, thing)
+    if pose == "stand" and rest is not None and height < upright * rest:
+        return f"it has sunk in on itself: {said}, and it is {rest:.3g} m high at rest"
     scenery = entity.motion == "static" and height > SCENERY
     if pose == "lie" and height > upright * own[2] and own[0] < ZINGG * own[2] and not scenery:
         return f"it stands: {said}"
     return None
+
+
+def _rest_height(candidate: Candidate, thing: str) -> float | None:
+    """Extent along its own z axis of what deforms, in its rest shape [m]; None of what does not."""
+    if thing not in candidate.deformables:
+        return None
+    parts = [p.simulation.vertices for p in candidate.entity(thing).parts if p.simulation is not None]
+    return float(np.ptp(np.concatenate(parts)[:, 2])) if parts else None

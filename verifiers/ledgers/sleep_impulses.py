@@ -36,7 +36,9 @@ def rests_of(books: Books) -> Rests:
 def _rests(books: Books) -> Rests:
     """Entities of several bodies are looked at body by body: water may lift some pieces with as much as others press on what they lie
     on, so that what is known to push all together says nothing of what holds these."""
-    known = np.linalg.norm(books.known_impulse, axis=2)
+    # Before a force driver that starts within the interval, the sleeper is held against all else.
+    late = np.where(books.switching, np.linalg.norm(books.known_impulse - books.driver_wrench[0], axis=2), 0.0)
+    known = np.maximum(np.linalg.norm(books.known_impulse, axis=2), late)
     whole = np.where(books.dozing | books.napping, known, 0.0)
     if books.single.all():
         return Rests(np.zeros_like(books.known_impulse), np.zeros_like(known), whole)

@@ -15,7 +15,7 @@ from worldagent.verifiers.ledgers.accounts import account_of
 from worldagent.verifiers.ledgers.balance import Books
 from worldagent.verifiers.ledgers.tumbling import tumble
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import HingeJoint, RigidSettings
+from worldagent.worlds.spec import ForceDriver, HingeJoint, RigidSettings
 
 
 def rows_of(film: Film, folder: Path) -> dict[str, Row]:
@@ -74,6 +74,18 @@ def test_what_joints_hold_together_sleeps_and_wakes_within_a_frame_as_one(share:
         film.frames[k][channel] = share * film.frames[k][channel]
     row = rows_of(film, tmp_path)["momentum"]
     assert (row.status, row.first_failing_frame) == (status, None if status == "pass" else k)
+
+
+def test_what_sleeps_and_is_lifted_within_a_frame_has_a_source(tmp_path: Path) -> None:
+    """The force starts at 0.2 s, amid frame 5: until then the floor bears the sleeper, whose contacts are in no log."""
+    entities = {"floor": ground(), "block": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.051))}
+    lift = ForceDriver(entity="block", force=(0.0, 0.0, 30.0), start=0.2, end=0.4)
+    film = film_of(world(entities, drivers={"lift": lift}, frames=8, settings=RigidSettings(step=5e-4)))
+    assert film.series("asleep")[4].all()
+    assert rows_of(film, tmp_path)["momentum"].status == "pass"
+    film.push("block", 7, np.array([0.0, 0.0, 0.01]))
+    film.settle_records()
+    assert rows_of(film, tmp_path / "pushed")["momentum"].status == "fail"
 
 
 def test_energies_and_momentum_are_those_of_the_records(tmp_path: Path) -> None:

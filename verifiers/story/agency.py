@@ -1,4 +1,4 @@
-"""Helpers that the story is silent about: loaded springs, slides that bear, bodies on paths and drivers that no beat leading to an outcome owns.
+"""Helpers that the story is silent about: loaded springs, slides that bear, bodies on paths, drivers that no beat leading to an outcome owns, and bodies that start with a velocity and are in none.
 
 (R97, R156.)
 
@@ -26,6 +26,7 @@ from ..categories.registry import judge_of
 from ..ledgers.balance import books_of
 from ..ledgers.origins import Origin
 from .bearings import spared_by
+from .bodies import moves_by_declaration
 from .bounds import HELPED, LEAST_WORK
 from .chains import joined
 
@@ -67,6 +68,8 @@ class _Tale:
     """Joints that their predicates ask about."""
     started: frozenset[str]
     """Entities of the beats among them that have no cause: the initial states of the story."""
+    bodies: frozenset[str]
+    """All of their entities."""
 
 
 def helped(candidate: Candidate, beat_id: str, until: int, bodies: Iterable[str]) -> Help | None:
@@ -97,6 +100,7 @@ def _tale(spec: WorldSpec, beat_id: str) -> _Tale:
         frozenset(b.owner for b in told),
         frozenset(j for b in told for a in atoms_of(b.predicate) if (j := getattr(a, "joint", None))),
         frozenset(n for b in told if not b.causes for n in _bodies(b)),
+        frozenset(n for b in told for n in _bodies(b)),
     )
 
 
@@ -192,6 +196,10 @@ def _helpers(candidate: Candidate, books: Books, tale: _Tale) -> list[_Helper]:
             if isinstance(driver, ForceDriver) and any(driver.torque) and driver.entity in entities:
                 work[driver.entity] = work.get(driver.entity, 0.0) + _by_torque(books, driver)
             found.append(_Helper(candidate, books, place, f"driver {name!r}", work))
+    for name in books.entities:
+        if name not in tale.bodies and moves_by_declaration(spec, name):
+            place, words = f"/entities/{name}/physics/linear_velocity", f"{name!r}, which starts with a velocity,"
+            found.append(_Helper(candidate, books, place, words, _by_touch(candidate, books, name)))
     return found
 
 
@@ -226,6 +234,16 @@ def _by_hand(candidate: Candidate, books: Books, hand: str) -> dict[str, F64]:
         given = judge_of(candidate.spec, other).origins(candidate, other).get(Origin("contact", hand)) if other != hand else None
         if given is not None:
             found[other] = _summed(np.where(moves, given.work, 0.0))
+    return found
+
+
+def _by_touch(candidate: Candidate, books: Books, hand: str) -> dict[str, F64]:
+    """Work of a body on each body that it touches, summed [J], shape (F,)."""
+    found = {}
+    for other in books.entities:
+        given = judge_of(candidate.spec, other).origins(candidate, other).get(Origin("contact", hand)) if other != hand else None
+        if given is not None:
+            found[other] = _summed(given.work)
     return found
 
 

@@ -21,7 +21,16 @@ if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.spec import Beat, SpecModel, WorldSpec
 
-__all__ = ["Deeds", "acting_atoms", "deeds_of", "involved", "moved_bodies", "spoken_bodies", "standing_atoms"]
+__all__ = [
+    "Deeds",
+    "acting_atoms",
+    "deeds_of",
+    "involved",
+    "moved_bodies",
+    "moves_by_declaration",
+    "spoken_bodies",
+    "standing_atoms",
+]
 
 
 def involved(spec: WorldSpec, beat: Beat) -> list[str]:
@@ -196,3 +205,10 @@ def _happens(atom: SpecModel, kind: str) -> bool:
     if is_invariant(atom) or info is None or not (info.event or kind == "speed" or kind in MOVING_KINDS):
         return False
     return not {"min", "max"} <= set(type(atom).model_fields) or (getattr(atom, "min", None) or 0.0) > 0.0
+
+
+def moves_by_declaration(spec: WorldSpec, name: str) -> bool:
+    """True if the specification gives the entity a velocity at frame 0."""
+    physics = spec.entities[name].physics
+    speeds = [getattr(physics, n, ()) for n in ("linear_velocity", "angular_velocity")]
+    return any(any(v) for v in speeds) or bool(getattr(physics, "currents", None))

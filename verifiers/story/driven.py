@@ -32,7 +32,7 @@ from ..rows.answers import row_of
 from ..rows.corrections import correction, set_value
 from ..rows.findings import Finding
 from .agency import Help, helped
-from .bodies import acting_atoms, involved, moved_bodies
+from .bodies import acting_atoms, involved, moved_bodies, moves_by_declaration
 from .chains import PAUSE
 from .offers import owning, take_away
 from .questions import DRIVEN
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row, Status
     from ...worlds.spec import Beat, WorldSpec
 
-__all__ = ["check_driven", "moves_by_declaration"]
+__all__ = ["check_driven"]
 
 
 class _Start(NamedTuple):
@@ -83,13 +83,6 @@ def check_driven(candidate: Candidate, beat_id: str) -> list[Row]:
     )
     question = replace(DRIVEN, mandatory=beat.mandatory)
     return [row_of(candidate, question, (beat_id,), found, entities=(beat.subject,), artifact="world.json")]
-
-
-def moves_by_declaration(spec: WorldSpec, name: str) -> bool:
-    """True if the specification gives the entity a velocity at frame 0."""
-    physics = spec.entities[name].physics
-    speeds = [getattr(physics, n, ()) for n in ("linear_velocity", "angular_velocity")]
-    return any(any(v) for v in speeds) or bool(getattr(physics, "currents", None))
 
 
 def _authored(spec: WorldSpec) -> set[str]:
@@ -276,6 +269,12 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
 
 def _without_help(spec: WorldSpec, found: Help, beat_id: str) -> Iterator[Correction]:
     cause = "something that the story is silent about helps the outcome along"
+    if found.pointer.startswith("/entities/"):
+        name = found.pointer.split("/")[2]
+        told = f"tell of it: a first beat about {name}, named in the causes of {beat_id} or of a beat that leads to it"
+        yield correction(cause, "story", told, pointers=("/story/beats", f"/story/beats/{beat_id}/causes"))
+        yield correction(cause, "initial_state", f"let {name} start elsewhere, or at rest", pointers=(found.pointer,))
+        return
     kind, name = found.pointer.split("/")[-2:]
     if found.friction is not None:
         rub = f"give {name} the dry friction of the surfaces that it guides along each other, {found.friction:.3g} N"

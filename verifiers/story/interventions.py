@@ -2,7 +2,7 @@
 
 1. The cause is owned by a driver: the driver is taken away (a hold never lets go, a path stays at its first key, forces and motors
    do nothing, a joint is not opened).
-2. The cause is a contact that acts on through what was struck: what moves in is held just before, out of touch. Letting it pass
+2. The cause is a contact, or a hit or push of the body whose effect is asked for, that acts on through what was struck: what moves in is held just before, out of touch. Letting it pass
    instead would have a ball strike the second domino in place of the first.
 3. The cause is a contact that acts on through what moves in (a rebound, a landing): the two pass through each other.
 4. Anything else: its subject is held at its pose and at rest from the onset on; where that is not enough, all moving bodies of its
@@ -21,7 +21,7 @@ import numpy as np
 from ...simulation.protocol import Intervention
 from ...worlds.drivers import acts_from
 from ...worlds.errors import EvidenceError
-from ...worlds.predicates import Contact, entities_of
+from ...worlds.predicates import Contact, PairEvent, entities_of
 from ..ledgers import motion
 from ..predicates.evaluators import beat_times
 from .onsets import onset_of
@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from .edges import Edge
 
 __all__ = ["FollowsError", "Prevention", "first_absent", "preventions"]
+
+
+_BLOWS = ("hits", "pushes")
+"""Events of a pair that are contacts in which one acts on the other."""
 
 
 class FollowsError(EvidenceError):
@@ -83,9 +87,10 @@ def preventions(edge: Edge) -> list[Prevention]:
         start = min(max(0, int(np.floor(moment * fps + 1e-9))), candidate.last_frame)
         found.append(Prevention(Intervention(without=frozenset({beat.owner})), start, f"driver {beat.owner} is taken away"))
     frame = int(np.floor(onset_of(candidate, edge.cause_id, outcome.first_true_frame).start * fps + 1e-9))
-    if isinstance(beat.predicate, Contact):
+    pair = _pair(edge)
+    if pair is not None:
         frame = max(0, min(outcome.first_true_frame - 1, frame))
-        found += _of_contact(edge, beat.predicate, frame)
+        found += _of_contact(edge, pair, frame)
     else:
         frame = max(0, frame)
         found += [_hold(candidate, (beat.subject,), frame)] if _moves(candidate, beat.subject) else []
@@ -95,18 +100,31 @@ def preventions(edge: Edge) -> list[Prevention]:
     return found
 
 
-def _of_contact(edge: Edge, contact: Contact, frame: int) -> list[Prevention]:
+def _pair(edge: Edge) -> tuple[str, str] | None:
+    """The two bodies of a cause that is a contact; of one that is a hit or a push of the very body whose effect is asked for, these two.
+
+    That body held would do nothing, whoever else comes: the doer is to be taken away.
+    """
+    told = edge.cause.predicate
+    if isinstance(told, Contact):
+        return told.a, told.b
+    if isinstance(told, PairEvent) and told.kind in _BLOWS and edge.subject in (told.entity, told.other):
+        return told.entity, told.other
+    return None
+
+
+def _of_contact(edge: Edge, pair: tuple[str, str], frame: int) -> list[Prevention]:
     """The way to prevent a contact that begins after `frame`; none where neither body moves."""
     candidate = edge.candidate
-    moving = [n for n in (contact.a, contact.b) if _moves(candidate, n)]
+    moving = [n for n in pair if _moves(candidate, n)]
     if not moving:
         return []
     mover = max(moving, key=lambda n: float(motion.fastest_points(candidate, n)[frame]))
-    struck = contact.b if mover == contact.a else contact.a
+    struck = pair[1] if mover == pair[0] else pair[0]
     if _acts_through(edge, struck, mover, frame):
         return [_hold(candidate, (mover,), _out_of_touch(candidate, mover, struck, frame))]
-    apart = Intervention(apart=frozenset({(contact.a, contact.b)}))
-    return [Prevention(apart, frame, f"{contact.a} and {contact.b} pass through each other from frame {frame} on")]
+    apart = Intervention(apart=frozenset({pair}))
+    return [Prevention(apart, frame, f"{pair[0]} and {pair[1]} pass through each other from frame {frame} on")]
 
 
 def _out_of_touch(candidate: Candidate, mover: str, struck: str, frame: int) -> int:

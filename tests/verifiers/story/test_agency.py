@@ -11,7 +11,7 @@ from worldagent.testing.worlds.simulated_worlds import SLICK, beat, simulate
 from worldagent.testing.worlds.small_worlds import ball, box, ground, world
 from worldagent.verifiers.story.beats import check
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.predicates import Displacement, Speed
+from worldagent.worlds.predicates import Displacement, PairEvent, Speed
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import ForceDriver, RigidSettings, WeldJoint
 
@@ -45,6 +45,31 @@ def test_a_body_on_a_path_is_found_through_others(tmp_path: Path, between: int) 
     help_ = row.evidence["helper"]
     assert (help_["pointer"], help_["body"], len(help_["through"])) == ("/simulation/drivers/p", "last", between + 1)
     assert row.corrections[0].pointers == ("/simulation/drivers/p",)
+
+
+def _bystander(folder: Path, *, told: bool, cause: str = "strike") -> Candidate:
+    """A sphere taps a block, and another one that comes from the side sends it on."""
+    entities = {
+        "ground": ground(),
+        "tapper": ball(0.05, motion="dynamic", at=(-0.3, 0, 0.051), velocity=(0.6, 0, 0)),
+        "other": ball(0.1, motion="dynamic", at=(0.0, -0.6, 0.101), velocity=(0, 2.5, 0)),
+        "block": box(0.1, 0.1, 0.1, motion="dynamic", at=(0, 0, 0.051)),
+    }
+    hit = PairEvent(kind="hits", entity="tapper", other="block")
+    moves = Displacement(entity="block", min=0.08, when="eventually")
+    beats = {"strike": beat("block", hit, frames=(0, 20)), "moves": beat("block", moves, frames=(2, 23), causes=("strike",))}
+    if told:
+        beats["comes"] = beat("other", Speed(entity="other", min=1.0), frames=(0, 6))
+        beats["moves"] = beat("block", moves, frames=(2, 23), causes=("strike", "comes"))
+    return simulate(folder, world(entities, beats=beats, frames=24, settings=RigidSettings(step=1e-3)))
+
+
+def test_a_body_with_a_start_of_its_own_helps_and_is_told_or_found(tmp_path: Path) -> None:
+    row = driven(_bystander(tmp_path / "a", told=False), "moves")
+    assert (row.status, row.evidence["helper"]["body"]) == ("fail", "block")
+    assert "'other', which starts with a velocity" in str(row.evidence["explanation"])
+    assert row.corrections[0].pointers[0] == "/story/beats"
+    assert driven(_bystander(tmp_path / "b", told=True), "moves").status == "pass"
 
 
 @pytest.mark.parametrize("between", [0, 2])

@@ -17,7 +17,7 @@ from worldagent.verifiers.story import reruns
 from worldagent.verifiers.story.counterfactual import check, row_ids
 from worldagent.workflow.rows import brief, concise
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.predicates import And, Contact, Displacement, JointAngle, Reaches, RestsOn, Speed, Tilts
+from worldagent.worlds.predicates import And, Contact, Displacement, JointAngle, PairEvent, Reaches, RestsOn, Speed, Tilts
 from worldagent.worlds.spec import (
     BoxRegion,
     CausalMargin,
@@ -208,6 +208,20 @@ def test_a_row_of_blocks_is_stopped_by_holding_what_strikes_the_first(tmp_path: 
     row = only(simulate(tmp_path, pushed(entities=entities, beats=beats)))
     assert row.status == "pass"
     assert row.evidence["intervention"].startswith("a held")
+
+
+@pytest.mark.parametrize(("bystander", "status"), [(False, "pass"), (True, "fail")])
+def test_of_a_hit_of_the_body_that_moves_on_the_doer_is_taken_away(bystander: bool, status: str, tmp_path: Path) -> None:
+    """Held itself, the struck body would do nothing, whoever else comes; without the hit the bystander sends it on as well."""
+    from_aside = {"c": box(0.2, 0.2, 0.2, motion="dynamic", at=(0.25, -0.6, 0.101), velocity=(0, 3.0, 0))} if bystander else {}
+    beats = {
+        "hit": beat("b", PairEvent(kind="hits", entity="a", other="b"), frames=(1, 20)),
+        "slide": beat("b", Displacement(entity="b", min=0.05), frames=(1, 24), causes=["hit"]),
+    }
+    candidate = simulate(tmp_path, pushed(entities=from_aside, beats=beats))
+    row = next(r for r in check(candidate) if r.id == "causal:without:hit:slide")
+    assert row.evidence["intervention"].startswith("a held from frame"), row.evidence
+    assert row.status == status, row.evidence
 
 
 def test_a_cause_that_no_intervention_prevents_is_unverified(tmp_path: Path) -> None:

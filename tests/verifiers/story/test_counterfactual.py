@@ -216,7 +216,7 @@ def test_of_a_hit_of_the_body_that_moves_on_the_doer_is_taken_away(bystander: bo
     from_aside = {"c": box(0.2, 0.2, 0.2, motion="dynamic", at=(0.25, -0.6, 0.101), velocity=(0, 3.0, 0))} if bystander else {}
     beats = {
         "hit": beat("b", PairEvent(kind="hits", entity="a", other="b"), frames=(1, 20)),
-        "slide": beat("b", Displacement(entity="b", min=0.05), frames=(1, 24), causes=["hit"]),
+        "slide": beat("b", Displacement(entity="b", min=0.02), frames=(1, 24), causes=["hit"]),
     }
     candidate = simulate(tmp_path, pushed(entities=from_aside, beats=beats))
     row = next(r for r in check(candidate) if r.id == "causal:without:hit:slide")

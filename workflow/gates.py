@@ -20,9 +20,12 @@ _ACCEPT = "call run_checks(world, scope='acceptance')"
 
 
 def stored_rows(rows: Sequence[Row], last: int) -> dict[str, Any]:
-    """Rows of a probe as its record keeps them, for its verdict to be derived again: last frame, (status, last frame needed) by id."""
+    """Rows of a probe as its record keeps them, for its verdict to be derived again.
+
+    Last frame, (status, last frame needed) of mandatory rows by id, and ids of the others, which may be open.
+    """
     needed = {r.id: (r.status, None if r.frames is None else r.frames[1]) for r in rows if r.mandatory}
-    return {"last": last, "mandatory": needed}
+    return {"last": last, "mandatory": needed, "optional": [r.id for r in rows if not r.mandatory]}
 
 
 def require_probe(session: Session, freeze: str) -> dict[str, Any]:
@@ -88,7 +91,7 @@ def _open_of_record(session: Session, known: dict[str, Any]) -> list[str]:
     spec = WorldSpec.model_validate_json(judged[0])
     if last < (needed := probe_frames(spec) - 1):
         found.append(f"frames {last + 1}..{needed}, before which it ended")
-    return found + sorted(demanded_of_motion(spec) - kept.keys())
+    return found + sorted(demanded_of_motion(spec) - kept.keys() - set(rows.get("optional", ())))
 
 
 def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:

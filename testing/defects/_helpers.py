@@ -46,7 +46,9 @@ def sprung_block(folder: Path, *, load: float, told: str = "") -> Candidate:
     beats = {
         "comes": beat("hitter", _far("hitter", 0.05), frames=(0, 10)),
         "hit": hits,
-        "goes": beat("block", _far("block", 0.2), frames=(2, FRAMES - 1), causes=("hit", "comes") if told == "first" else ("hit",)),
+        "goes": beat(
+            "block", _far("block", 0.2), frames=(2, FRAMES - 1), causes=("hit", "comes") if told == "first" else ("hit",)
+        ),
     }
     drivers = {}
     if told == "release":

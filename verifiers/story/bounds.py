@@ -36,6 +36,9 @@ HELPED = 0.05
 """[1] Own choice: work of a helper on a body counts from this share of the greatest kinetic energy on that the body has had by then; what is
 pushed slowly against friction soon exceeds it."""
 
+OWNED = 0.05
+"""[1] Own choice: a force brings about the motion of what starts with a velocity from this share of its momentum on, as `HELPED`."""
+
 LEAST_WORK = 1e-6
 """[J] Own choice: work below this moves nothing that is seen; it lifts 1 g by 0.1 mm."""
 

@@ -4,6 +4,7 @@ Row `beat:driven:<id>` fails
 
 - an outcome that follows an authored path, or a part of which does, which is staged;
 - an outcome on whose bodies a driver acts that no beat leading to it owns;
+- an outcome without causes whose owner is a force that adds next to nothing to the velocity with which its subject starts;
 - an outcome whose bodies a loaded spring, a body on a path or a driver helps along, also through others, of which no beat leading to it
   tells (`agency.py`);
 - a beat without causes that nothing of the story starts. What starts it is a driver that some beat owns, a velocity that the
@@ -25,7 +26,7 @@ from ...worlds.drivers import acts_from, deed, to_declare, undeclared
 from ...worlds.errors import EvidenceError
 from ...worlds.predicates import entities_of
 from ...worlds.predicates.registry import is_invariant
-from ...worlds.spec import PathDriver
+from ...worlds.spec import ForceDriver, PathDriver
 from ..categories.registry import judge_of
 from ..predicates.evaluators import beat_times
 from ..rows.answers import row_of
@@ -33,6 +34,7 @@ from ..rows.corrections import correction, set_value
 from ..rows.findings import Finding
 from .agency import Help, helped
 from .bodies import acting_atoms, involved, moved_bodies, moves_by_declaration
+from .bounds import OWNED
 from .chains import PAUSE
 from .offers import owning, take_away
 from .questions import DRIVEN
@@ -52,7 +54,7 @@ class _Start(NamedTuple):
     status: Status
     text: str
     kind: str
-    """Kind of the trigger or fault: `path`, `unsaid`, `helped`, `late`, `none`; or `causes`, `state`, `driver`, `velocity`, `weight`, `unknown`."""
+    """Kind of the trigger or fault: `path`, `unsaid`, `helped`, `late`, `idle`, `none`; or `causes`, `state`, `driver`, `velocity`, `weight`, `unknown`."""
     first: str | None = None
     driver: str | None = None
     help: Help | None = None
@@ -162,7 +164,33 @@ def _owned(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
     if first is not None and time * spec.simulation.fps > first + 1e-9:
         text = f"{beat_id} comes true at frame {first}, before its driver acts: {at}, which is frame {time * spec.simulation.fps:.3g}"
         return _Start("fail", text, "late", beat.subject, beat.owner)
+    weak = _idle_force(candidate, beat_id, beat)
+    if weak is not None:
+        return _Start("fail", weak, "idle", beat.subject, beat.owner)
     return _Start("pass", f"{at} and owns {beat_id}", "driver", None, beat.owner)
+
+
+def _idle_force(candidate: Candidate, beat_id: str, beat: Beat) -> str | None:
+    """Why a force that owns a beat does not bring it about: its subject starts with a velocity, to which the force adds next to nothing."""
+    spec, driver = candidate.spec, candidate.spec.simulation.drivers[beat.owner]
+    physics = spec.entities[beat.subject].physics
+    speed = float(np.linalg.norm(getattr(physics, "linear_velocity", (0.0, 0.0, 0.0))))
+    if (
+        not isinstance(driver, ForceDriver)
+        or driver.entity != beat.subject
+        or speed == 0.0
+        or beat.subject not in candidate.built
+    ):
+        return None
+    until = min(driver.end, _comes(candidate, beat_id) / spec.simulation.fps)
+    mass = sum(b.mass for b in candidate.entity(beat.subject).bodies)
+    given, had = float(np.linalg.norm(driver.force)) * max(0.0, until - driver.start), mass * speed
+    if given >= OWNED * had:
+        return None
+    return (
+        f"{beat.subject} starts with {speed:.3g} m/s, a momentum of {had:.3g} N s, to which {beat.owner} adds {given:.3g} N s by the time {beat_id} "
+        "comes true: an initial state, not the force, brings it about"
+    )
 
 
 def _comes(candidate: Candidate, beat_id: str) -> int:
@@ -240,6 +268,13 @@ def _hints(spec: WorldSpec, beat_id: str, beat: Beat, found: _Start) -> list[Cor
         return [told, take_away(spec, cause, pointers[0], beat_id, silent=silent)]
     if found.help is not None:
         return list(_without_help(spec, found.help, beat_id))
+    if found.kind == "idle":
+        owner = next((n for n, s in spec.simulation.solvers.items() if beat.subject in s.members), None)
+        cause = "the driver that owns it does next to nothing to what moves already"
+        place, patch = f"{place}/owner", () if owner is None else set_value(f"{place}/owner", owner)
+        told = correction(cause, "story", f"let the solver own it: owner {owner}", pointers=(place,), patch=patch)
+        weaker = f"/simulation/drivers/{found.driver}/force"
+        return [told, correction(cause, "drivers", f"give {found.driver} the force that brings it about", pointers=(weaker,))]
     if found.kind == "late":
         pointers = (f"/simulation/drivers/{found.driver}", f"{place}/owner")
         action = f"let {found.driver} act before {beat_id} comes true, or let what does start it own the beat"

@@ -78,6 +78,11 @@ CASES: dict[str, tuple[dict[str, Beat], dict[str, Any], str, str, str]] = {
         {"b": beat(owner="push")}, {"drivers": {"push": PUSH.model_copy(update={"start": 0.9, "end": 1.0})}}, "fail", "late",
         "before its driver acts",
     ),
+    "of a driver that adds next to nothing": (
+        {"b": beat(owner="push")}, {"drivers": {"push": PUSH.model_copy(update={"force": (1e-6, 0.0, 0.0)})}, "speed": 1.0}, "fail", "idle",
+        "an initial state, not the force",
+    ),
+    "of its own driver beside a start velocity": ({"b": beat(owner="push")}, {"drivers": {"push": PUSH}, "speed": 0.1}, "pass", "driver", "owns b"),
     "of nothing": ({"b": beat()}, {}, "fail", "none", "beat 'b' has no cause and nothing that the story owns starts it"),
     "after a rest": ({"b": beat()}, {"start": 0.0, "rest": (0.1, 0.6)}, "fail", "none", "none moves from frame 0 on"),
     "of still air": ({"b": beat()}, {"drivers": {"air": FieldDriver.model_validate({"field": {"kind": "drag"}})}}, "fail", "none", "nothing that the story owns"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ....worlds.instances import coupled_groups, soft_met
+from ...support.moved import moves_of
 
 if TYPE_CHECKING:
     from ....worlds.categories.particles.models import ParticlePhysics
@@ -28,11 +29,20 @@ def particle_lines(spec: WorldSpec) -> list[dict[str, str]]:
             if instance.engine == "ballistic":
                 effect = "they do not meet each other, and neither bodies nor the air feel them"
                 found.append((f"particles of {member!r} fly alone", effect))
+                found += _in_the_air(spec, member, physics)
             else:
                 found += _grains(member, physics)
         if instance.engine == "dem":
             found += _partners(spec, name)
     return [{"what": what, "effect": effect} for what, effect in found]
+
+
+def _in_the_air(spec: WorldSpec, member: str, physics: ParticlePhysics) -> list[tuple[str, str]]:
+    """The line about flying particles that are there at frame 0 and of which no beat tells; what fills a volume hangs in it at first."""
+    there = physics.count > 0 and any(spec.simulation.gravity)
+    if not there or member in moves_of(spec).direct:
+        return []
+    return [(f"particles of {member!r} begin in the air, where nothing holds them", "they fall at once, and no beat tells of it")]
 
 
 def _grains(member: str, physics: ParticlePhysics) -> list[tuple[str, str]]:

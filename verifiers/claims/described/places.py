@@ -64,8 +64,8 @@ ON_AS: Mapping[str, Callable[[Place, str], bool]] = {"lean": against, "hang": to
 MUTUAL = (Adjacent, Interacts, Fastened)
 """Kinds of relation whose ends say nothing of who is where: the sentence does."""
 DOWNWARD = frozenset(("under",))
-MEASURED = frozenset(("under", "above", "edge", "against", "behind", "front"))
-"""Words that no kind of relation entails by itself: its bodies are measured."""
+MEASURED = frozenset(("under", "above", "edge", "against", "behind", "front", "beside"))
+"""Words that no kind of relation entails by itself: its bodies are measured. A gap of `adjacent` has no scale of its own."""
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:

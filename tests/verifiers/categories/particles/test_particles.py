@@ -417,3 +417,19 @@ def test_where_no_particle_is_there_is_no_number_and_nothing_diverged(
     assert "no particle of sand is there" in found.explanation
     assert "non_finite" not in found.details
     assert evaluate(empty, predicate.model_copy(update={"when": "eventually"}), (0, FRAMES - 1)).status == "pass"
+
+
+@pytest.mark.parametrize(("count", "told", "lines"), [(20, False, 1), (20, True, 0), (0, False, 0)])
+def test_flying_particles_that_begin_in_the_air_untold_are_printed(count: int, told: bool, lines: int) -> None:
+    document = spark_spec()
+    beat = {
+        "text": "They fall.",
+        "owner": "sparks",
+        "subject": "sparks",
+        "frames": [0, 20],
+        "predicate": {"kind": "falls", "entity": "sparks"},
+    }
+    document["story"] = {"beats": {"fall": beat} if told else {}}
+    document["entities"]["sparks"]["physics"]["count"] = count
+    spec = WorldSpec.model_validate({"prompt": SPARK_PROMPT, **document})
+    assert sum("begin in the air" in line["what"] for line in particle_lines(spec)) == lines

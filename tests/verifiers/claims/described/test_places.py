@@ -14,6 +14,7 @@ from worldagent.verifiers.claims.described.outlines import Seen, frame_along, is
 from worldagent.worlds.predicates import Compares, Not, Predicate, RestsOn, Separation, StaysIn
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import (
+    Adjacent,
     BoxRegion,
     CameraKey,
     Cylinder,
@@ -320,3 +321,12 @@ def test_an_asset_has_a_front_of_its_own(tmp_path: Path) -> None:
 def test_beside_reaches_as_far_as_both_are_long_together(tmp_path: Path, thing: Entity, ok: bool) -> None:
     """A bookcase 1.8 m high and 0.3 m deep: 0.19 m for a marble, 1.3 m for a chair."""
     assert (standing(tmp_path, "beside", thing, BOOKCASE).status == "pass") is ok
+
+
+@pytest.mark.parametrize(("away", "status"), [(0.35, "pass"), (1.4, "fail")])
+def test_beside_by_a_relation_is_measured_too(away: float, status: str, tmp_path: Path) -> None:
+    """A gap of `adjacent` may be as wide as one writes; beside is no farther than the two are long."""
+    place, thing = box(0.3, 0.3, 0.3, at=(0, 0, 0.15)), box(0.3, 0.3, 0.3, at=(away, 0, 0.15))
+    spec = scene({"marble": thing, "place": place}, relations={"near": Adjacent(a="marble", b="place", gap=1.8)})
+    row = row_of(tmp_path, spec, "A marble is beside the place.", "beside", ["/graph/relations/near"])
+    assert row.status == status, row.evidence

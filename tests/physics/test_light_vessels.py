@@ -17,10 +17,12 @@ G = 9.81
 LIFT = 2e-4
 """Gap that the vessel falls by at first [m]."""
 WALL = 0.01
+THICK = 0.03
+"""On walls of about one cell the grid engine's force is some 6 % low (its README)."""
 
 
-def vessel(length: float, width: float, height: float, mass: float) -> Entity:
-    made = tank((length, width, height), WALL, at=(0.0, 0.0, WALL + LIFT))
+def vessel(length: float, width: float, height: float, mass: float, wall: float = WALL) -> Entity:
+    made = tank((length, width, height), wall, at=(0.0, 0.0, wall + LIFT))
     return made.model_copy(update={"motion": "dynamic", "physics": RigidPhysics(mass=mass)})
 
 
@@ -28,28 +30,41 @@ def caches_of(spec: WorldSpec, folder: Path, frames: int) -> dict[str, Cache]:
     return run_frames(spec, {n: build_entity(spec, n, folder) for n in spec.entities}, folder / "run", frames=frames)
 
 
+def test_water_on_a_grid_keeps_its_level_in_a_glass(tmp_path: Path) -> None:
+    """Its weight presses the glass into the floor a little; told of that as a push upwards, a glass held stiffly lifted its water by 3 % in a second."""
+    spacing, width, depth, frames = 0.01, 0.06, 0.05, 24
+    pool = water((width, width, depth), (0.0, 0.0, WALL + LIFT + depth / 2), spacing)
+    spec = liquid_world(
+        {"table": sw.ground(1.0), "glass": vessel(width, width, 0.1, 0.1), "pool": pool},
+        spacing=spacing, low=(-0.12, -0.12, -0.02), high=(0.12, 0.12, 0.2), frames=frames, engine="flip", two_way=True,
+    )  # fmt: skip
+    held = np.asarray(caches_of(spec, tmp_path, frames)["water"].series("record/potential_energy"))
+    assert np.ptp(held[8:]) < 0.003 * held[8]
+
+
 @pytest.mark.parametrize("engine", ["dfsph", "flip"])
 @pytest.mark.parametrize("aside", [0.0, 0.07])
 def test_water_stays_in_a_glass_of_a_twelfth_of_its_mass(aside: float, engine: str, tmp_path: Path) -> None:
     """Law: what rests weighs m g, and sinks nowhere, in the middle of a vessel and at one end of it.
 
-    It ran out through the bottom of a glass that was taken for a free body. The grid engine's force on walls of one cell is some 6 % low.
+    It ran out through the bottom of a glass that was taken for a free body.
     """
     spacing, width, depth, frames = 0.01, 0.06, 0.05, 10
     mass = 1000.0 * width * width * depth
-    pool = water((width, width, depth), (-aside, 0.0, WALL + LIFT + depth / 2), spacing)
-    glass = vessel(width + 2 * aside, width, 0.1, mass / 12)
+    wall = THICK if engine == "flip" else WALL
+    pool = water((width, width, depth), (-aside, 0.0, wall + LIFT + depth / 2), spacing)
+    glass = vessel(width + 2 * aside, width, 0.1, mass / 12, wall)
     if aside:
         divider = Part(shape=Box(size=(WALL, width, 0.1)), pose=sw.pose((-aside + 0.5 * (width + WALL), 0.0, 0.05)))
         glass = glass.model_copy(update={"parts": {**glass.parts, "divider": divider}})
     spec = liquid_world(
         {"table": sw.ground(1.0), "glass": glass, "pool": pool},
-        spacing=spacing, low=(-0.16, -0.12, -0.02), high=(0.16, 0.12, 0.2), frames=frames, engine=engine, two_way=True,
+        spacing=spacing, low=(-0.18, -0.12, -0.02), high=(0.18, 0.12, 0.2), frames=frames, engine=engine, two_way=True,
     )  # fmt: skip
     caches = caches_of(spec, tmp_path, frames)
     row = next(k for k, n in enumerate(caches["rigid"].index.bodies) if n.startswith("glass"))
     pushed = np.asarray(caches["rigid"].series("exchange/impulse"))[4:, row]
-    assert -pushed[:, 2].mean() == pytest.approx(mass * G / 24, rel=0.08 if engine == "flip" else 0.01)
+    assert -pushed[:, 2].mean() == pytest.approx(mass * G / 24, rel=0.04 if engine == "flip" else 0.01)
     assert np.abs(pushed[:, :2]).max() < 0.02 * mass * G / 24
     first, last = (caches["water"].read(k, ("particle/position",))["particle/position"] for k in (0, frames - 1))
     assert last[:, 2].min() > first[:, 2].min() - 0.25 * spacing

@@ -89,9 +89,12 @@ class Exchange:
         self.moved(kick, spin)
 
     def _lightness(self, row: int) -> F64:
-        """Change of a body's velocity by an impulse (3, 3) [1/kg]; none along what bears it."""
+        """Change of a body's velocity by an impulse (3, 3) [1/kg]; where nobody told what holds it, none along what bears it.
+
+        What is told is taken as it is: contacts are a little soft, and push a body that the liquid presses on upwards where it does not.
+        """
         whole = self.bodies.mobilities()[0][row]
-        if row not in self.supports:
+        if self.bodies.mobility is not None or row not in self.supports:
             return np.asarray(whole)
         across = np.eye(3) - np.outer(self.supports[row].way, self.supports[row].way)
         return np.asarray(across @ whole @ across)

@@ -123,13 +123,14 @@ class Session(OpenedWorld):
             groups=[g.name for g in change.groups],
             weakenings=change.weaker,
             reason=change.reason,
-            early=change.early,
         )
         if number is None:
             raise RefusedError(
                 f"another client changed {self.folder.id!r} meanwhile (revision {self.ledger.revision()}, you had {self.revision}); "
                 "read it again with inspect_world and repeat the edit"
             )
+        if change.early:
+            self.ledger.add_early(number, change.early)
         return number
 
     def shown(self, candidate: Candidate, last: int) -> str:

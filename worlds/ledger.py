@@ -37,12 +37,8 @@ class Ledger(ReviewLedger, LookLedger):
         groups: Iterable[str] = (),
         weakenings: Iterable[str] = (),
         reason: str = "",
-        early: Iterable[str] = (),
     ) -> int | None:
-        """Append a revision if the latest one is `expected`; returns its number, or None when another came first.
-
-        `early` are lines that make it easier before there was any evidence that could count against them: no weakenings.
-        """
+        """Append a revision if the latest one is `expected`; returns its number, or None when another came first."""
         with self._write() as db:
             latest = db.execute("SELECT COALESCE(MAX(n), 0) FROM revisions").fetchone()[0]
             if latest != expected:
@@ -54,13 +50,18 @@ class Ledger(ReviewLedger, LookLedger):
                 json.dumps(list(weakenings)),
                 reason,
             )
-            lines = json.dumps(list(early))
             made = (latest + 1, time.time(), digest, spec_json, *told)
             db.execute("INSERT INTO revisions VALUES (?,?,?,?,?,?,?,?,?)", made)
-            db.execute("INSERT INTO early VALUES (?,?)", (latest + 1, lines))
-            put_seal(db, f"edit:{latest + 1}", *told, lines)
+            put_seal(db, f"edit:{latest + 1}", *told)
             put_seal(db, f"revision:{latest + 1}", digest, spec_json)
             return int(latest) + 1
+
+    def add_early(self, number: int, lines: Iterable[str]) -> None:
+        """Keep what a revision made easier before there was evidence that could count against it: no weakenings."""
+        text = json.dumps(list(lines))
+        with self._write() as db:
+            db.execute("INSERT INTO early VALUES (?,?)", (number, text))
+            put_seal(db, f"early:{number}", text)
 
     def revision(self) -> int:
         """Number of the latest revision; 0 before the first."""
@@ -85,8 +86,7 @@ class Ledger(ReviewLedger, LookLedger):
                 FROM revisions LEFT JOIN early USING (n) ORDER BY n DESC LIMIT ? OFFSET ?""",
                 (limit, offset),
             ).fetchall()
-            for r in rows:
-                _check_edit(db, r)
+            _check_edits(db, rows)
             parsed = ("patch", "groups", "weakenings", "early")
             return [{k: json.loads(r[k]) if k in parsed else r[k] for k in r.keys()} for r in rows]  # noqa: SIM118
 
@@ -392,7 +392,9 @@ def _add_columns(db: sqlite3.Connection, table: str) -> None:
             db.execute(f"ALTER TABLE {table} ADD COLUMN {column} TEXT")
 
 
-def _check_edit(db: sqlite3.Connection, row: sqlite3.Row) -> None:
-    """Compare what a revision says of its edit with its seal."""
-    told = (row["patch"], row["hypothesis"], row["groups"], row["weakenings"], row["reason"], row["early"])
-    check_seal(db, f"edit:{row['n']}", *told)
+def _check_edits(db: sqlite3.Connection, rows: Iterable[sqlite3.Row]) -> None:
+    """Compare what revisions say of their edits with their seals."""
+    for row in rows:
+        check_seal(db, f"edit:{row['n']}", *(row[k] for k in ("patch", "hypothesis", "groups", "weakenings", "reason")))
+        if row["early"] != "[]":
+            check_seal(db, f"early:{row['n']}", row["early"])

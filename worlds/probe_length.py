@@ -1,4 +1,4 @@
-"""How long a probe is: a function of the specification alone, so that whoever judges knows which frames a probe leaves out (R76)."""
+"""Length of a probe: a function of the specification alone, so that whoever judges knows which frames a probe leaves out (R76)."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ class RigidBodies:
         return probe
 
     def _accelerations(self, probe: Any) -> F64:
-        """Of the rows' centres of mass, from everything but the coupled solvers, (n, 3) [m/s^2]; 0 of what sleeps."""
+        """Accelerations of the rows' centres of mass by everything but the coupled solvers, (n, 3) [m/s^2]; 0 of what sleeps."""
         solver, model = self._solver, self._solver.model
         ids = solver.rigid.body_ids
         if not len(ids):

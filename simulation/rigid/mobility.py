@@ -1,4 +1,4 @@
-"""How bodies of a rigid instance answer pushes: velocity per impulse and angular velocity per angular impulse, each by itself.
+"""Answers of bodies of a rigid instance to pushes: velocity per impulse and angular velocity per angular impulse, each by itself.
 
 What stands on a floor does not give way to what presses it down, and what hangs on a hinge gives way along its arc only. A coupled solver
 that took such bodies for free ones would let them give way until the next exchange, in every exchange anew: water sinks through the
@@ -138,7 +138,7 @@ def _active(mj: Any, data: Any) -> Any:
 
 
 def _jacobian(mj: Any, model: Any, data: Any) -> tuple[F64, Any, Any]:
-    """Of all constraint rows: values, rows and columns of its entries, each (k,)."""
+    """Jacobian of all constraint rows: values, rows and columns of its entries, each (k,)."""
     if mj.mj_isSparse(model):
         return _entries(data.efc_J, data.efc_J_rowadr, data.efc_J_rownnz, data.efc_J_colind)
     whole = data.efc_J.reshape(data.nefc, model.nv)

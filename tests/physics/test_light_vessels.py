@@ -1,4 +1,4 @@
-"""What a light vessel on a table holds stays in it and weighs what it weighs, however light the vessel is beside it."""
+"""Light vessels on a table: water and sand stay in them and weigh what they weigh, however light the vessel is beside them."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def _flowed(device: str, state: BodyState) -> tuple[Any, Any]:
 
 
 CASES = {"grains": (_poured, 0), "particle liquid": (_flowed, 2)}
-"""What runs, and the axis of the rail: grains push down and aslant, the water along x."""
+"""Run and axis of the rail: grains push down and aslant, the water along x."""
 
 
 @pytest.mark.parametrize("device", DEVICES)

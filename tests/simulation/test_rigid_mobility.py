@@ -1,4 +1,4 @@
-"""How bodies that stand, roll, hang or fly answer the pushes of coupled solvers, against mechanics by hand."""
+"""Answers of bodies that stand, roll, hang or fly to the pushes of coupled solvers, against mechanics by hand."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LIMIT_SECONDS = 1500
 """A slice is cut to 15 minutes on two quiet cores; a busy machine gets 25."""
 LONG_SECONDS = 4 * 3600
-"""What runs by name alone takes 30 to 90 minutes on quiet cores."""
+"""Slices that run by name alone take 30 to 90 minutes on quiet cores."""
 
 
 def slow_tests() -> list[str]:

@@ -1,4 +1,4 @@
-"""What opens the bake: the record of a probe against what its specification demands."""
+"""The gate of the bake: the record of a probe against what its specification demands."""
 
 from __future__ import annotations
 

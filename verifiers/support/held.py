@@ -126,7 +126,7 @@ class Held:
         return toward, total
 
     def _bears(self, part: int, other: int) -> bool:
-        """What is drawn only bears nothing but what is drawn on it."""
+        """True if one part can bear another: a drawn one bears nothing but what is drawn on it."""
         one, two = (self.surfaces.parts[i] for i in (part, other))
         if _is_solid(self.surfaces.candidate.spec, one):
             return True

@@ -18,7 +18,7 @@ HELD = 0.5
 
 
 class Support(NamedTuple):
-    """What bears a body without the liquid."""
+    """Force that bears a body without the liquid."""
 
     way: F64
     """Direction of its force, (3,)."""
@@ -27,7 +27,7 @@ class Support(NamedTuple):
 
 
 def supports(bodies: BodyState, gravity: F64, rows: list[int]) -> dict[int, Support]:
-    """What bears bodies, by row, of those that react."""
+    """Supports of the bodies that react and are borne, by row."""
     found = {}
     for row in rows:
         borne, light = bodies.acceleration[row] - gravity, float(bodies.inverse_mass[row])

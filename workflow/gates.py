@@ -126,7 +126,7 @@ def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
 
 
 def _edited_since(session: Session, accepted: Mapping[str, Any]) -> str:
-    """Places that an acceptance was about and that changed since, after a comma."""
+    """Places that an acceptance was about and that changed since, after a comma; what else sets it apart where none did."""
     from ..worlds.patch import differences
     from ..worlds.spec import WorldSpec
 
@@ -136,6 +136,8 @@ def _edited_since(session: Session, accepted: Mapping[str, Any]) -> str:
     before = WorldSpec.model_validate_json(judged[0])
     places = list(differences(before.model_dump(mode="json"), session.spec.model_dump(mode="json")))
     more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
+    if not places:
+        return ", but its record is about another specification than this ledger has under that number"
     return f", and there changed since {', '.join(places[:_NAMED])}{more}"
 
 

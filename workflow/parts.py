@@ -136,6 +136,16 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
     return answer(data, f"{session.spec.title!r}, revision {session.revision}: {len(left)} mandatory rows open, {verdict}", then)
 
 
+def _of_another(judged: int, now: int) -> str:
+    """Warning that a verdict is not about the present world."""
+    if judged != now:
+        return f"this verdict is about revision {judged}, and the world is at revision {now} now: this verdict is not about it"
+    return (
+        f"this verdict is filed under revision {now}, at which the world is, but its record is about another specification: this verdict is not about it; "
+        "judge the world again"
+    )
+
+
 def _coming(session: Session) -> str:
     """The next stage of the loop, by what has been judged."""
     stages, world = set(session.ledger.stages().values()), session.folder.id
@@ -349,7 +359,7 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
         if latest["verdict"] == "accepted" and current
         else call("inspect_world", world=world)
     )
-    warnings = [] if current else [f"the world is at revision {session.revision} now: this verdict is not about it"]
+    warnings = [] if current else [_of_another(latest["revision"], session.revision)]
     if current and latest["revision"] != session.revision:
         warnings = [
             f"the world is at revision {session.revision} now, which differs from revision {latest['revision']} in its light or the format of its "

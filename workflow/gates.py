@@ -7,11 +7,11 @@ from typing import Any
 
 from ..worlds.ablation import ABLATED, ablation
 from ..worlds.built import BuiltEntity
-from ..worlds.errors import EvidenceError, RefusedError
+from ..worlds.errors import EvidenceError, InputError, LimitError, RefusedError
 from ..worlds.requirements import Row
 from .session import Session
 
-__all__ = ["require_acceptance", "require_probe", "require_true_geometry", "stored_rows"]
+__all__ = ["bake_opens", "require_acceptance", "require_probe", "require_true_geometry", "stored_rows"]
 
 _NAMED = 8
 """Open rows that a refusal names."""
@@ -53,6 +53,19 @@ def require_probe(session: Session, freeze: str) -> dict[str, Any]:
     raise RefusedError(
         f"bake_sim needs a passing probe of exactly these settings (the last probe left {named[:_NAMED]} open); call probe_sim first"
     )
+
+
+def bake_opens(session: Session) -> bool:
+    """True if `bake_sim` finds the probe that it asks for. Where the ledger tells already that there is none, nothing is built to see."""
+    from .standing import standing
+
+    if standing(session.folder, session.ledger).step("frozen").state != "done":
+        return False
+    try:
+        require_probe(session, session.freeze())
+    except (EvidenceError, InputError, LimitError, RefusedError):
+        return False
+    return True
 
 
 def _changed_since(session: Session) -> str:

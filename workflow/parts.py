@@ -14,6 +14,7 @@ from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
 from ..worlds.verdicts import asked_words, prompt_told, unusual_told, verdict_words
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
+from .gates import bake_opens
 from .joint_repairs import said_of
 from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, ranked, why_line
@@ -151,8 +152,9 @@ def _coming(session: Session) -> str:
     stages, world = set(session.ledger.stages().values()), session.folder.id
     if "full" in stages:
         return call("run_checks", world=world, scope="acceptance")
-    tool = "bake_sim" if "probe" in stages else "probe_sim" if "static" in stages else "place_object"
-    return call(tool, world=world)
+    if "probe" in stages and bake_opens(session):
+        return call("bake_sim", world=world)
+    return call("probe_sim" if stages & {"probe", "static"} else "place_object", world=world)
 
 
 def spec(session: Session, pointer: str, *, offset: int, limit: int) -> dict[str, Any]:

@@ -8,11 +8,12 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.workflow import gates
 from worldagent.workflow.gates import _edited_since
 from worldagent.workflow.measurements import _span
-from worldagent.workflow.parts import _of_another
+from worldagent.workflow.parts import _coming, _of_another
 from worldagent.worlds.documents import text_of
-from worldagent.worlds.errors import InputError, SpecError
+from worldagent.worlds.errors import InputError, RefusedError, SpecError
 from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.spec import WorldSpec
@@ -69,3 +70,29 @@ def test_a_verdict_about_another_specification_is_told_in_whole_sentences() -> N
     assert _edited_since(session, {"revision": 1}) == ", and there changed since /title"
     assert "filed under revision 1, at which the world is, but its record is about another specification" in _of_another(1, 1)
     assert _of_another(1, 2).startswith("this verdict is about revision 1, and the world is at revision 2 now")
+
+
+@pytest.mark.parametrize(
+    ("frozen", "gate", "following"),
+    [
+        ("done", None, "bake_sim"),
+        ("done", RefusedError("rows are open"), "probe_sim"),
+        ("done", InputError("a file is missing"), "probe_sim"),
+        ("stale", None, "probe_sim"),
+    ],
+    ids=["it opens", "rows were deleted", "a file changed", "the motion was edited"],
+)
+def test_the_step_after_a_probe_is_a_bake_only_where_its_gate_opens(
+    monkeypatch: pytest.MonkeyPatch, frozen: str, gate: Exception | None, following: str
+) -> None:
+    def require(*_: Any) -> dict[str, Any]:
+        if gate is not None:
+            raise gate
+        return {}
+
+    step = SimpleNamespace(step=lambda _: SimpleNamespace(state=frozen))
+    monkeypatch.setattr("worldagent.workflow.standing.standing", lambda *_: step)
+    monkeypatch.setattr(gates, "require_probe", require)
+    ledger = SimpleNamespace(stages=lambda: {"beat:fall": "probe", "scale:b1": "static"})
+    session: Any = SimpleNamespace(folder=SimpleNamespace(id="w"), ledger=ledger, freeze=lambda: "f")
+    assert _coming(session) == f"{following}(world='w')"

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from ..workflow.context import ToolBinding
 from ..worlds.bounds import extent, shown
 from ..worlds.errors import InputError
-from ..worlds.hints import did_you_mean
+from ..worlds.hints import did_you_mean, given
 
 __all__ = ["Arguments"]
 
@@ -88,9 +88,8 @@ class Arguments:
             return f"{argument} = {shown(found['input'], _SHOWN_CHARACTERS)} has {len(found['input'])} items, it needs {length}{about}"
         if found["type"] == "list_type" and not inner:
             return f"{where} = {shown(found['input'], _SHOWN_CHARACTERS)} must be a list: put it in brackets"
-        return f"{where} = {shown(found['input'], _SHOWN_CHARACTERS)}: {found['msg']}" + (
-            f" (allowed: {allowed})" if allowed else ""
-        )
+        value = given(None) if found["input"] is None else shown(found["input"], _SHOWN_CHARACTERS)
+        return f"{where} = {value}: {found['msg']}" + (f" (allowed: {allowed})" if allowed else "")
 
     def _inside(self, schema: Mapping[str, Any], path: Sequence[Any]) -> Mapping[str, Any]:
         """The schema at a path below another; empty where there is none, or several."""

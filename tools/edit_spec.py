@@ -222,6 +222,7 @@ def _next(session: Any, passed: bool, groups: set[str]) -> str:
 def _made_already(session: Any) -> str:
     """The next step where a probe or a bake of the present settings is there, as after an edit that takes another back; else empty."""
     from ..workflow.answers import call
+    from ..workflow.gates import bake_opens
     from ..workflow.standing import standing
 
     world, there = session.folder.id, standing(session.folder, session.ledger)
@@ -229,7 +230,7 @@ def _made_already(session: Any) -> str:
         return call("render_shot", world=world, kind="final")
     if there.step("baked").state == "done":
         return call("run_checks", world=world, scope="acceptance")
-    return call("bake_sim", world=world) if there.step("frozen").state == "done" else ""
+    return call("bake_sim", world=world) if bake_opens(session) else ""
 
 
 def _relit(session: Any) -> str:

@@ -145,9 +145,9 @@ def inspect_world(
 
         return ToolReply(assets(query, offset=offset, limit=limit))
     if world is None:
-        from ..worlds.folder import world_ids
+        from ..worlds.folder import world_ids, worlds_told
 
-        raise InputError(f"part {part!r} needs world; known worlds: {world_ids(context.workspace)[:20]}")
+        raise InputError(f"part {part!r} needs world; {worlds_told(world_ids(context.workspace))}")
     from ..workflow.measurements import measured
     from ..workflow.session import Session
     from ..workflow.surveys import terrain as survey

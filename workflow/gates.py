@@ -7,11 +7,11 @@ from typing import Any
 
 from ..worlds.ablation import ABLATED, ablation
 from ..worlds.built import BuiltEntity
-from ..worlds.errors import EvidenceError, RefusedError
+from ..worlds.errors import EvidenceError, InputError, LimitError, RefusedError
 from ..worlds.requirements import Row
 from .session import Session
 
-__all__ = ["require_acceptance", "require_probe", "require_true_geometry", "stored_rows"]
+__all__ = ["bake_opens", "require_acceptance", "require_probe", "require_true_geometry", "stored_rows"]
 
 _NAMED = 8
 """Open rows that a refusal names."""
@@ -56,6 +56,19 @@ def require_probe(session: Session, freeze: str) -> dict[str, Any]:
     raise RefusedError(
         f"bake_sim needs a passing probe of exactly these settings (the last probe left {named[:_NAMED]} open); call probe_sim first"
     )
+
+
+def bake_opens(session: Session) -> bool:
+    """True if `bake_sim` finds the probe that it asks for. Where the ledger tells already that there is none, nothing is built to see."""
+    from .standing import standing
+
+    if standing(session.folder, session.ledger).step("frozen").state != "done":
+        return False
+    try:
+        require_probe(session, session.freeze())
+    except (EvidenceError, InputError, LimitError, RefusedError):
+        return False
+    return True
 
 
 def _changed_since(session: Session) -> str:
@@ -129,7 +142,7 @@ def require_acceptance(session: Session, freeze: str) -> dict[str, Any]:
 
 
 def _edited_since(session: Session, accepted: Mapping[str, Any]) -> str:
-    """Places that an acceptance was about and that changed since, after a comma."""
+    """Places that an acceptance was about and that changed since, after a comma; what else sets it apart where none did."""
     from ..worlds.patch import differences
     from ..worlds.spec import WorldSpec
 
@@ -139,6 +152,8 @@ def _edited_since(session: Session, accepted: Mapping[str, Any]) -> str:
     before = WorldSpec.model_validate_json(judged[0])
     places = list(differences(before.model_dump(mode="json"), session.spec.model_dump(mode="json")))
     more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
+    if not places:
+        return ", but its record is about another specification than this ledger has under that number"
     return f", and there changed since {', '.join(places[:_NAMED])}{more}"
 
 

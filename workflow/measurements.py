@@ -153,6 +153,8 @@ def _span(candidate: Candidate, frames: tuple[int, int] | None) -> tuple[int, in
     first, last = frames or (0, candidate.last_frame)
     if 0 <= first <= last <= candidate.last_frame or (candidate.stage != "static" and 0 <= first <= candidate.last_frame < last):
         return first, min(last, candidate.last_frame)
+    if first > last:
+        raise InputError(f"frames [{first}, {last}] run backwards; give the first frame before the last: [{last}, {first}]")
     more = "; probe_sim gives motion" if candidate.stage == "static" else f" ({left})" if (left := unfinished(candidate)) else ""
     raise InputError(
         f"frames [{first}, {last}] are out of range; allowed 0..{candidate.last_frame} in the {run_of(candidate)} run{more}"

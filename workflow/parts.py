@@ -14,6 +14,7 @@ from ..worlds.errors import InputError
 from ..worlds.folder import world_ids
 from ..worlds.verdicts import asked_words, prompt_told, unusual_told, verdict_words
 from .answers import PAGE_CHARACTERS, answer, call, paged, size_of
+from .gates import bake_opens
 from .joint_repairs import said_of
 from .outdoor import to_build
 from .rows import Detail, brief, concise, counts, ranked, why_line
@@ -136,13 +137,24 @@ def overview(session: Session, *, jobs: list[str], offset: int, limit: int) -> d
     return answer(data, f"{session.spec.title!r}, revision {session.revision}: {len(left)} mandatory rows open, {verdict}", then)
 
 
+def _of_another(judged: int, now: int) -> str:
+    """Warning that a verdict is not about the present world."""
+    if judged != now:
+        return f"this verdict is about revision {judged}, and the world is at revision {now} now: this verdict is not about it"
+    return (
+        f"this verdict is filed under revision {now}, at which the world is, but its record is about another specification: this verdict is not about it; "
+        "judge the world again"
+    )
+
+
 def _coming(session: Session) -> str:
     """The next stage of the loop, by what has been judged."""
     stages, world = set(session.ledger.stages().values()), session.folder.id
     if "full" in stages:
         return call("run_checks", world=world, scope="acceptance")
-    tool = "bake_sim" if "probe" in stages else "probe_sim" if "static" in stages else "place_object"
-    return call(tool, world=world)
+    if "probe" in stages and bake_opens(session):
+        return call("bake_sim", world=world)
+    return call("probe_sim" if stages & {"probe", "static"} else "place_object", world=world)
 
 
 def spec(session: Session, pointer: str, *, offset: int, limit: int) -> dict[str, Any]:
@@ -349,7 +361,7 @@ def acceptance(session: Session, *, offset: int, limit: int) -> dict[str, Any]:
         if latest["verdict"] == "accepted" and current
         else call("inspect_world", world=world)
     )
-    warnings = [] if current else [f"the world is at revision {session.revision} now: this verdict is not about it"]
+    warnings = [] if current else [_of_another(latest["revision"], session.revision)]
     if current and latest["revision"] != session.revision:
         warnings = [
             f"the world is at revision {session.revision} now, which differs from revision {latest['revision']} in its light or the format of its "

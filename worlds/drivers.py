@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from .claim_targets import named_in
 from .errors import EvidenceError
 from .fields import acting_on
 from .predicates.registry import is_invariant
-from .spec import DetachDriver, FieldDriver, MotorDriver, PathDriver, ReleaseDriver, WorldSpec
+from .spec import DetachDriver, FieldDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, WorldSpec
 
-__all__ = ["acts_from", "behind", "deed", "since", "to_declare", "undeclared", "untold"]
+__all__ = ["acts_from", "behind", "deed", "in_secret", "since", "to_declare", "undeclared", "untold"]
 
 
 def acts_from(spec: WorldSpec, driver_id: str) -> tuple[float, tuple[str, ...]]:
@@ -104,3 +105,44 @@ def undeclared(spec: WorldSpec, beat_id: str, until: float, bodies: tuple[str, .
         if set(bodies) & set(entities) and start < until:
             return name
     return None
+
+
+def in_secret(spec: WorldSpec) -> dict[str, tuple[str, float]]:
+    """Forces, motors, releases and detachments that no beat owns and that act within the film on a moving thing that the prompt names.
+
+    What lets go at frame 0 only begins the film. A beat has one owner, so that it tells of all motors that drive the same body at the same time,
+    as those of two wheels. Fields, paths and sources are judged by themselves.
+
+    Returns:
+        the first such entity and the time [s], by driver.
+    """
+    plan, found = spec.simulation, {}
+    owners = {b.owner for b in spec.story.beats.values()}
+    things = [n for n, c in spec.claims.items() if c.type == "thing" and c.waived is None]
+    named = {
+        e for n in things for e in named_in(spec, n, "entities") if e in spec.entities and spec.entities[e].motion != "static"
+    }
+    for name, driver in plan.drivers.items() if named else ():
+        if name in owners or not isinstance(driver, ForceDriver | MotorDriver | ReleaseDriver | DetachDriver):
+            continue
+        try:
+            start, entities = acts_from(spec, name)
+        except EvidenceError:
+            continue  # a joint that is not there: the references tell of it
+        at_once = start <= 0.0 and isinstance(driver, ReleaseDriver | DetachDriver)
+        body = next((e for e in entities if e in named), None)
+        told = isinstance(driver, MotorDriver) and any(_together(spec, name, other) for other in owners)
+        if body is not None and not at_once and not told and start < plan.frames / plan.fps:
+            found[name] = (body, start)
+    return found
+
+
+def _together(spec: WorldSpec, motor_id: str, other_id: str) -> bool:
+    """True if two motors drive joints of one moving body during the same interval."""
+    plan = spec.simulation
+    motor, other = plan.drivers[motor_id], plan.drivers.get(other_id)
+    if not isinstance(motor, MotorDriver) or not isinstance(other, MotorDriver) or other.joint not in plan.joints:
+        return False
+    shared = set(acts_from(spec, motor_id)[1]) & set(acts_from(spec, other_id)[1])
+    moving = any(e in spec.entities and spec.entities[e].motion != "static" for e in shared)
+    return moving and (motor.start, motor.end) == (other.start, other.end)

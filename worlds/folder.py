@@ -23,8 +23,10 @@ from .errors import EvidenceError, InputError
 from .foreign import refuse_foreign
 from .hints import did_you_mean
 
-__all__ = ["WorldFolder", "safe_join", "temporary_name", "world_ids", "write_atomically"]
+__all__ = ["WorldFolder", "safe_join", "temporary_name", "world_ids", "worlds_told", "write_atomically"]
 
+_NAMED = 20
+"""Worlds that a refusal names."""
 WORLD_ID = re.compile(r"^[a-z0-9][a-z0-9_-]{0,63}$")
 
 
@@ -68,6 +70,13 @@ def world_ids(workspace: Path) -> list[str]:
     return sorted(p.name for p in workspace.iterdir() if WORLD_ID.fullmatch(p.name) and (p / "world.json").is_file())
 
 
+def worlds_told(known: list[str]) -> str:
+    """The worlds of a workspace in a line: the first twenty, and how many more there are."""
+    if len(known) <= _NAMED:
+        return f"known worlds: {known}"
+    return f"known worlds: {known[:_NAMED]} and {len(known) - _NAMED} more (inspect_world(part='worlds') lists all)"
+
+
 @dataclass(frozen=True)
 class WorldFolder:
     """Paths of one world."""
@@ -93,7 +102,7 @@ class WorldFolder:
                 )
             known = world_ids(workspace)
             hint = did_you_mean(world, known)
-            raise InputError(f"there is no world {world!r}{hint or ';'} known worlds: {known[:20]}. Create one with edit_spec")
+            raise InputError(f"there is no world {world!r}{hint or ';'} {worlds_told(known)}. Create one with edit_spec")
         refuse_foreign(root)
         return cls(root)
 

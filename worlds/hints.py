@@ -9,7 +9,7 @@ from typing import Any
 from .bounds import shown
 from .errors import InputError
 
-__all__ = ["did_you_mean", "patch_problem", "spec_problem"]
+__all__ = ["did_you_mean", "given", "patch_problem", "spec_problem"]
 
 OPERATIONS = ("add", "remove", "replace", "move", "copy", "test")
 _TAGS = ("kind", "category", "engine")
@@ -34,7 +34,7 @@ def spec_problem(document: Any, item: Mapping[str, Any]) -> tuple[str, str]:
     """
     pointer = _place(document, item)
     parent, _, key = pointer.rpartition("/")
-    kind, got = item["type"], shown(item.get("input"))
+    kind, got = item["type"], given(item.get("input"))
     if kind == "extra_forbidden":
         known = _fields(document, parent)
         there = f"; fields: {', '.join(list(known)[:_NAMED])}" if known else ""
@@ -51,6 +51,11 @@ def spec_problem(document: Any, item: Mapping[str, Any]) -> tuple[str, str]:
     if kind == "missing":
         return pointer, f"is missing{expected}"
     return pointer, f"{item['msg'][:_CHARACTERS]} (got {got}){expected}"
+
+
+def given(value: Any) -> str:
+    """What stands there, in words; clients write NaN and infinities as null, since JSON has no such numbers."""
+    return "null, as which JSON gives NaN and infinity, too" if value is None else shown(value)
 
 
 def _place(document: Any, item: Mapping[str, Any]) -> str:

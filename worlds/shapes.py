@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints, model_validator
 
-from .vocabulary import Finite, NonNegative, Positive, SpecModel, Vec2, Vec3
+from .vocabulary import Finite, InAssets, NonNegative, Positive, SpecModel, Vec2, Vec3
 
 __all__ = [
     "Boolean",
@@ -253,7 +253,7 @@ class Mesh(SpecModel):
     """Closed triangle mesh, from a file in the world's `assets/` folder or written inline."""
 
     kind: Literal["mesh"] = "mesh"
-    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.(obj|stl|ply|glb)$")] | None = None
+    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.(obj|stl|ply|glb)$"), InAssets] | None = None
     vertices: Annotated[list[Vec3], Field(max_length=MESH_VERTICES)] | None = None
     faces: (
         Annotated[
@@ -295,7 +295,7 @@ class HeightField(SpecModel):
     heights: (
         Annotated[list[Annotated[list[Finite], Field(min_length=2, max_length=512)]], Field(min_length=2, max_length=512)] | None
     ) = None
-    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.npy$")] | None = None
+    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.npy$"), InAssets] | None = None
     digest: Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")] | None = None
     base: Positive = Field(default=0.1, description="thickness below the lowest height [m]")
 
@@ -315,7 +315,7 @@ class StemField(SpecModel):
     """
 
     kind: Literal["stems"] = "stems"
-    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.npy$")]
+    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.npy$"), InAssets]
     digest: Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")] = Field(description="SHA-256 of the file")
     count: int = Field(ge=1, description="trunks and boulders in the file")
 

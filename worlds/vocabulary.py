@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import posixpath
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, cast
 
@@ -15,6 +16,7 @@ __all__ = [
     "Finite",
     "FrameInterval",
     "Id",
+    "InAssets",
     "JointRef",
     "MaterialRef",
     "NodeRef",
@@ -63,6 +65,17 @@ MaterialRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("materia
 OwnerRef = Annotated[str, StringConstraints(pattern=ID_PATTERN), Ref("owner")]
 
 Text = Annotated[str, StringConstraints(max_length=2000)]
+
+
+def _in_assets(path: str) -> str:
+    # Links inside the folder are judged where the file is opened.
+    if posixpath.isabs(path) or posixpath.normpath(path).split("/")[0] == "..":
+        raise ValueError(f"path {path!r} leads out of 'assets'; give a relative path inside it")
+    return path
+
+
+InAssets = AfterValidator(_in_assets)
+"""Marks the path of a file as one inside the world's `assets/` folder."""
 
 
 def _bounded(value: float) -> float:

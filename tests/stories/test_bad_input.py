@@ -98,7 +98,6 @@ GEOMETRY: dict[str, tuple[Any, list[str]]] = {
         {"kind": "extrusion", "polygon": BOW_TIE, "height": 0.1},
         ["/entities/b1/parts/body/shape", "polygon"],
     ),
-    "a mesh outside of assets": ({"kind": "mesh", "file": "../../../etc/x.obj"}, ["../../../etc/x.obj", "leads out"]),
     "a mesh that is not there": ({"kind": "mesh", "file": "ghost.obj"}, ["ghost.obj", "assets"]),
     "a mesh with faces out of range": (
         {"kind": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "faces": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 9]]},
@@ -138,7 +137,7 @@ CALLS: list[tuple[str, dict[str, Any], list[str]]] = [
     ("place_object", {"world": "w", "on": "floor"}, ["need entity"]),
     ("place_object", {"world": "w", "entity": "b1", "on": "b1"}, ["cannot rest on itself"]),
     ("place_object", {"world": "w", "entity": "b1", "on": "shelf", "at": [50, 50]}, ["not above 'shelf'", "50"]),
-    ("place_object", {"world": "w", "entity": "b1", "at": [math.nan, 0]}, ["valid number"]),
+    ("place_object", {"world": "w", "entity": "b1", "at": [math.nan, 0]}, ["null, as which JSON gives NaN", "valid number"]),
     ("place_object", {"world": "w", "entity": "b1", "at": [1e300, 0]}, ["within 1e+06 m"]),
     ("place_object", {"world": "w", "entity": "b1", "yaw_deg": 720}, ["720", "<= 360"]),
     ("place_object", {"world": "w", "entity": "b1", "at": [0.17, 0]}, ["overlap 'b2'", "strict=false"]),

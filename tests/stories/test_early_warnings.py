@@ -9,9 +9,12 @@ from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.tests.stories.small_run import PROMPT, small_spec
 from worldagent.tests.stories.test_landscape import LAND
 
-PUSH = {"kind": "force", "entity": "b1", "force": [0, 0, 0.001], "start": 1.2, "end": 1.3}
+PUSH = {
+    "kind": "field", "field": {"kind": "attraction", "center": [9, 0, 0], "acceleration": 1e-3, "distance": 1, "exponent": 0}, "entities": ["b1"],
+    "start": 1.2, "end": 1.3,
+}  # fmt: skip
 """Too weak and too late to change a beat."""
-UNOWNED = "/simulation/drivers/push: 0 beats are owned by force 'push'"
+UNOWNED = "/simulation/drivers/push: 0 beats are owned by field 'push'"
 
 
 @pytest.fixture(autouse=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from ..categories.registry import CATEGORIES, shape_of
-from ..drivers import acts_from, since
+from ..drivers import acts_from, in_secret, since
 from ..errors import EvidenceError
 from ..predicates import atoms_of
 from ..predicates.registry import is_invariant
@@ -36,9 +36,9 @@ def foreseen(spec: WorldSpec) -> list[Problem]:
 
 
 def _unowned(spec: WorldSpec) -> Iterator[Problem]:
-    """Drivers that no beat owns, a medium at rest aside: beats that need one of them fail."""
+    """Drivers that no beat owns, a medium at rest and those that are refused aside: beats that need one of them fail."""
     beats = spec.story.beats
-    owners = {b.owner for b in beats.values()}
+    owners = {b.owner for b in beats.values()} | in_secret(spec).keys()
     for name, driver in spec.simulation.drivers.items() if beats else ():
         if name in owners or (driver.kind == "field" and driver.field.kind == "drag"):
             continue

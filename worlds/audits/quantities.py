@@ -27,7 +27,7 @@ from ..quantities import quantity_said
 from ..references import references
 from ..spec import Claim, SpecModel, WorldSpec
 from .leaves import DIMENSIONS, dimension_at, leaf_at
-from .quantity_targets import INSTEAD, is_setting, target_problems
+from .quantity_targets import ACROSS, INSTEAD, SIZES, is_setting, target_problems
 
 __all__ = ["in_unit", "quantity_problems", "side_of"]
 
@@ -55,9 +55,9 @@ _HEIGHT = {
 """Words of height by language. Reviewed by hand."""
 
 
-_SIZES = frozenset(["tall", "high", "wide", "long", "deep", "thick", "broad", "of"])
+_SIZES = SIZES | {"of"}
 """Words behind a length that make it one of a body, or of what follows."""
-_ACROSS = frozenset(["across", "in"])
+_ACROSS = frozenset([ACROSS, "in"])
 """Words that do so where no article follows: `8 cm across` is a size, `8 cm across a floor` a way."""
 _ARTICLES = frozenset(["a", "an", "the", "its", "their", "his", "her", "this", "that", "one", "two", "some", "every", "each"])
 

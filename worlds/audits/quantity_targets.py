@@ -17,7 +17,7 @@ from ..prompts.units import folded, units_of
 from ..quantities import quantity_said
 from ..spec import WorldSpec
 
-__all__ = ["INSTEAD", "is_setting", "target_problems"]
+__all__ = ["ACROSS", "INSTEAD", "SIZES", "is_setting", "target_problems"]
 
 INSTEAD = (
     "name what says it of the world: frames of a beat, a bound of a predicate, a size, position, mass or speed of an entity, a density, a joint, a driver, "
@@ -39,6 +39,32 @@ _APART = {
     "nl": frozenset(("verderop", "afstand", "verwijderd")),
 }
 """Words right behind a length that make it a distance."""
+SIZES = frozenset(["tall", "high", "wide", "long", "deep", "thick", "broad"])
+"""Words behind a length that make it one of a body."""
+ACROSS = "across"
+"""As these, where nothing follows that it leads over or starts at."""
+_UP_AND_IN = frozenset(["high", "deep"])
+"""Of them those that say as well how far up or down a body is: `a lamp hangs 2 m high`."""
+_UPRIGHT = frozenset(["tall", "high", "deep", "thick", "thickness"])
+"""Words of a size that lies along z in a body that stands or lies as it is described."""
+_IN = frozenset(["diameter", "width", "length", "thickness", "breadth", "size", "radius"])
+"""Nouns that make a size of a length with `in` before them: `8 cm in diameter`."""
+_GAPS = frozenset(
+    ["gap", "gaps", "space", "spaces", "distance", "opening", "slot", "hole", "clearance", "margin", "interval", "way"]
+)
+"""Nouns of what lies between bodies, whose width is told by a position."""
+_LEADS_AWAY = frozenset(["of", "from", *_GAPS])
+"""Words right behind a length and its word that make it no size of the thing before: `passes the post 8 cm wide of it`."""
+_IS = frozenset(["is", "are", "that", "which", "measures"])
+"""Words that may stand between a thing and its length."""
+_RUBBING = regex.compile(
+    "friction|resistance|reibung|widerstand|résistance|frottement|fricción|resistencia|attrito|resistenza|atrito|resistência|wrijving|weerstand|трени|"
+    "сопротивлен|摩擦|抵抗|阻力",
+    regex.IGNORECASE,
+)
+"""Words of a prompt that speaks of how its bodies rub. Reviewed by hand."""
+_ROLLING = regex.compile(r"^/materials/[^/]+/rolling_friction$")
+_POSITION = regex.compile(r"^/entities/[^/]+/pose/position/(\d)$")
 _SIZE = regex.compile(r"/dimensions/size/\d$|/shape/(?:.*/)?(?:size/\d|radius|height|length)$")
 
 
@@ -53,9 +79,26 @@ def target_problems(spec: WorldSpec, name: str, pointer: str) -> Iterator[Proble
     reading = reading_of(spec)
     at = next((k for k, s in enumerate(reading.spans) if s.claim == name), None)
     keys = pointer.strip("/").split("/")
+    wanted = quantity_said(spec, name)
+    if wanted is not None and wanted.dimension == "length" and _ROLLING.search(pointer) and not _RUBBING.search(spec.prompt):
+        text = f"{claim.quote!r} is a length to be seen, and {pointer} says how a material resists rolling, though it is in metres as well: {INSTEAD}"
+        yield Problem(place, text)
+        return
     if at is None or keys[0] != "entities":
         return
-    wanted = quantity_said(spec, name)
+    if (
+        wanted is not None
+        and wanted.dimension == "length"
+        and reading.language == "en"
+        and (word := _size_word(spec, reading.spans, at, pointer))
+    ):
+        axis = 2 if word in _UPRIGHT else 0
+        text = (
+            f"{claim.quote!r} says the size of a body by {word!r}, and {pointer} is a position: name its size, as "
+            f"/entities/{keys[1]}/dimensions/size/{axis}, or that of the part which is meant"
+        )
+        yield Problem(place, text)
+        return
     behind = spec.prompt[reading.spans[at].end :]
     first = [folded(u.text) for u in units_of(behind)[:1]]
     inside = [folded(u.text) for u in units_of(claim.quote)[-1:]]
@@ -72,6 +115,44 @@ def target_problems(spec: WorldSpec, name: str, pointer: str) -> Iterator[Proble
     if own and keys[1] not in own:
         text = f"{claim.quote!r} stands with {spec.claims[thing].quote!r} ({', '.join(sorted(own)[:3])}), and {pointer} is of another: name a number of that"
         yield Problem(place, text)
+
+
+def _size_word(spec: WorldSpec, spans: Sequence[Span], at: int, pointer: str) -> str | None:
+    """The word that makes a length the size of the one body whose position a pointer names; None where it may be anything else.
+
+    A gap has its width by a position, and so has a row of bodies: only what is said of one thing, right before or right behind it, is sure.
+    """
+    found = _POSITION.search(pointer)
+    inside = [folded(u.text) for u in units_of(spans[at].text)]
+    text = spans[at + 1].text if at + 1 < len(spans) and spans[at + 1].claim is None else ""
+    outside = [folded(u.text) for u in units_of(text)]
+    word = next((w for w in (*inside[-1:], *outside[:1]) if w in SIZES or w == ACROSS), "")
+    left = outside if word in inside else outside[1:]
+    if outside[:1] == ["in"] and outside[1:2] and outside[1] in _IN:
+        word, left = outside[1], outside[2:]
+    if found is None or not word or (word == ACROSS and left[:1] == ["from"]) or (word in _UP_AND_IN and found[1] == "2"):
+        return None
+    later = spans[at + 1 :] if not text else spans[at + 2 :]
+    about = _right_behind(spec, later, left) or (None if word in _UP_AND_IN else _right_before(spans, at, left))
+    named = set(named_in(spec, about, "entities")) if about is not None else set()
+    return word if len(named) == 1 else None
+
+
+def _right_behind(spec: WorldSpec, later: Sequence[Span], left: Sequence[str]) -> str | None:
+    """The claim of the thing that a length and its word stand before, with nothing but properties between: `an 8 cm wide steel block`."""
+    spoken = [s for s in later if not (s.claim is None and not s.text.strip(" -"))]
+    head = next(iter(spoken[len(list(takewhile(lambda s: s.type == "property", spoken))) :]), None)
+    if left or head is None or head.type != "thing":
+        return None
+    return None if _GAPS & {folded(u.text) for u in units_of(head.text)} else head.claim
+
+
+def _right_before(spans: Sequence[Span], at: int, left: Sequence[str]) -> str | None:
+    """The claim of the thing that a length and its word stand behind: `a block, 8 cm wide, slides`."""
+    before = [s for s in spans[:at] if s.text.strip()]
+    if before and before[-1].claim is None and {folded(u.text) for u in units_of(before[-1].text)} <= _IS:
+        before = before[:-1]
+    return before[-1].claim if before and before[-1].type == "thing" and not _LEADS_AWAY & set(left[:1]) else None
 
 
 def _stands_with(spec: WorldSpec, spans: Sequence[Span], at: int, language: str) -> str | None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from ..categories.registry import CATEGORIES
 from ..channels import names_written
-from ..drivers import deed, to_declare, undeclared
+from ..drivers import deed, in_secret, to_declare, undeclared
 from ..errors import EvidenceError
 from ..fields import acting_on
 from ..predicates import Contact, NoContact, Predicate, atoms_of, entities_of
@@ -74,7 +74,20 @@ def story_problems(spec: WorldSpec) -> list[Problem]:
         problems.append(
             Problem("/story/beats", "no mandatory beat or requirement: nothing would prove the prompt; add at least one")
         )
-    return problems
+    return problems + _in_secret(spec)
+
+
+def _in_secret(spec: WorldSpec) -> list[Problem]:
+    """R28: drivers of which the story says nothing, on things of which the prompt speaks."""
+    return [
+        Problem(
+            f"/simulation/drivers/{name}",
+            f"driver {name!r} acts on {body!r}, which the prompt names, from {start:g} s on, and no beat tells of it: let a beat own it "
+            f"(owner {name}), or take it away",
+            removed(f"/simulation/drivers/{name}"),
+        )
+        for name, (body, start) in in_secret(spec).items()
+    ]
 
 
 def _unsaid(spec: WorldSpec, name: str) -> list[Problem]:

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints, model_validator
 
-from ..vocabulary import EntityRef, Finite, Id, MaterialRef, NonNegative, Positive, SpecModel, Text, Vec2
+from ..vocabulary import EntityRef, Finite, Id, InAssets, MaterialRef, NonNegative, Positive, SpecModel, Text, Vec2
 
 __all__ = [
     "BIOME_NAMES",
@@ -202,7 +202,7 @@ class Dem(_Layered):
     """Measured heights from a file in the world's `assets/` folder, resampled to the grid."""
 
     kind: Literal["dem"] = "dem"
-    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.(tif|tiff|png|npy|npz)$")]
+    file: Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_./-]{1,200}\.(tif|tiff|png|npy|npz)$"), InAssets]
     cell: Positive | None = Field(
         default=None, description="of the file [m]; default: what a GeoTIFF says, else stretched over the extent"
     )

@@ -6,16 +6,21 @@ from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
+from worldagent.tests.stories.yard import MARKED as YARD
+from worldagent.tests.stories.yard import PROMPT as YARD_PROMPT
+from worldagent.tests.stories.yard import yard_spec
 from worldagent.verifiers.shots.bounds import SCREEN_STEP as JUDGED
 from worldagent.worlds.audits.audit import MOST_WARNINGS, audit
 from worldagent.worlds.audits.foreseen import SCREEN_STEP
-from worldagent.worlds.drivers import deed
+from worldagent.worlds.audits.story import story_problems
+from worldagent.worlds.claim_marks import claim_operations
+from worldagent.worlds.drivers import deed, in_secret
 from worldagent.worlds.patch import apply_patch, parse_spec
 from worldagent.worlds.spec import WorldSpec
 
 
-def changed(*operations: tuple[str, Any]) -> WorldSpec:
-    base = parse_spec({**small_spec(), "prompt": PROMPT})
+def changed(*operations: tuple[str, Any], **members: Any) -> WorldSpec:
+    base = parse_spec({**small_spec(**members), "prompt": PROMPT})
     return apply_patch(base, [{"op": "add", "path": p, "value": v} for p, v in operations])
 
 
@@ -31,13 +36,55 @@ def test_the_small_world_has_no_warning() -> None:
 
 
 def test_a_driver_that_no_beat_owns_is_told_with_what_it_acts_on() -> None:
-    report = audit(changed(("/simulation/drivers/push", PUSH)))
+    report = audit(changed(("/simulation/drivers/push", PUSH), claims={}))
     (told,) = report.warnings
     assert told.startswith(
         "/simulation/drivers/push: 0 beats are owned by force 'push', which acts on b1 from 0.5 s on; 1 is wanted"
     )
     assert "audit:story" not in told
     assert told in report.told
+
+
+@pytest.mark.parametrize(
+    "driver",
+    [PUSH, {"kind": "release", "entity": "b1", "time": 0.5}, {"kind": "motor", "joint": "bar", "velocity": 1.0, "max_effort": 1.0, "end": 1.0}, {"kind": "detach", "joint": "bar", "time": 0.5}],
+    ids=lambda d: d["kind"],
+)  # fmt: skip
+def test_a_driver_that_acts_in_secret_on_what_the_prompt_names_is_refused(driver: dict[str, Any]) -> None:
+    bar = {"kind": "weld", "parent": "shelf", "child": "b1", "anchor": [0, 0, 0.1]}
+    starts = driver.get("time", driver.get("start", 0.0))
+    secret = changed(("/simulation/joints/bar", bar), ("/simulation/drivers/f", driver))
+    (told,) = [p for p in story_problems(secret) if p.pointer == "/simulation/drivers/f"]
+    said = f"driver 'f' acts on 'b1', which the prompt names, from {starts:g} s on, and no beat tells of it: let a beat own it (owner f), or take it away"
+    assert told.text == said
+    assert told.patch == {"op": "remove", "path": "/simulation/drivers/f"}
+    assert not [w for w in audit(secret).warnings if "owned by" in w]
+    assert told not in story_problems(apply_patch(secret, [told.patch]))
+    owned = [{"op": "add", "path": "/story/beats/fall/owner", "value": "f"}]
+    assert told not in story_problems(apply_patch(secret, owned))
+
+
+def test_a_beat_tells_of_all_motors_that_drive_its_body_at_the_same_time() -> None:
+    """A beat has one owner, a cart two driven wheels."""
+    both = parse_spec({**yard_spec(), "prompt": YARD_PROMPT})
+    both = apply_patch(both, claim_operations(YARD, both))
+    assert in_secret(both) == {}
+    late = apply_patch(both, [{"op": "add", "path": "/simulation/drivers/drive_bl/start", "value": 0.5}])
+    assert in_secret(late) == {"drive_bl": ("body", 0.5)}
+
+
+@pytest.mark.parametrize(
+    ("driver", "members"),
+    [
+        ({**PUSH, "start": 60.0, "end": 61.0}, {}),
+        ({"kind": "release", "entity": "b1", "time": 0.0}, {}),
+        (AIR, {}),
+        (PUSH, {"claims": {}}),
+    ],
+    ids=["after the film", "as the film begins", "still air", "on what no words name"],
+)
+def test_a_driver_that_does_nothing_in_the_film_to_what_is_named_is_not_refused(driver: dict[str, Any], members: Any) -> None:
+    assert in_secret(changed(("/simulation/drivers/f", driver), **members)) == {}
 
 
 def test_a_field_that_blows_before_frame_0_is_told_from_then_on() -> None:
@@ -72,7 +119,7 @@ def test_a_state_from_frame_0_that_is_to_cause_something_is_told_and_one_that_ca
 
 def test_of_many_warnings_a_reply_shows_the_first_and_how_many_more() -> None:
     many = [(f"/simulation/drivers/p{k}", PUSH) for k in range(MOST_WARNINGS + 3)]
-    report = audit(changed(*many))
+    report = audit(changed(*many, claims={}))
     assert len(report.warnings) == MOST_WARNINGS + 3
     assert len(report.told) == MOST_WARNINGS + 1
     assert report.told[-1].startswith("3 more warnings")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 from worldagent.tests.worlds.test_amounts import said
+from worldagent.tests.worlds.test_amounts import told as of
+from worldagent.worlds.audits.claims import claim_problems
 from worldagent.worlds.prompts.languages import held_words
 from worldagent.worlds.prompts.numbers import quantity_in
 
@@ -105,3 +107,47 @@ def test_an_article_before_a_unit_is_read(language: str, text: str, value: float
 def test_a_whole_minute_is_refused_in_filler_and_of_a_film_of_a_second() -> None:
     assert "'a whole minute' at character" in said(f"For a whole minute a {BALL} [rolls](event roll).")
     assert "says 60 s" in said(f"For [a whole minute](quantity /simulation/frames) a {BALL} [rolls](event roll).")
+
+
+SIZED = {
+    "before a noun": "A [30 cm](quantity %s) wide [shelf](thing shelf) holds a [block](thing b1).",
+    "before its properties": "A [30 cm](quantity %s) wide [wooden](property shelf) [shelf](thing shelf) holds a [block](thing b1).",
+    "in the quote": "A [30 cm long](quantity %s) [shelf](thing shelf) holds a [block](thing b1).",
+    "behind": "A [shelf](thing shelf) [30 cm](quantity %s) across holds a [block](thing b1).",
+    "behind a comma": "A [shelf](thing shelf), [30 cm](quantity %s) thick, holds a [block](thing b1).",
+    "by a noun": "A [shelf](thing shelf) [30 cm](quantity %s) in width and a [block](thing b1).",
+}
+
+
+@pytest.mark.parametrize("name", SIZED)
+def test_a_size_is_no_position(name: str) -> None:
+    text = "says the size of a body by"
+    assert text in said(SIZED[name] % "/entities/shelf/pose/position/1")
+    assert "name its size, as /entities/shelf/dimensions/size/" in said(SIZED[name] % "/entities/shelf/pose/position/0")
+    assert text not in said(SIZED[name] % "/entities/shelf/dimensions/size/1")
+
+
+@pytest.mark.parametrize(
+    "marked",
+    [
+        "Across a [30 cm](quantity %s) wide gap a [block](thing shelf) stands.",
+        "A [30 cm](quantity %s) wide [gap](thing shelf) is before a [block](thing b1).",
+        "A [30 cm](quantity %s) long row of [blocks](thing shelf) stands there.",
+        "A [30 cm](quantity %s) long [row](thing shelf b1) stands there.",
+        "A [block](thing shelf) lies [30 cm](quantity %s) across from the [block](thing b1).",
+        "A [block](thing shelf) lies [30 cm](quantity %s) wide of the [block](thing b1).",
+        "A [30 cm](quantity %s) high [shelf](thing shelf) holds a [block](thing b1).",
+        "A [lamp](thing shelf) hangs [30 cm](quantity %s) high above the [block](thing b1).",
+    ],
+)
+def test_a_position_that_a_size_word_stands_beside_is_left_to_the_measure(marked: str) -> None:
+    assert "says the size" not in said(marked % "/entities/shelf/pose/position/2")
+
+
+def test_a_length_is_no_coefficient_of_a_material() -> None:
+    """Rolling friction is in metres, and no width of a body."""
+    marked = "An [8 cm](quantity /materials/wood/rolling_friction) wide [block](thing b1) stands on a [shelf](thing shelf) and a [ball](thing ball) [rolls](event roll)%s."
+    rolls = ("/materials/wood/rolling_friction", 0.08)
+    told = [" | ".join(p.text for p in claim_problems(of(marked % end, rolls))) for end in ("", " with rolling resistance")]
+    assert "'8 cm' is a length to be seen, and /materials/wood/rolling_friction says how a material resists rolling" in told[0]
+    assert "resists rolling" not in told[1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from worldagent.tests.stories.small_run import PROMPT, small_spec
@@ -25,7 +26,7 @@ def test_a_beat_that_is_not_mandatory_keeps_no_bake_back(mandatory: bool, status
         return Row.model_validate({"id": name, "check": name.split(":")[0], "group": "temporal", "predicate": "p", **given})
 
     rows = [row(name) for name in sorted(demanded_of_motion(session.spec))]
-    known = {"detail": {"rows": stored_rows(rows, probe_frames(session.spec) - 1)}, "revision": 1}
+    known: dict[str, Any] = {"detail": {"rows": stored_rows(rows, probe_frames(session.spec) - 1)}, "revision": 1}
     assert _open_of_record(session, known) == left
     known["detail"]["rows"] = stored_rows(rows[1:], probe_frames(session.spec) - 1)
     assert rows[0].id in _open_of_record(session, known), "a row that is not there is missed, whatever it is"

@@ -28,12 +28,12 @@ from ...rows.findings import Finding
 from .answers import Answer, finding_of
 from .bounds import WALLS
 from .facing import against
-from .placed import Place
+from .placed import Place, apart
 from .posed import SAYS, frames_of, pose_answers, posed_things
 from .postures import untold, why_not
 from .required import required
 from .rests import SENTENCE, rest_said, still_at
-from .standing import TESTS, touching
+from .standing import TESTS, near, touching
 
 if TYPE_CHECKING:
     from ....worlds.arrays import F64
@@ -64,8 +64,8 @@ ON_AS: Mapping[str, Callable[[Place, str], bool]] = {"lean": against, "hang": to
 MUTUAL = (Adjacent, Interacts, Fastened)
 """Kinds of relation whose ends say nothing of who is where: the sentence does."""
 DOWNWARD = frozenset(("under",))
-MEASURED = frozenset(("under", "above", "edge", "against", "behind", "front", "beside"))
-"""Words that no kind of relation entails by itself: its bodies are measured. A gap of `adjacent` has no scale of its own."""
+MEASURED = frozenset(("under", "above", "edge", "against", "behind", "front"))
+"""Words that no kind of relation entails by itself: its bodies are measured."""
 
 
 def judge(candidate: Candidate, name: str, words: list[Word]) -> Finding:
@@ -138,6 +138,8 @@ def _answer(candidate: Candidate, name: str, word: Word, relations: list[str], r
             ):
                 ends = ends[::-1]
             return _first(candidate, name, word, [ends[1]], [ends[0]])
+        if word.term == "beside" and (far := _far_apart(candidate, ends)) is not None:
+            return Answer(word.text, False, far, 0.0, 1.0)
     if relations:
         return Answer(word.text, True, f"{', '.join(relations)} says so, and its own row judges it", 1.0, 1.0)
     things = things_of(spec, name, grounds)
@@ -152,6 +154,18 @@ def _answer(candidate: Candidate, name: str, word: Word, relations: list[str], r
         )
         return found._replace(text=text)
     return found
+
+
+def _far_apart(candidate: Candidate, ends: tuple[str, str]) -> str | None:
+    """Why two things are not beside each other, whatever gap their relation allows: it has no scale of its own; None where they may be."""
+    a, b = ends
+    if a not in candidate.solids or b not in candidate.solids:
+        return None
+    place = Place(candidate, [b], 0)
+    one, two = place.box(a), place.box(b)
+    if near(one, two):
+        return None
+    return f"{a!r} and {b!r} are {apart(one, two):.3g} m apart at frame 0, farther than the geometric mean of their lengths"
 
 
 # ---------------------------------------------------------------- the sentence

@@ -18,13 +18,14 @@ from functools import partial
 
 import numpy as np
 
+from ....worlds.arrays import F64
 from ...scene.surfaces import surfaces_of
 from .bounds import NEAR
 from .facing import against, behind, in_front
 from .outlines import in_hull
 from .placed import Place, apart
 
-__all__ = ["TESTS", "touching"]
+__all__ = ["TESTS", "near", "touching"]
 
 
 def _on(place: Place, thing: str) -> bool:
@@ -54,14 +55,14 @@ def _beside(place: Place, thing: str) -> bool:
     for ground in place.grounds:
         box = place.box(ground)
         level = own[0, 2] <= box[1, 2] and box[0, 2] <= own[1, 2]
-        reach = NEAR * math.sqrt(float(np.ptp(own, axis=0).max()) * float(np.ptp(box, axis=0).max()))
-        if (
-            level
-            and apart(own, box) <= reach
-            and not (_in(place, thing) or place.under(thing, ground) or place.under(ground, thing))
-        ):
+        if level and near(own, box) and not (_in(place, thing) or place.under(thing, ground) or place.under(ground, thing)):
             return True
     return False
+
+
+def near(a: F64, b: F64) -> bool:
+    """True where two boxes, lower and upper corners (2, 3) [m], stand no farther apart than the geometric mean of their lengths."""
+    return apart(a, b) <= NEAR * math.sqrt(float(np.ptp(a, axis=0).max()) * float(np.ptp(b, axis=0).max()))
 
 
 def _between(place: Place, thing: str) -> bool:

@@ -54,7 +54,7 @@ def spec_problem(document: Any, item: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def given(value: Any) -> str:
-    """What stands there, in words; clients write NaN and infinities as null, since JSON has no such numbers."""
+    """Value that stands there, in words; clients write NaN and infinities as null, since JSON has no such numbers."""
     return "null, as which JSON gives NaN and infinity, too" if value is None else shown(value)
 
 

@@ -44,7 +44,7 @@ SIZES = frozenset(["tall", "high", "wide", "long", "deep", "thick", "broad"])
 ACROSS = "across"
 """As these, where nothing follows that it leads over or starts at."""
 _UP_AND_IN = frozenset(["high", "deep"])
-"""Of them those that say as well how far up or down a body is: `a lamp hangs 2 m high`."""
+"""Size words that say as well how far up or down a body is: `a lamp hangs 2 m high`."""
 _UPRIGHT = frozenset(["tall", "high", "deep", "thick", "thickness"])
 """Words of a size that lies along z in a body that stands or lies as it is described."""
 _IN = frozenset(["diameter", "width", "length", "thickness", "breadth", "size", "radius"])

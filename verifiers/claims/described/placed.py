@@ -46,7 +46,10 @@ class Place:
         return self.seen(body).center
 
     def touches(self, a: str, b: str) -> bool:
-        """True where their surfaces are as near as those that touch."""
+        """True where their surfaces are as near as those that touch; a liquid has none that bears or is borne."""
+        parts = surfaces_of(self.candidate).parts_of
+        if not parts.get(a) or not parts.get(b):
+            return False
         return apart(self.box(a), self.box(b)) <= self.slack and self.gap(a, b) <= self.slack
 
     def gap(self, a: str, b: str, offset: F64 | None = None) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from worldagent.testing.defects._films import film_of
 from worldagent.testing.worlds.claimed_worlds import claimed
+from worldagent.testing.worlds.liquid_worlds import pool_in_tank
 from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, ground, make_candidate, world
 from worldagent.verifiers.claims.described.check import check
 from worldagent.worlds.patch import parse_spec
@@ -235,3 +236,18 @@ def test_a_vase_that_falls_with_its_table_does_not_stand(under: str, status: str
     (row,) = [r for r in rows if r.id == "claim:place:it"]
     assert row.status == status, row.evidence
     assert status == "pass" or "it falls" in row.evidence["explanation"]
+
+
+def test_water_in_a_tank_bears_nothing_and_hinders_no_answer(tmp_path: Path) -> None:
+    """A liquid is no surface that touches: asking for its gap ended the judgement of a tank full of water."""
+    flow = pool_in_tank(size=(0.3, 0.2, 0.15), spacing=0.02, wall=0.02, frames=6)
+    bodies = {**flow.spec.entities, "table": box(1.0, 1.0, 0.1, at=(0, 0, -0.07))}
+    spec = flow.spec.model_copy(update={"entities": bodies})
+    things = {
+        "tank": ("tank", "thing", ["/entities/tank"]),
+        "table": ("table", "thing", ["/entities/table"]),
+        "it": ("on", "place", ["/entities/table"]),
+    }
+    made = claimed(spec, "A tank stands on the table.", things)
+    (row,) = check(flow.edited(spec=made).candidate(tmp_path))
+    assert row.status == "pass", row.evidence

@@ -215,7 +215,7 @@ def push() -> Document:
             "push": beat("it pushes the crate", "crate", (3, 26), {"kind": "pushes", "entity": "plate", "other": "crate", "min": 0.2}, "advance"),
         },
         frames=40, eye=(0.1, -1.7, 0.6), target=(0.1, 0, 0.1), touching=[("plate", "crate")],
-        drivers={"drive": _path("plate", (0.0, (-0.18, 0, 0.09)), (0.7, (0.16, 0, 0.09)), (2.0, (0.16, 0, 0.09)))},
+        drivers={"drive": _path("plate", (0.0, (-0.18, 0, 0.09)), (0.7, (0.11, 0, 0.09)), (2.0, (0.11, 0, 0.09)))},
     )  # fmt: skip
 
 

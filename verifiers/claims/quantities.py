@@ -1,7 +1,7 @@
 """Claims of a quantity against what is measured (R131, R154).
 
 Words that say about a number exclude half of it and twice it: what is measured has to be nearer to the number than to either, in
-ratios. A plain number is held closer: what is built to a twentieth, what motion gives to a fifth. Words that give the least or the most have no rival: the bound is the number that they say. What nothing measures stays the agent's
+ratios. A plain number is held closer: what is built to a twentieth, what motion gives to a quarter. Words that give the least or the most have no rival: the bound is the number that they say. What nothing measures stays the agent's
 reading, which the verdict prints.
 """
 

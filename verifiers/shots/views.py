@@ -81,23 +81,25 @@ def _looks(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> _Looks:
     return found
 
 
-def _moment(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> Seen | None:
-    """The clearest view of the subject around the frame where the beat comes true; large views before small ones.
+def _moment(sight: Sight, beat_id: str, beat: Beat, first: int | None) -> tuple[Seen | None, float]:
+    """The clearest view of the subject around the frame where the beat comes true, and its unoccluded share.
 
-    None where there is no such moment (the beat never comes true, or is a state that lasts, which is looked at as a whole), or no shot.
+    Large views before small ones; the share is 0 where all are too small, or no shot runs there (then there is no view). It is 1, without a
+    view, where nothing is asked of a moment: the beat never comes true, or is a state that lasts, which is looked at as a whole.
     """
     candidate = sight.candidate
     own = outcome_frames(candidate, beat_id)
     if first is None or own is None or is_invariant(beat.predicate):
-        return None
-    limits, best = candidate.spec.simulation.limits, None
+        return None, 1.0
+    limits, best, shown = candidate.spec.simulation.limits, None, 0.0
     # Nearest frames first: the first that shows it decides.
     for frame in sorted(samples(own, SAMPLES, first), key=lambda f: abs(f - first)):
         for look in _look(sight, beat_id, beat.subject, [frame]).seen:
             best = look if best is None else max(best, look, key=lambda s: (s.share >= limits.visible_pixels, s.unoccluded))
-        if best is not None and best.share >= limits.visible_pixels and best.unoccluded >= limits.visible_share:
+        shown = best.unoccluded if best is not None and best.share >= limits.visible_pixels else 0.0
+        if shown >= limits.visible_share:
             break
-    return best
+    return best, shown
 
 
 def visible(sight: Sight, beat_id: str, beat: Beat) -> Finding:
@@ -120,7 +122,7 @@ def visible(sight: Sight, beat_id: str, beat: Beat) -> Finding:
     return _judged(sight, beat, looks, first, _moment(sight, beat_id, beat, first))
 
 
-def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: Seen | None) -> Finding:
+def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: tuple[Seen | None, float]) -> Finding:
     """The finding about a beat's subject.
 
     Args:
@@ -128,10 +130,10 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: 
         beat: the beat.
         looks: its subject at the sampled frames.
         first: frame at which the beat comes true.
-        moment: the clearest view of it around that frame; None where nothing is asked of one.
+        moment: the clearest view of it around that frame and its unoccluded share, as `_moment`.
     """
     limits, subject = sight.candidate.spec.simulation.limits, beat.subject
-    shown = _shown(moment, limits.visible_pixels)
+    view, shown = moment
     best = max(looks.seen, key=lambda s: min(s.share / limits.visible_pixels, s.unoccluded / limits.visible_share))
     good = looks.good(limits.visible_pixels)
     seen_share = len(good) / len(looks.frames)
@@ -144,12 +146,12 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: 
     missed = [k for k, (value, bound) in enumerate(tests) if value < bound]
     measured, bound = tests[missed[0] if missed else 1]
     text = f"{_appearance(subject, best)}; in view at {len(good)} of {len(looks.frames)} sampled frames"
-    if moment is not None and shown < limits.visible_share:
-        behind = f", behind {moment.hidden_by}" if moment.hidden_by else ""
+    if shown < limits.visible_share:
+        behind = f", behind {view.hidden_by}" if view is not None and view.hidden_by else ""
         text += (
             f"; within {MOMENT:g} s of frame {first}, where the beat comes true, at most {shown:.0%} of it is unoccluded{behind}"
         )
-    looked = moment if missed == [3] and moment is not None else best
+    looked = view if missed == [3] and view is not None else best
     bad_frames = sorted({s.frame for s in looks.seen if s not in good} | set(looks.blind))
     return Finding(
         "fail" if missed else "pass",
@@ -164,19 +166,12 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: 
             "best_share": best.share,
             "best_unoccluded": best.unoccluded,
             "seen_share": seen_share,
-            "moment": {"frame": first, "unoccluded": shown, "hidden_by": None if moment is None else moment.hidden_by},
+            "moment": {"frame": first, "unoccluded": shown, "hidden_by": None if view is None else view.hidden_by},
             "samples": [[s.frame, s.shot, s.share, s.unoccluded, s.hidden_by] for s in looks.seen[:SAMPLES]],
             "pixels": [sight.width, sight.height],
         },
         frames=beat.frames,
     )
-
-
-def _shown(moment: Seen | None, pixels: float) -> float:
-    """Unoccluded share of the subject in a view; 0 where it is too small, 1 where no moment is asked for."""
-    if moment is None:
-        return 1.0
-    return moment.unoccluded if moment.share >= pixels else 0.0
 
 
 def _nearer(sight: Sight, beat: Beat, best: Seen, *, leaves: bool) -> tuple[Correction, ...]:

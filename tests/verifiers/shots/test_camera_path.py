@@ -141,6 +141,15 @@ def test_the_moment_at_which_a_beat_comes_true_is_shown(tmp_path: Path, reach: i
         assert "screen stands in the way" in {c.cause for c in row.corrections}
 
 
+def test_a_moment_that_no_shot_shows_is_not_seen(tmp_path: Path) -> None:
+    """Shots before and after it: the subject is clear in both, and the beat comes true between them, at frame 24."""
+    shots = {"a": shot(covers=["jump"], frames=(0, 15)), "b": shot(covers=["jump"], frames=(33, N - 1))}
+    row = rows_of(scene(tmp_path, shots))["visible:jump"]
+    assert row.evidence["moment"]["frame"] == 24
+    assert row.evidence["moment"]["unoccluded"] == 0.0
+    assert row.status == "fail"
+
+
 def test_what_a_shot_follows_stays_in_its_picture(tmp_path: Path) -> None:
     for aim, status in ((0.0, "pass"), (6.0, "fail")):
         followed = shot(key(target=(aim, 0, 0.5)), follow="ball")

@@ -25,7 +25,7 @@ from ....worlds.predicates import (
 from ...predicates.kinematic import points_in_region
 from ...predicates.outcome import Comparison, Outcome, Series, band, judge
 from .frames import Frame, Liquid
-from .samples import samples
+from .samples import triangles_by_parts
 from .solids import Piece, pieces_of
 from .submerged import Submerged
 from .told import liquid_or_none, painted
@@ -63,6 +63,8 @@ CREST = 8
 """Particles that a splash needs: fewer are drops that nothing resolves."""
 TOUCH = 1.0
 """[spacings] Liquid this near to a surface wets it."""
+PART = 1.0
+"""[spacings] Longest edge of the parts of a surface that are each wet or dry."""
 
 
 def _of_liquid(
@@ -227,30 +229,48 @@ def wet_area(scope: Scope, p: WetArea, liquid: Liquid, member: int) -> Outcome:
     pieces = [q for q in pieces_of(scope.candidate) if q.entity == p.entity]
     if not pieces:
         raise EvidenceError(f"{p.entity!r} has no surface that a liquid can wet")
-    spread = [_spread(q, 0.5 * liquid.spacing) for q in pieces]
-    ever = [np.zeros(len(x), dtype=bool) for x, *_ in spread]
+    spread = [_spread(q, liquid) for q in pieces]
+    state = [np.zeros(len(x), dtype=bool) for x, *_ in spread]
     value = np.zeros(scope.length)
     for i, frame, own in _frames(scope, liquid, member):
-        for piece, (points, area, normals), wet in zip(pieces, spread, ever, strict=True):
-            outward = normals @ piece.turn[frame.index].T
-            now, _ = touched(frame.position[own], piece.world(points, frame.index), outward, liquid.spacing)
-            wet |= now
-            value[i] += float(area[wet if p.measure == "ever" else now].sum())
+        for piece, (points, area, normals), wet in zip(pieces, spread, state, strict=True):
+            asked = ~wet if p.measure == "ever" else np.ones(len(area), dtype=bool)
+            outward = normals[asked] @ piece.turn[frame.index].T
+            wet[asked], _ = touched(frame.position[own], piece.world(points[asked], frame.index), outward, liquid.spacing)
+            value[i] += float(area[wet].sum())
     return _banded(scope, p, value, "m^2", f"wet area of {p.entity}")
 
 
-def _spread(piece: Piece, spacing: float) -> tuple[F64, F64, F64]:
-    """Points on a surface, the area that each stands for [m^2]: triangle by triangle, in equal shares; and the normals there."""
-    triangles = piece.solid.triangles
-    area = 0.5 * np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
-    points, _ = samples(piece.solid, spacing, piece.solid.lower, piece.solid.upper)
-    from ....geometry.inside import nearest_faces
+def _spread(piece: Piece, liquid: Liquid) -> tuple[F64, F64, F64]:
+    """Middles of equal parts of each triangle that the liquid may reach, in the body's frame, shape (n, 3), the area of each part
+    [m^2], shape (n,), and the normals there, shape (n, 3)."""
+    low, high = liquid.extent[0] - TOUCH * liquid.spacing, liquid.extent[1] + TOUCH * liquid.spacing
+    if not np.isfinite(low).all():
+        return np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3))
+    if piece.still:
+        corners = piece.local(np.array([[(low, high)[k >> a & 1][a] for a in range(3)] for k in range(8)]), 0)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+    else:
+        low, high = piece.solid.lower, piece.solid.upper
+    points, areas, normals = [np.zeros((0, 3))], [np.zeros(0)], [np.zeros((0, 3))]
+    for triangles, facing, k in triangles_by_parts(piece.solid, PART * liquid.spacing, low, high):
+        weights = _middles(k)
+        area = 0.5 * np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
+        points.append(np.einsum("wc,tcx->twx", weights, triangles).reshape(-1, 3))
+        areas.append(np.repeat(area / k**2, k**2))
+        normals.append(np.repeat(facing, k**2, axis=0))
+    point = np.concatenate(points)
+    within = ((point >= low) & (point <= high)).all(axis=1)
+    return point[within], np.concatenate(areas)[within], np.concatenate(normals)[within]
 
-    _, _, face = nearest_faces(piece.solid, points)
-    count = np.bincount(face, minlength=len(area))
-    bare = np.flatnonzero(count == 0)
-    points, face = np.concatenate([points, triangles[bare].mean(axis=1)]), np.concatenate([face, bare])
-    return points, area[face] / np.bincount(face, minlength=len(area))[face], piece.solid.face_normals[face]
+
+def _middles(k: int) -> F64:
+    """Barycentric coordinates of the middles of the k^2 equal triangles that a triangle is cut into, shape (k^2, 3)."""
+    i, j = (x.reshape(-1) for x in np.meshgrid(np.arange(k), np.arange(k), indexing="ij"))
+    up, down = i + j < k, i + j < k - 1
+    first = np.concatenate([i[up] + 1.0 / 3.0, i[down] + 2.0 / 3.0]) / k
+    second = np.concatenate([j[up] + 1.0 / 3.0, j[down] + 2.0 / 3.0]) / k
+    return np.stack([first, second, 1.0 - first - second], axis=1)
 
 
 @_of_liquid(SplashHeight, "m")

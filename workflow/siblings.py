@@ -34,10 +34,12 @@ class _Sibling(NamedTuple):
     """None where it is damaged."""
     changed: float
     """When its ledger was written last [s since 1970]."""
+    judged: bool = True
+    """False if no row of it failed, and its frames were looked at and never judged."""
 
 
 def _failed(workspace: Path, world: str, prompt: str) -> Iterator[_Sibling]:
-    """Other worlds of nearly the same prompt in which a row failed."""
+    """Other worlds of nearly the same prompt in which a row failed, or whose frames were looked at and never judged."""
     for other in world_ids(workspace):
         try:
             folder = WorldFolder.of(workspace, other)
@@ -51,18 +53,17 @@ def _failed(workspace: Path, world: str, prompt: str) -> Iterator[_Sibling]:
             continue
         try:
             ledger = Ledger(folder.ledger_path)
-            if ledger.ever_failed():
-                yield _Sibling(other, alike, ledger, changed)
+            fails = ledger.ever_failed()
+            if fails or ledger.looks():
+                yield _Sibling(other, alike, ledger, changed, fails)
         except EvidenceError:
             yield _Sibling(other, alike, None, changed)
 
 
 def started_anew(workspace: Path, world: str, prompt: str) -> list[str]:
-    """A line about the failed worlds of nearly the same prompt; none where there are none."""
-    failed = {
-        s.world if s.ledger is not None else f"{s.world} (its ledger is damaged)": s.alike
-        for s in _failed(workspace, world, prompt)
-    }
+    """A line about the worlds of nearly the same prompt that hold evidence against it; none where there are none."""
+    siblings = list(_failed(workspace, world, prompt))
+    failed = {s.world if s.ledger is not None else f"{s.world} (its ledger is damaged)": s.alike for s in siblings}
     exact = all(alike == 1.0 for alike in failed.values())
     least = min(failed.values(), default=0.0)
     near = (
@@ -71,14 +72,20 @@ def started_anew(workspace: Path, world: str, prompt: str) -> list[str]:
         else "a prompt that stands in this one, or holds it"
     )
     prompt_text = "this prompt" if exact else near
+    seen = "frames were seen without a verdict"
     if len(failed) <= 1:
-        return [f"started anew beside world {other}, in which rows failed for {prompt_text}" for other in failed]
+        what = "rows failed" if all(s.judged for s in siblings) else seen
+        return [f"started anew beside world {other}, in which {what} for {prompt_text}" for other in failed]
+    what = "rows failed" if all(s.judged for s in siblings) else f"rows failed or {seen}"
     names = ", ".join(list(failed)[:MAX_NAMED]) + (", ..." if len(failed) > MAX_NAMED else "")
-    return [f"started anew beside {len(failed)} worlds in which rows failed for {prompt_text}: {names}"]
+    return [f"started anew beside {len(failed)} worlds in which {what} for {prompt_text}: {names}"]
 
 
 def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
-    """Where a world asks less than failed ones of nearly the same prompt, by claim; a line each that names the other world."""
+    """Where a world asks less than those of nearly the same prompt that failed, or were looked at and never judged, by claim.
+
+    A line each, that names the other world.
+    """
     siblings = sorted(_failed(workspace, world, spec.prompt), key=lambda s: -s.changed)
     found = []
     for sibling in siblings[:MOST_COMPARED]:
@@ -88,12 +95,13 @@ def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
         except (WorldAgentError, ValueError):  # what cannot be read as a world either
             found.append(f"not compared with world {sibling.world}: its ledger is damaged")
             continue
-        told = f"easier than revision {revision} of world {sibling.world}, whose rows failed: "
+        why = "whose rows failed" if sibling.judged else "of which frames were seen without a verdict"
+        told = f"easier than revision {revision} of world {sibling.world}, {why}: "
         found += [told + line for line in lines[:MOST_LINES]]
         if len(lines) > MOST_LINES:
             found.append(f"{told}and {len(lines) - MOST_LINES} more")
     if len(siblings) > MOST_COMPARED:
-        found.append(f"not compared with {len(siblings) - MOST_COMPARED} further worlds whose rows failed")
+        found.append(f"not compared with {len(siblings) - MOST_COMPARED} further worlds of this prompt")
     return found
 
 
@@ -103,14 +111,14 @@ def _said_of(ledger: Ledger | None) -> set[str]:
 
 
 def _as_it_failed(ledger: Ledger | None) -> tuple[int, WorldSpec]:
-    """The first revision at which a row failed and that has claims, else the first at which one failed; and its specification.
+    """The first revision at which a row failed, or was looked at, and that has claims, else the first of these; and its specification.
 
     A later one may have been made easier already; a row may fail before the prompt is claimed.
     """
     if ledger is None:
         raise EvidenceError("it is damaged")
     latest = ledger.revision()
-    revisions = ledger.failed_revisions() or [latest]
+    revisions = ledger.failed_revisions() or [int(look["revision"]) for look in ledger.looks()] or [latest]
     texts = ((n, ledger.revision_spec(n)) for n in dict.fromkeys((*revisions, latest)))
     known = [(n, text[0]) for n, text in texts if text is not None]
     if not known:

@@ -35,6 +35,11 @@ class Made:
         row = Row(id="beat:fall", check="beat", group="temporal", predicate="p", status="fail", artifact="x")
         ledger.put_rows([row], revision=ledger.revision(), stage="probe")
 
+    def looked(self, name: str) -> None:
+        """Frames of a sketch were looked at, and no row of it was ever judged."""
+        ledger = Ledger(WorldFolder.of(self.root, name).ledger_path)
+        ledger.add_look("sketch of it", "sketch", ledger.revision(), 40)
+
     def easier(self, spec: WorldSpec) -> list[str]:
         return easier_beside(self.root, "again", spec)
 
@@ -64,6 +69,17 @@ def test_a_failed_world_that_was_made_easier_since_is_compared_as_it_failed(made
     edit_spec(made.context, world="first", patch=easier, weakening_reason="it matters to nobody at all")
     (line,) = made.easier(other(LATER))
     assert line == "easier than revision 1 of world first, whose rows failed: /story/beats/fall made optional"
+
+
+def test_a_world_that_was_looked_at_and_never_judged_is_compared_too(made: Made) -> None:
+    made.looked("first")
+    (line,) = made.easier(other(LIGHTER))
+    assert line.startswith(
+        "easier than revision 1 of world first, of which frames were seen without a verdict: /entities/b3/physics/mass"
+    )
+    assert started_anew(made.root, "again", world().prompt) == [
+        "started anew beside world first, in which frames were seen without a verdict for this prompt"
+    ]
 
 
 def test_a_world_that_failed_before_it_was_claimed_is_compared_with_its_claims(made: Made) -> None:

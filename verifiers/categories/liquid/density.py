@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....geometry.launch import launch, warp
 from ....worlds.arrays import F64
@@ -93,6 +94,10 @@ class Density:
         self.boiling: list[float] = []
         self.recorded: list[float] = []
         self.shown: list[float] = []
+        self.capped: list[bool] = []
+        """True where a solve of the frame ended at its cap of iterations."""
+        self.steps: list[float] = []
+        """Steps of the frames [s]."""
 
     def see(self, step: Step) -> None:
         """Count one frame."""
@@ -101,6 +106,8 @@ class Density:
         thick = neighbours >= BULK * FULL[engine]
         filled, spread, bulk = filled[thick], spread[thick], asked[thick]
         self.recorded.append(float(frame.others.get("record/density_error_mean", np.nan)))
+        self.capped.append(float(frame.others.get("record/iterations_capped", 0.0)) > 0.0)
+        self.steps.append(float(frame.others.get("record/step", np.inf)) or np.inf)
         if len(bulk) < 20:
             self.crowded.append(np.nan)
             self.apart.append(np.nan)
@@ -117,12 +124,6 @@ class Density:
 
     def findings(self) -> dict[str, Finding]:
         """Crowding, its records, and boiling."""
-        candidate, solver = self.liquid.candidate, self.liquid.solver
-        more = double_iterations(candidate, solver, "the pressure solve stops too early", ", or lower the error at which it ends")
-        hints: tuple[Correction, ...] = (
-            more,
-            halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long for the flow"),
-        )
         recorded, most = np.array(self.recorded), RECORDED[self.liquid.plan.engine]
         if np.isnan(np.array(self.crowded)).all():
             thin = Finding("not_applicable", "the liquid is nowhere thick enough to have an inside")
@@ -135,7 +136,7 @@ class Density:
                     bound,
                     "1",
                     "mean crowding",
-                    (*hints, refine(self.liquid, "too few particles across the liquid")),
+                    (*self._hints(np.array(self.crowded) > bound), refine(self.liquid, "too few particles across the liquid")),
                 ),
                 "recorded_density": first_over(
                     np.array(self.apart),
@@ -144,13 +145,30 @@ class Density:
                     "difference of recorded and counted density",
                     (bake_again("recorded densities are not those of the particles"),),
                 ),
-                "divergence": first_over(np.array(self.boiling), BOILING, "1", "divergence in the bulk", hints),
+                "divergence": first_over(
+                    np.array(self.boiling), BOILING, "1", "divergence in the bulk", self._hints(np.array(self.boiling) > BOILING)
+                ),
             }
         if (recorded > most).any():
             frame = int(np.argmax(recorded > most))
             text = f"the engine records a mean compression of {recorded[frame]:.3g} at frame {frame} (allowed {most:g})"
-            found["density"] = Finding("fail", text, float(np.nanmax(recorded)), most, "1", None, frame, hints)
+            found["density"] = Finding(
+                "fail", text, float(np.nanmax(recorded)), most, "1", None, frame, self._hints(recorded > most)
+            )
         return found
+
+    def _hints(self, over: NDArray[np.bool_]) -> tuple[Correction, ...]:
+        """A shorter step, and more iterations where a solve of the frames over the bound ended at their cap.
+
+        A solve that ended before it met its own error: what is left comes from a step in which the flow, or a blow, changes too much.
+        """
+        candidate, solver = self.liquid.candidate, self.liquid.solver
+        cause = "the step is too long for the flow, or for a blow in these frames"
+        shorter = halve_step(candidate, solver, cause, in_force=min(np.array(self.steps)[over], default=np.inf))
+        if not (over & np.array(self.capped)).any():
+            return (shorter,)
+        more = double_iterations(candidate, solver, "the pressure solve stops too early", ", or lower the error at which it ends")
+        return (more, shorter)
 
     def _allowed(self) -> float:
         """Markers of a grid have no density of their own: theirs is that of their cell."""

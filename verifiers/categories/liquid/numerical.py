@@ -82,7 +82,8 @@ class Numbers:
         limit = self.liquid.candidate.spec.simulation.limits.max_speed
         column = dict(zip(RECORDS, np.array(self.rows).T, strict=True))
         speed = np.maximum(np.array(self.fastest), np.nan_to_num(column["max_speed"], nan=np.inf))
-        step = halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long for the flow")
+        longest = float(np.nanmax(column["step"], initial=0.0)) or np.inf
+        step = halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long for the flow", in_force=longest)
         found = {
             "finite": Finding("pass", f"{self.total} numbers are finite", 0.0, 0.0, "numbers"),
             "counts": Finding("pass", f"{len(self.rows)} frames have the rows that they need", 0.0, 0.0, "rows"),

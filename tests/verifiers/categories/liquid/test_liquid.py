@@ -252,6 +252,17 @@ def test_counters_of_the_engine_are_judged(tmp_path: Path, name: str, value: flo
     assert found.evidence["category"] == "liquid"
 
 
+@pytest.mark.parametrize("capped", [0, 3])
+def test_more_iterations_are_advised_only_where_a_solve_ended_at_their_cap(tmp_path: Path, capped: int) -> None:
+    flow = counted("density_error_mean", 0.03)
+    change = {**flow.change, (4, "record/iterations_capped"): np.array(float(capped))}
+    row = rows_of(flow.edited(change=change).candidate(tmp_path))["density"]
+    assert (row.status, row.first_failing_frame) == ("fail", 4)
+    told = [c.action for c in row.corrections]
+    assert told[-1].startswith("halve max_step from")
+    assert any(t.startswith("double the iterations") for t in told) == (capped > 0)
+
+
 def test_a_pool_in_a_wide_tank_keeps_its_books_whatever_the_density(tmp_path: Path) -> None:
     flow = scenes.pool(rng())
     assert sum(flow.position[0].shape) > 0

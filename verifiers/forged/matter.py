@@ -5,7 +5,7 @@ to spill a twentieth of a vessel would give back the twentieth that was written.
 of matter begins at a threshold that is named, and a plain one is `PLAIN` times that, as of bodies (`bounds.WAY`). That its kind can come true at
 all is shown on recorded motions, one for every kind (`tests/verifiers/claims/test_rivals_of_matter.py`).
 
-- *shares* (vessels, tears, bends, breaks, floats ...): of the kind's threshold, and no share is more than all.
+- *shares* (vessels, tears, bends, breaks, floats ...): of the kind's threshold; where that would be more than all, the threshold itself.
 - *amounts* in a region, through an opening, at a body: of what is less than a drip of all that there is, or of what eight particles hold.
 - *soot*, *power*: of what counts as arrived, or as a fire. How near to a body: one spacing, or a cell.
 - *heights* that a level, a heap or a plume may reach are the prompt's own reading of a place, as regions are: what the domain holds is none too high.
@@ -36,17 +36,23 @@ if TYPE_CHECKING:
 
 __all__ = ["plain_measures"]
 
+
+def _plain(threshold: float) -> float:
+    """Share that a plain event reaches: none is more than all, and all of it would be denied by a bound that little misses."""
+    return PLAIN * threshold if PLAIN * threshold <= 1.0 else threshold
+
+
 SHARES: Mapping[str, float] = {
-    "pours": min(1.0, PLAIN * POUR_SHARE),
-    "fills": min(1.0, PLAIN * FILL_SHARE),
-    "overflows": min(1.0, PLAIN * OVERFLOW_SHARE),
-    "leaks": min(1.0, PLAIN * LEAK_SHARE),
-    "buries": min(1.0, PLAIN * BURY_SHARE),
-    "floats": min(1.0, PLAIN * FLOAT_CARRIED),
+    "pours": _plain(POUR_SHARE),
+    "fills": _plain(FILL_SHARE),
+    "overflows": _plain(OVERFLOW_SHARE),
+    "leaks": _plain(LEAK_SHARE),
+    "buries": _plain(BURY_SHARE),
+    "floats": _plain(FLOAT_CARRIED),
     "goes_out": 1.0 - FIRE_OUT / PLAIN,
-    "breaks": min(1.0, PLAIN * BREAK_SHARE),
-    "cracks": min(1.0, PLAIN * CRACK_SHARE),
-    "broken": min(1.0, PLAIN * CRACK_SHARE),
+    "breaks": _plain(BREAK_SHARE),
+    "cracks": _plain(CRACK_SHARE),
+    "broken": _plain(CRACK_SHARE),
     "tears": PLAIN * TEAR_SHARE,
     "bends": PLAIN * BEND_SHARE,
     "stretches": PLAIN * STRETCH_SHARE,

@@ -82,12 +82,13 @@ def triangle_pair(a: F64, b: F64) -> tuple[F64, F64]:
     return first[k], second[k]
 
 
-def triangle_pair_segments(a: F64, b: F64) -> F64:
+def triangle_pair_segments(a: F64, b: F64, *, slack: float = 0.0) -> F64:
     """Where the edges of triangles pierce the triangles paired with them.
 
     Args:
         a: corners, shape (n, 3, 3).
         b: corners of the triangle paired with each, shape (n, 3, 3).
+        slack: [m] by which a point may miss the triangle, so that rounding loses none between two of them.
 
     Returns:
         Piercing points, shape (n, 6, 3): edges of a through b, then edges of b through a; NaN where they miss.
@@ -104,7 +105,9 @@ def triangle_pair_segments(a: F64, b: F64) -> F64:
             inside = crosses
             for j in range(3):
                 along = other[:, (j + 1) % 3] - other[:, j]
-                inside = inside & (np.einsum("ni,ni->n", cross(normal, along), point - other[:, j]) >= 0.0)
+                inward = cross(normal, along)
+                allowed = -slack * np.linalg.norm(inward, axis=1) if slack else 0.0
+                inside = inside & (np.einsum("ni,ni->n", inward, point - other[:, j]) >= allowed)
             found.append(np.where(inside[:, None], point, np.nan))
     return np.stack(found, axis=1)
 

@@ -92,6 +92,28 @@ def test_a_sheet_whose_grid_lines_meet_the_ends_of_a_cylinder_is_as_deep_as_ever
     assert -found.distance == pytest.approx(0.25, rel=PRECISION)
 
 
+def tube(radius: float = 0.056, wall: float = 0.0004, length: float = 0.12) -> Solid:
+    """The side of a tin can: triangles as long as the can, walls thinner than what its neighbour reaches into."""
+    return solid_of(trimesh.creation.annulus(radius - wall, radius, length, sections=32))
+
+
+@pytest.mark.parametrize(("reach", "turn"), [(0.0015, 0.0), (0.0009, 0.0), (0.0015, 0.3)])
+def test_cans_that_lean_on_each_other_are_searched_where_they_cut_each_other(asked, monkeypatch, reach, turn):
+    """Their walls are half as deep in each other as they are thick; whole triangles take many times as many places, and say the same."""
+    half = 0.5 * turn
+    pose = at(2 * 0.056 - reach, 0.003, 0.011, quaternion=(math.cos(half), 0.0, math.sin(half), 0.0))
+    found = signed_clearance(tube(), at(), tube(), pose).distance
+    few = sum(asked)
+    asked.clear()
+    monkeypatch.setattr(
+        depth_module, "_clipped", lambda corners, within, names, pairs, other, noise: [corners[np.isin(names, pairs[:, 0])]]
+    )
+    whole = signed_clearance(tube(), at(), tube(), pose).distance
+    assert found == pytest.approx(whole, rel=2 * PRECISION)
+    assert found < -0.00012
+    assert few < 0.2 * sum(asked)
+
+
 def test_the_least_mixture_is_the_value_of_the_game():
     """Against a linear programme; and no convex combination of corners lies above it."""
     rng = np.random.default_rng(4)

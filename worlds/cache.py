@@ -18,7 +18,7 @@ import zipfile
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -28,6 +28,7 @@ from .arrays import F64, RigidPose
 from .channels import CHANNELS, mismatch, names_written
 from .errors import EngineError, EvidenceError
 from .folder import write_atomically
+from .kept import kept
 
 __all__ = ["DAMAGE", "Cache", "CacheIndex", "digest_arrays", "read_array", "read_container", "write_container"]
 
@@ -288,7 +289,7 @@ class Cache:
         """
         return self._series(name)
 
-    @lru_cache(maxsize=64)  # noqa: B019 - a reader lives as long as one verification
+    @kept(64)
     def _series(self, name: str) -> Any:
         frames = [self._channel(k, name) for k in range(self.index.frames)]
         shapes = {f.shape for f in frames}
@@ -310,11 +311,11 @@ class Cache:
         paths = (self.path(k) for k in range(self.index.frames))
         return sum(p.stat().st_size for p in paths if p.exists()) <= KEPT_BYTES
 
-    @cache  # noqa: B019
+    @kept()
     def _whole(self, frame: int) -> dict[str, Any]:
         return self.read(frame)
 
-    @lru_cache(maxsize=8)  # noqa: B019
+    @kept(8)
     def ragged(self, *names: str, raw: bool = False) -> list[dict[str, Any]]:
         """Channels of varying length, one dict per frame.
 

@@ -7,6 +7,7 @@ import io
 import os
 import re
 import time
+import weakref
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -171,6 +172,15 @@ def test_the_digest_of_caches_covers_frames_names_and_index(tmp_path: Path) -> N
     assert plain != cache_digest({"rigid": _cache(tmp_path / "d", bodies=("b/body",))})
     (tmp_path / "b" / "digests.txt").write_text("0\n1\n")
     assert plain != cache_digest({"rigid": Cache(tmp_path / "b")})
+
+
+def test_frames_that_were_read_go_with_their_reader(tmp_path: Path) -> None:
+    """A server opens a reader for every picture and every question about a motion."""
+    reader = _cache(tmp_path)
+    assert reader.series("position").shape == (2, 1, 3)
+    held = weakref.ref(reader)
+    del reader
+    assert held() is None
 
 
 def test_missing_digests_and_indices_are_evidence_errors(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ..arrays import F64, RigidPose, quaternion_of
 from ..built import BuiltEntity, BuiltPart
 from ..cache import Cache
 from ..errors import EvidenceError
+from ..kept import kept
 from ..simulation_mesh import SimulationMesh, volumes
 
 __all__ = ["Deforming", "deforming_of", "lumped"]
@@ -75,14 +76,14 @@ class Deforming:
         wanted = self.ranges.values() if part is None else (self.ranges[part],)
         return np.concatenate([rows[r] for r in wanted])
 
-    @lru_cache(maxsize=64)  # noqa: B019 - lives as long as its candidate
+    @kept(64)
     def _read(self, name: str, frame: int) -> F64:
         found = np.asarray(self.cache.read(frame, (name,))[name], dtype=np.float64)
         if found.shape != (sum(self.cache.index.vertices), 3):
             raise EvidenceError(f"channel {name!r} of frame {frame} has shape {found.shape}; bake again")
         return found
 
-    @lru_cache(maxsize=4096)  # noqa: B019
+    @kept(4096)
     def pose(self, frame: int) -> RigidPose:
         """Best rigid fit of the rest shape's frame; not finite where the vertices are not."""
         now, weight = self.positions(frame), self.masses / self.masses.sum()

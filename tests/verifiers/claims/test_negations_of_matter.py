@@ -56,7 +56,9 @@ def test_a_kind_is_denied_by_itself_and_by_a_bound_up_to_a_plain_event(kind: str
 
 
 @pytest.mark.parametrize("kind", ["fills", "floats", "buries"])
-def test_a_denial_of_what_begins_near_all_is_not_met_by_a_little_less_than_all(kind: str, made: Callable[[str], Candidate]) -> None:
+def test_a_denial_of_what_begins_near_all_is_not_met_by_a_little_less_than_all(
+    kind: str, made: Callable[[str], Candidate]
+) -> None:
     why = impossible(made(kind), model({"kind": kind, **recorded.WORLDS[kind][1], "min": 0.97}))
     assert why is not None
     assert "asks for a min of 0.97" in why

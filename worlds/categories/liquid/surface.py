@@ -6,7 +6,6 @@ relative to `origin`, which is that of the particles. `worlds/channels.py` says 
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from ...cache import Cache
 from ...derived import Derived
+from ...kept import kept
 
 __all__ = ["LiquidSurface", "mesh_of", "surface_folder"]
 
@@ -36,7 +36,7 @@ class LiquidSurface(Derived):
         if not isinstance(data["spacing"], float):
             raise ValueError("it has no spacing")
 
-    @lru_cache(maxsize=4)  # noqa: B019 - a reader lives as long as one picture or verification
+    @kept(4)
     def read(self, frame: int) -> dict[str, Any]:
         """All channels of a frame; see `Derived.read`."""
         return super().read(frame)

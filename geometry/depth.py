@@ -123,9 +123,9 @@ def surface_depth(
         best = _evaluate(other, points, best, within=within)
     if best.depth <= noise or best.depth >= enough:
         return best
-    within = vertex_inside[faces]
-    whole = moved[faces[within.any(axis=1) & ~cut]]
-    pieces = np.concatenate([whole, *_clipped(moved[faces], within, np.flatnonzero(near), pairs, other, noise)])
+    inner = vertex_inside[faces]
+    whole = moved[faces[inner.any(axis=1) & ~cut]]
+    pieces = np.concatenate([whole, *_clipped(moved[faces], inner, np.flatnonzero(near), pairs, other, noise)])
     return _refine(pieces, other, best, max(noise, tolerance), enough)
 
 

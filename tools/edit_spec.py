@@ -30,6 +30,12 @@ def edit_spec(
             description="Only to create a world: the specification without `prompt`; may be partial. inspect_world(part='schema', pointer='example') shows a whole one"
         ),
     ] = None,
+    copy_of: Annotated[
+        str | None,
+        Field(
+            description="Only to create a world: another one whose specification it begins with, changed by `patch`; with its prompt unless `prompt` is given"
+        ),
+    ] = None,
     patch: Annotated[
         list[dict[str, Any]] | None,
         Field(
@@ -66,7 +72,7 @@ def edit_spec(
 ) -> ToolReply:
     """Create a world from a prompt, or apply a JSON Patch to its specification as a new revision.
 
-    Create with `world`, `prompt` and `spec` (or a part of it, the rest by patches); edit with `world` and `patch`; say with `claims`,
+    Create with `world`, `prompt` and `spec` (or a part of it, the rest by patches), or with `world` and `copy_of`; edit with `world` and `patch`; say with `claims`,
     then or later, which words of the prompt mean which thing or beat. Learn the
     fields part by part from inspect_world(part='schema', pointer=...), the procedure from inspect_world(part='guide', prompt=...).
     Units are SI (m, kg, s, rad), Z is up, frame k is the state at k / fps seconds.
@@ -75,6 +81,12 @@ def edit_spec(
     Not for: putting an entity onto another one by contact (place_object finds the height), ground (build_terrain).
     Next: the reply's `next`; usually place_object, after story or shot edits run_checks.
     """
+    if copy_of is not None:
+        if spec is not None:
+            raise InputError("copy_of begins with the specification of another world, spec is one; give one of them")
+        from ..workflow.creation import copy
+
+        return _answer(*copy(context.workspace, world, copy_of, prompt, list(patch or ()), claims))
     if prompt is not None:
         if patch is not None:
             raise InputError("prompt creates a world, patch edits one; give one of them")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
 from ..worlds.canonical import spec_digest
 from ..worlds.claim_marks import claim_operations
+from ..worlds.documents import bare_document
 from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, world_ids
 from ..worlds.ledger import Ledger
@@ -17,7 +19,7 @@ from .opened import no_revision
 from .session import Session
 from .siblings import started_anew
 
-__all__ = ["create", "mend_hand_edit"]
+__all__ = ["copy", "create", "mend_hand_edit"]
 
 NO_CLAUSES = (
     "clauses are of spec_version '1', of which no world is made any more: leave them and spec_version out, and mark what the words of the prompt mean: "
@@ -74,6 +76,37 @@ def create(
         session.write_spec()
     beside = {"weakenings_recorded": siblings} if siblings else {}
     return session, {"revision": session.revision, "created": True, **beside}
+
+
+def copy(
+    workspace: Path, world: str, source: str, prompt: str | None, patch: list[dict[str, Any]], claims: str | None
+) -> tuple[Session, dict[str, Any]]:
+    """Make a world that begins with the present specification of another one, changed by a patch, and with its assets.
+
+    Its history is its own: what failed in the other stays on record by the prompt (`started_anew`). Claims quote the prompt, so that
+    they come along only where it is the same.
+
+    Raises:
+        RefusedError: there is such a world already, or the other is of version 1.
+        InputError: there is no world `source`, or the changed specification does not validate.
+    """
+    other = Session.open(workspace, source)
+    document = dict(bare_document(apply_patch(other.spec, patch) if patch else other.spec))
+    said = document.pop("prompt")
+    if other.spec.spec_version == "1":
+        raise RefusedError(f"world {source!r} is of version 1, of which no world is made any more; mark its claims there")
+    same = prompt is None or prompt == said
+    if not same:
+        document.pop("claims", None)
+    kept = [p for p in other.folder.assets.rglob("*") if p.is_file()] if other.folder.assets.is_dir() else []
+    check_workspace(workspace, sum(p.stat().st_size for p in kept))
+    session, told = create(workspace, world, said if prompt is None else prompt, document, claims)
+    for path in kept:
+        to = session.folder.assets / path.relative_to(other.folder.assets)
+        to.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, to)
+    left = {} if same else {"left_out": "claims, which quote the other prompt"}
+    return session, {**told, "copied": f"revision {other.revision} of {source}", **left}
 
 
 def mend_hand_edit(workspace: Path, world: str, action: str, *, hypothesis: str, reason: str) -> tuple[Session, dict[str, Any]]:

@@ -68,8 +68,8 @@ def move_bodies(
     v = bodies.velocity[b]
     w = bodies.spin[b]
     if bodies.lightness[b] > wp.float64(0.0):
-        v += (bodies.give[b] * f + bodies.acceleration[b]) * h
-        w += (bodies.ease[b] * c) * h
+        v += (bodies.mobility[b] * f + bodies.acceleration[b]) * h
+        w += (bodies.turning[b] * c) * h
         bodies.velocity[b] = v
         bodies.spin[b] = w
     arm = bodies.center[b] - bodies.position[b]

@@ -39,9 +39,9 @@ class Bodies:
     spin: wp.array(dtype=wp.vec3d)
     lightness: wp.array(dtype=wp.float64)
     """1 / mass; 0 where the body does not react."""
-    give: wp.array(dtype=wp.mat33d)
+    mobility: wp.array(dtype=wp.mat33d)
     """Velocity per impulse at the centre, what else holds the body included, world axes."""
-    ease: wp.array(dtype=wp.mat33d)
+    turning: wp.array(dtype=wp.mat33d)
     """Angular velocity per angular impulse likewise."""
     acceleration: wp.array(dtype=wp.vec3d)
     impulse: wp.array(dtype=wp.vec3d)

@@ -50,7 +50,7 @@ class Walls:
         made = Bodies()
         kinds = {
             "position": wp.vec3d, "rotation": wp.quatd, "center": wp.vec3d, "velocity": wp.vec3d, "spin": wp.vec3d,
-            "lightness": wp.float64, "give": wp.mat33d, "ease": wp.mat33d, "acceleration": wp.vec3d, "impulse": wp.vec3d, "twist": wp.vec3d,
+            "lightness": wp.float64, "mobility": wp.mat33d, "turning": wp.mat33d, "acceleration": wp.vec3d, "impulse": wp.vec3d, "twist": wp.vec3d,
             "reach": wp.float64, "drift": wp.float64, "closed": wp.int32, "mesh": wp.uint64, "offset": wp.int32,
             "soft": wp.int32,
         }  # fmt: skip
@@ -108,10 +108,10 @@ class Walls:
         made.position.assign(state.position - self.origin)
         made.center.assign(state.center - self.origin)
         made.rotation.assign(turned)
-        give, ease = state.mobilities()
+        mobility, turning = state.mobilities()
         for name, values in (
             ("velocity", state.velocity), ("spin", state.angular_velocity), ("lightness", state.inverse_mass),
-            ("give", give), ("ease", ease), ("acceleration", state.acceleration),
+            ("mobility", mobility), ("turning", turning), ("acceleration", state.acceleration),
         ):  # fmt: skip
             rigid = self._rigid.reshape(-1, *(1,) * (values.ndim - 1))
             getattr(made, name).assign(np.ascontiguousarray(np.where(rigid, values, 0.0), dtype=np.float64))

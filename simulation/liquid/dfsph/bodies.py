@@ -31,7 +31,7 @@ class _State:
     """State of the bodies in a step, in one block of memory: one copy to a GPU instead of nine."""
 
     WIDTHS: ClassVar[dict[str, int]] = {
-        "center": 3, "velocity": 3, "spin": 3, "lightness": 1, "give": 9, "mobility": 9, "acceleration": 3, "rotation": 9, "position": 3,
+        "center": 3, "velocity": 3, "spin": 3, "lightness": 1, "mobility": 9, "turning": 9, "acceleration": 3, "rotation": 9, "position": 3,
     }  # fmt: skip
 
     def __init__(self, count: int, device: str) -> None:
@@ -79,7 +79,7 @@ class Coupling:
         self.bodies = s = Bodies()
         size = max(b, 1)
         self._state = _State(size, self.device)
-        for name in ("center", "velocity", "spin", "lightness", "give", "mobility"):
+        for name in ("center", "velocity", "spin", "lightness", "mobility", "turning"):
             setattr(s, name, self._state.arrays[name])
         self.soft = SoftSurfaces(setup, sampled, self._moving_rows, origin, passes)
         s.deforms, s.vertex_velocity, s.vertex_start = self.soft.deforms, self.soft.velocity, self.soft.start
@@ -147,16 +147,16 @@ class Coupling:
         self.placed = rotation.astype(np.float32), position.astype(np.float32)
         mobile = np.asarray(state.inverse_mass) > 0
         moving = np.array([not (stays(b) or b.deforming) for b in self.setup.boundaries])
-        give, turning = state.mobilities()
+        mobility, turning = state.mobilities()
         self._state.assign({
             "rotation": rotation,
             "position": position,
             "center": np.asarray(state.center) - self.origin,
             "velocity": np.asarray(state.velocity) * moving[:, None],
             "spin": np.asarray(state.angular_velocity) * moving[:, None],
-            "lightness": np.where(mobile, np.linalg.norm(give, 2, axis=(1, 2)), 0.0) * moving,
-            "give": give * moving[:, None, None],
-            "mobility": turning * moving[:, None, None],
+            "lightness": np.where(mobile, np.linalg.norm(mobility, 2, axis=(1, 2)), 0.0) * moving,
+            "mobility": mobility * moving[:, None, None],
+            "turning": turning * moving[:, None, None],
             "acceleration": np.asarray(state.acceleration) * moving[:, None],
         })  # fmt: skip
         self.reacts = bool((mobile & moving).any())

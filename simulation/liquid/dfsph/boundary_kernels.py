@@ -40,9 +40,9 @@ class Bodies:
     spin: wp.array(dtype=wp.vec3)
     lightness: wp.array(dtype=wp.float32)
     """Most that an impulse at the centre changes the speed, per impulse; 0 where the body does not react."""
-    give: wp.array(dtype=wp.mat33)
-    """Velocity per impulse at the centre, what else holds the body included."""
     mobility: wp.array(dtype=wp.mat33)
+    """Velocity per impulse at the centre, what else holds the body included."""
+    turning: wp.array(dtype=wp.mat33)
     """Angular velocity per angular impulse likewise."""
     friction: wp.array(dtype=wp.float32)
     deforms: wp.array(dtype=wp.int32)

@@ -92,7 +92,7 @@ def reach(
             i = pairs.particle[k]
             turn = wp.cross(x[i] - bodies.center[b], pairs.slope[k])
             one += wp.float64(volume[i] * wp.length(pairs.slope[k]))
-            two += wp.float64(volume[i] * wp.sqrt(wp.max(wp.dot(turn, bodies.mobility[b] * turn), 0.0)))
+            two += wp.float64(volume[i] * wp.sqrt(wp.max(wp.dot(turn, bodies.turning[b] * turn), 0.0)))
     wp.tile_store(partial, wp.tile_sum(wp.tile(wp.vec2d(one, two), preserve_type=True)), offset=t / width)
 
 
@@ -126,7 +126,7 @@ def finish_factors(
                 two += partial[b * parts + t][1]
             turn = wp.cross(x[i] - bodies.center[b], pairs.slope[k])
             s += 0.25 * bodies.lightness[b] * wp.length(pairs.slope[k]) * wp.float32(one)
-            s += 0.25 * wp.sqrt(wp.max(wp.dot(turn, bodies.mobility[b] * turn), 0.0)) * wp.float32(two)
+            s += 0.25 * wp.sqrt(wp.max(wp.dot(turn, bodies.turning[b] * turn), 0.0)) * wp.float32(two)
         if bodies.deforms[b] != 0:
             own = wp.length(pairs.slope[k])
             at = pairs.corner[k]
@@ -229,8 +229,8 @@ def react(
     b = first + wp.tid()
     f = summed(force, b, parts)
     m = summed(torque, b, parts)
-    velocity[b] = bodies.give[b] * single(f)
-    spin[b] = bodies.mobility[b] * single(m)
+    velocity[b] = bodies.mobility[b] * single(f)
+    spin[b] = bodies.turning[b] * single(m)
 
 
 @wp.kernel
@@ -253,5 +253,5 @@ def account(
     linear[b] = linear[b] + dt * f
     angular[b] = angular[b] + dt * m
     if moves != 0:
-        bodies.velocity[b] = bodies.velocity[b] + settings[DT] * (bodies.give[b] * single(f))
-        bodies.spin[b] = bodies.spin[b] + settings[DT] * (bodies.mobility[b] * single(m))
+        bodies.velocity[b] = bodies.velocity[b] + settings[DT] * (bodies.mobility[b] * single(f))
+        bodies.spin[b] = bodies.spin[b] + settings[DT] * (bodies.turning[b] * single(m))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -111,6 +112,7 @@ def _pictured(session: Session, asked: _Asked) -> ToolReply:
     """Draws a picture of the candidate, keeps it in the world folder and tells where."""
     from ..rendering import shot_of
     from ..workflow.answers import answer
+    from ..workflow.estimates import still_took
     from ..workflow.measurements import run_of
     from ..workflow.own_camera import buried, own_camera
     from ..worlds.canonical import digest_of
@@ -123,7 +125,10 @@ def _pictured(session: Session, asked: _Asked) -> ToolReply:
     unjudged = session.shown(candidate, candidate.last_frame if kind == "contact_sheet" else state)
     own = None if camera is None else own_camera(candidate, camera, state, *size)
     view_of = View(kind, state, frame, shot, own, size, asked.frames, asked.samples)
+    began = time.monotonic()
     image = draw(candidate, view_of)
+    if kind == "still":
+        still_took(session.folder, time.monotonic() - began, size[0] * size[1] * (asked.samples or session.spec.look.samples))
     warnings = [*([] if own is None else buried(candidate, own)), *misplaced(candidate, view_of)]
     warnings += [unjudged] if unjudged else []
     if state != frame:
@@ -132,9 +137,9 @@ def _pictured(session: Session, asked: _Asked) -> ToolReply:
     link = _kept(session, f"{kind}_{session.revision:04d}_{frame:05d}_{view}", image)
     at = ""
     if kind not in ("contact_sheet", "ledger"):
-        time = round(frame / session.spec.simulation.fps, 4)
-        data |= {"frame": frame, "time": time}
-        at = f" of frame {frame} ({time:g} s)"
+        moment = round(frame / session.spec.simulation.fps, 4)
+        data |= {"frame": frame, "time": moment}
+        at = f" of frame {frame} ({moment:g} s)"
     data["file"] = f"pictures/{link.name}"
     data["camera"] = "own" if camera is not None else shot or shot_of(session.spec, frame) or "automatic"
     text = f"{kind}{at}, from the {run_of(candidate)} candidate, camera {data['camera']}"
@@ -222,6 +227,7 @@ def _final(
         width=width or look.width,
         height=height or look.height,
         samples=samples or look.samples,
+        folder=session.folder,
     )
     data = start_and_wait(context, session, "final", size, wait_s=wait_s, key=key)
     if "state" in data:
@@ -241,11 +247,16 @@ def film_reply(job: Job) -> ToolReply:
 
 def _film_reply(folder: WorldFolder, data: dict[str, Any]) -> ToolReply:
     from ..workflow.answers import answer, job_answer
+    from ..workflow.waiting import duration
 
     head = {"world": folder.id, "kind": "final"}
     if "state" in data:
         told = job_answer(data)
-        warnings = [] if data["estimate_s"] else ["how long it takes shows in the progress after the first frame"]
+        warnings = [
+            f"about {duration(data['estimate_s'])} as it is asked for; half the width and height take a quarter, as do a quarter of the samples"
+            if data.get("estimate_s")
+            else "how long it takes shows in the progress after the first frame"
+        ]
         return ToolReply(answer({**told, **head}, told["summary"], told["next"], warnings))
     name = data["picture"]
     sheet = Picture((folder.pictures / name).read_bytes(), "jpeg")

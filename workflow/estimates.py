@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import statistics
 import time
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from ..execution import JobStore
+    from ..worlds.folder import WorldFolder
     from ..worlds.spec import WorldSpec
     from .session import Session
 
@@ -18,10 +20,13 @@ __all__ = [
     "bake_estimate",
     "film_estimate",
     "pace_seen",
+    "still_took",
     "usual_seconds",
 ]
 
 SEEN_JOBS = 200
+PACE = "pace.json"
+"""Beside the pictures of a world: how fast its stills were rendered."""
 START_S = 5.0
 """Start of a job's process, kernels from their cache, and geometry [s]. Own measurement."""
 MANY_PIECES, HEAVIEST = 300, 3
@@ -131,12 +136,33 @@ def pace_seen(jobs: JobStore) -> float:
     return statistics.median(ratios[:LAST_PROBES]) if ratios else 1.0
 
 
-def film_estimate(jobs: JobStore, *, frames: int, width: int, height: int, samples: int) -> float | None:
-    """Seconds that a film will take, by the pace of the last film of this workspace for each path; None before the first."""
+def film_estimate(
+    jobs: JobStore, *, frames: int, width: int, height: int, samples: int, folder: WorldFolder | None = None
+) -> float | None:
+    """Seconds that a film will take: by the pace of the last film of this workspace for each path, before the first by that of the
+    fastest still of the world in `folder`; None before that."""
+    paths = frames * width * height * samples
     for job in jobs.list(limit=SEEN_JOBS):
         past = job.result or {}
         if job.kind == "final" and job.state == "done" and past.get("seconds_per_frame"):
-            paths = past["width"] * past["height"] * past["samples"]
-            rate = float(past["seconds_per_frame"]) / float(paths)
-            return round(rate * frames * width * height * samples, 1)
-    return None
+            rate = float(past["seconds_per_frame"]) / float(past["width"] * past["height"] * past["samples"])
+            return round(rate * paths, 1)
+    rate = None if folder is None else _pace_of_stills(folder)
+    return None if rate is None else round(rate * paths, 1)
+
+
+def still_took(folder: WorldFolder, seconds: float, paths: int) -> None:
+    """Keep the pace of a still for the estimate of the film: time for each path [s], the least so far, which has least of loading."""
+    from ..worlds.folder import write_atomically
+
+    before = _pace_of_stills(folder)
+    rate = seconds / max(paths, 1)
+    if before is None or rate < before:
+        write_atomically(folder.pictures / PACE, json.dumps({"seconds_per_path": rate}).encode())
+
+
+def _pace_of_stills(folder: WorldFolder) -> float | None:
+    try:
+        return float(json.loads((folder.pictures / PACE).read_bytes())["seconds_per_path"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None

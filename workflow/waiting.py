@@ -17,7 +17,7 @@ from .context import ToolContext
 from .job_kinds import ENTRIES, KINDS, again
 from .session import Session
 
-__all__ = ["ENV_WAIT", "cut_short", "ended_data", "follow", "job_data", "patience", "progress_text", "start_and_wait"]
+__all__ = ["ENV_WAIT", "cut_short", "duration", "ended_data", "follow", "job_data", "patience", "progress_text", "start_and_wait"]
 
 ENV_WAIT = "WORLDAGENT_WAIT_MAX_S"
 """Environment variable: the longest that a call waits for a job, whatever `wait_s` it was given [s]."""
@@ -47,7 +47,8 @@ def cut_short(wait_s: float) -> list[str]:
     return [f"waited {longest:g} s of wait_s={wait_s:g}: no call waits longer here ({ENV_WAIT}); the job goes on, wait again"]
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """A time [s] as a person says it: `20 s`, `12 min`, `2 h 5 min`."""
     if seconds < 90:
         return f"{max(1, round(seconds))} s"
     minutes = round(seconds / 60)
@@ -62,7 +63,7 @@ def progress_text(job: Job, jobs: JobStore | None = None) -> str:
         return f"{ahead}{standing.waits_for}"
     if job.state != "running":
         return ""
-    left = "" if job.left_s is None else f", about {_duration(job.left_s)} left"
+    left = "" if job.left_s is None else f", about {duration(job.left_s)} left"
     return f"{job.message or 'starting'}{left}"
 
 

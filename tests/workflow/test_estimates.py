@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, cast
 
 import pytest
 from worldagent.execution import JobStore
 from worldagent.server.skill_files import SKILLS
-from worldagent.workflow.estimates import LAST_PROBES, START_S, pace_seen, usual_seconds
+from worldagent.workflow.estimates import LAST_PROBES, START_S, film_estimate, pace_seen, still_took, usual_seconds
 from worldagent.worlds.categories.elastic.facts import cell_count
 from worldagent.worlds.categories.registry import CATEGORIES
+from worldagent.worlds.folder import WorldFolder
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import WorldSpec
 
@@ -108,3 +110,18 @@ def test_the_pace_is_that_of_the_last_probes_that_passed() -> None:
         )
         == 2.0
     )
+
+
+def test_a_film_is_estimated_by_the_last_film_and_before_it_by_the_fastest_still(tmp_path: Path) -> None:
+    folder, asked = WorldFolder(tmp_path), {"frames": 100, "width": 640, "height": 360, "samples": 8}
+    paths = 640 * 360 * 8
+    none = cast("JobStore", _Jobs([]))
+    assert film_estimate(none, **asked, folder=folder) is None
+    still_took(folder, 12.0, paths)
+    still_took(folder, 30.0, paths)  # the first of a session, which compiles
+    assert film_estimate(none, **asked, folder=folder) == pytest.approx(1200.0)
+    assert film_estimate(none, **{**asked, "width": 320, "height": 180}, folder=folder) == pytest.approx(300.0)
+    film = _Job({}, 400.0, kind="final", result={"seconds_per_frame": 4.0, "width": 640, "height": 360, "samples": 8})
+    assert film_estimate(cast("JobStore", _Jobs([film])), **asked, folder=folder) == pytest.approx(400.0)
+    (folder.pictures / "pace.json").write_text("{")
+    assert film_estimate(none, **asked, folder=folder) is None

@@ -147,8 +147,8 @@ def film_estimate(
         if job.kind == "final" and job.state == "done" and past.get("seconds_per_frame"):
             rate = float(past["seconds_per_frame"]) / float(past["width"] * past["height"] * past["samples"])
             return round(rate * paths, 1)
-    rate = None if folder is None else _pace_of_stills(folder)
-    return None if rate is None else round(rate * paths, 1)
+    pace = None if folder is None else _pace_of_stills(folder)
+    return None if pace is None else round(pace * paths, 1)
 
 
 def still_took(folder: WorldFolder, seconds: float, paths: int) -> None:

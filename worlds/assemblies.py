@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from .arrays import RigidPose, compose, pose_of, rotation_matrix
+from .documents import kept_of_latest
 from .errors import InputError
 from .references import references
 from .shapes import Pose
@@ -58,10 +59,19 @@ def pose_json(pose: RigidPose) -> dict[str, Any]:
 
 def bodies_with(spec: WorldSpec, name: str) -> list[str]:
     """Entities of the generated thing that an entity is or belongs to, its main one first; the entity alone where it is none."""
+    main = _mains(spec).get(name)
+    asset = None if main is None else spec.entities[main].asset
+    return [name] if main is None or asset is None else [main, *(b for b in asset.bodies if b in spec.entities)]
+
+
+@kept_of_latest
+def _mains(spec: WorldSpec) -> dict[str, str]:
+    """By entity: the main one of the generated thing that it is or belongs to, the first in the order of the specification."""
+    found: dict[str, str] = {}
     for main, entity in spec.entities.items():
-        if entity.asset is not None and name in (main, *entity.asset.bodies):
-            return [main, *(b for b in entity.asset.bodies if b in spec.entities)]
-    return [name]
+        for name in () if entity.asset is None else (main, *entity.asset.bodies):
+            found.setdefault(name, main)
+    return found
 
 
 def add_move(edit: Edit, spec: WorldSpec, names: Sequence[str], motion: RigidPose, *, cameras: bool = False) -> None:

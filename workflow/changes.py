@@ -157,7 +157,7 @@ class Change:
                 f"{untested[0]['revision'] - 1} is allowed at once"
             )
         if self.joint is not None:
-            return told + joint_objections(self.joint, failing, grouped(self.places, causal), ledger.stages())
+            return told + joint_objections(self.joint, failing, grouped(self.places, causal), ledger.stages(), self.after)
         unseen = "" if failing else unjudged(ledger, untested=True)
         if not failing and not unseen:
             return told

@@ -85,7 +85,7 @@ def _first_members(value: Any) -> Any:
 
 
 def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> WorldSpec:
-    """Apply RFC 6902 operations; the prompt cannot change.
+    """Apply RFC 6902 operations; the prompt cannot change. What interiors say was made of them loses the entities that go.
 
     Raises:
         LimitError: too many operations, or they add or copy too much.
@@ -103,7 +103,21 @@ def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> Wor
         check_cap("patch_values", added, what=f"operations 0 to {number} of this patch")
     if not isinstance(changed, dict) or changed.get("prompt") != spec.prompt:
         raise SpecError("the prompt is immutable; create another world for another prompt")
-    return parse_edit(changed)
+    return parse_edit(_struck(spec, changed))
+
+
+def _struck(spec: WorldSpec, document: dict[str, Any]) -> dict[str, Any]:
+    """The document without entities that are gone in the lists of interiors: a record of the server's own, which nobody writes by hand."""
+    entities, interiors = document.get("entities"), document.get("interiors")
+    if not isinstance(entities, dict) or not isinstance(interiors, dict):
+        return document
+    gone, kept = spec.entities.keys() - entities.keys(), dict(interiors)
+    for name, interior in interiors.items():
+        listed = interior.get("entities") if isinstance(interior, dict) else None
+        if isinstance(listed, list):
+            left = [e for e in listed if not isinstance(e, str) or e not in gone]
+            kept[name] = interior if len(left) == len(listed) else {**interior, "entities": left}
+    return {**document, "interiors": kept}
 
 
 def parse_edit(document: Any) -> WorldSpec:

@@ -27,7 +27,7 @@ def asks_less(old: Predicate, new: Predicate) -> bool:
 
 
 class _Comparison:
-    """What is known of pairs of predicates, by identity: they live as long as the two that are compared."""
+    """Answers about pairs of predicates, kept by identity: they live as long as the two that are compared."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[int, int], bool] = {}

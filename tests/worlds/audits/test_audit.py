@@ -121,7 +121,7 @@ def test_the_small_world_passes() -> None:
 
 
 def test_no_member_of_a_list_is_proposed_in_place_of_another_that_is_gone() -> None:
-    """What stands in the list already would stand there twice."""
+    """The list would name it twice."""
     spec = broken(("/simulation/solvers/rigid/members/-", "ball2"), ("/simulation/solvers/rigid/members/-", "shelf2"))
     row = next(r for r in audit(spec).rows if r.id == "audit:references")
     first, second = (f"/simulation/solvers/rigid/members/{k}" for k in (6, 7))

@@ -135,6 +135,7 @@ def edit_spec(
 
 def _answer(session: Any, outcome: dict[str, Any], before: Any = None) -> ToolReply:
     from ..workflow.answers import answer, rows_answer, weaker_told
+    from ..workflow.interiors import unlisted
     from ..workflow.material_rows import table_values
     from ..workflow.rows import summary
 
@@ -150,6 +151,8 @@ def _answer(session: Any, outcome: dict[str, Any], before: Any = None) -> ToolRe
     taken = table_values(session.spec, before)
     if taken:
         data["materials_from_table"] = taken
+    if before is not None and before.interiors and (gone := unlisted(before, session.spec)):
+        data["interiors_list_no_more"] = gone
     uncovered = [k for k, v in report.coverage.items() if not v]
     if uncovered:
         data["beats_no_shot_covers"] = uncovered[:20]

@@ -51,7 +51,8 @@ def probe_sim(
     Use it when the static rows pass, and again after every repair. It covers preroll, activation, first contact, peak response
     and early settling (a world that is meant to rest has none of them). Liquids and grains run at their production resolution, or coarser as
     asked: then the bake must show the same beats in the same order and within 15 % of the times that the probe promised.
-    sketch={'until': beat or frame} tries a part in seconds, coarse, without a verdict. Rows are judged while it runs; a stopped, cancelled or failed run keeps its frames, which can be seen and judged, and goes on when called again.
+    sketch={'until': beat or frame} tries a part in seconds, coarse, without a verdict. Frames of a motion that are
+    looked at (render_shot, inspect_world) before any verdict count as evidence: the next edit of scene or solver names its hypothesis. Rows are judged while it runs; a stopped, cancelled or failed run keeps its frames, which can be seen and judged, and goes on when called again.
     Refused while the audit or a static row fails; when a liquid's spacing does not resolve a wall, a passage or a source, with its name.
     Returns: passed, phases (frames), open rows with measured value, bound, first failing entity and frame, ranked causes and
     suggested patches, and a link to a contact sheet; or a job_id when it takes longer than wait_s.

@@ -104,7 +104,7 @@ class Change:
                 (f"{unseen}: " if unseen else "")
                 + "this edit makes the specification easier to satisfy after evidence against it: "
                 + "; ".join(self.weaker[:6])
-                + ". Repair the scene or the solver instead; to ask for more, add a beat or requirement beside what is there; or give weakening_reason (>= 15 characters); it is printed with the acceptance."
+                + ". Repair the scene or the solver instead; to ask for more, add a member to an `and` that keeps the others, or a beat or requirement beside what is there; or give weakening_reason (>= 15 characters); it is printed with the acceptance."
             )
         if self.causal and self._builds_on(unseen):
             self.causal = []
@@ -157,7 +157,7 @@ class Change:
                 f"{untested[0]['revision'] - 1} is allowed at once"
             )
         if self.joint is not None:
-            return told + joint_objections(self.joint, failing, grouped(self.places, causal), ledger.stages())
+            return told + joint_objections(self.joint, failing, grouped(self.places, causal), ledger.stages(), self.after)
         unseen = "" if failing else unjudged(ledger, untested=True)
         if not failing and not unseen:
             return told

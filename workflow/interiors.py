@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..worlds.arrays import F64
     from ..worlds.spec import Interior, WorldSpec
 
-__all__ = ["interior"]
+__all__ = ["interior", "unlisted"]
 
 SHOWN = 20
 """Things without a place that a reply names."""
@@ -80,6 +80,13 @@ def interior(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     else:
         data["audit"] = {"passed": False, **news(report.rows, before)}
     return data
+
+
+def unlisted(before: WorldSpec, after: WorldSpec) -> dict[str, list[str]]:
+    """Entities that an edit removed and that interiors therefore list no more, by interior."""
+    gone = before.entities.keys() - after.entities.keys()
+    found = {k: [e for e in i.entities if e in gone][:SHOWN] for k, i in before.interiors.items() if k in after.interiors}
+    return {k: names for k, names in found.items() if names}
 
 
 def _ground(session: Session, asked: Interior) -> Callable[[F64], F64] | None:

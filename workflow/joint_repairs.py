@@ -2,12 +2,13 @@
 
 A departure from R113, which asks for one group per failed run: faults that cannot have to do with each other need not wait for each other.
 Two rows are independent where what moves in them lies in different components of the failed run: nothing links them by contact, joint,
-relation or exchange up to the later of their first failing frames.
+relation or exchange up to the later of their first failing frames. A row about what is drawn or said has nothing to do with a motion,
+whosever it is; what answers it may, and then moves nothing that another row is about.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -31,6 +32,8 @@ __all__ = ["Joint", "Linked", "grouped", "joint_objections", "said_by", "said_of
 ALONE = frozenset({"step", "contact", "interval", "terrain"})
 """Groups that act on everything."""
 GRAVITY = "/simulation/gravity"
+DRAWN = frozenset({"claim:unseen", "claim:property:colour", "claim:look", "claim:time"})
+"""Questions about what is drawn, lit and said, which no motion decides."""
 MOVES_BY = 1e-9
 """Least relative change of a measurement that has a direction."""
 NONE_FAILS = (
@@ -119,7 +122,7 @@ def _acted_on(spec: WorldSpec, driver: str) -> tuple[str, ...]:
 
 
 def joint_objections(
-    joint: Joint, failing: Sequence[Row], places: Mapping[str, Sequence[str]], stages: Mapping[str, str]
+    joint: Joint, failing: Sequence[Row], places: Mapping[str, Sequence[str]], stages: Mapping[str, str], after: WorldSpec
 ) -> list[str]:
     """Objections to an edit of several parameter groups, each of which is to answer a row of its own.
 
@@ -128,6 +131,7 @@ def joint_objections(
         failing: mandatory rows that fail.
         places: JSON pointers that the edit changes, by causal group.
         stages: at which each row was judged.
+        after: the specification after the edit.
     """
     repairs, candidate = joint
     rows = {r.id: r for r in failing}
@@ -141,20 +145,42 @@ def joint_objections(
     alone = sorted({g for g in places if g in ALONE} | {"drivers" for p in places.get("drivers", ()) if p.startswith(GRAVITY)})
     if alone and len(places) > 1:
         return [f"{', '.join(alone)} acts on the whole world, so that it is changed alone; test it, then the others"]
+    return [*told, *_dependent(joint, rows, places, after)]
+
+
+def _dependent(joint: Joint, rows: Mapping[str, Row], places: Mapping[str, Sequence[str]], after: WorldSpec) -> Iterator[str]:
+    """Objections to repairs of rows that have to do with each other, or by changes that reach further than their rows."""
+    repairs, candidate = joint
+    spec = candidate.spec
+    drawn = {r.row for r in repairs if rows[r.row].question in DRAWN}
     last = max((_first_frame(rows[r.row], candidate) for r in repairs), default=0)
     linked = Linked(candidate, last)
     reach = {r.row: linked.component(_named(rows[r.row])) for r in repairs}
     for k, one in enumerate(repairs):
         for other in repairs[k + 1 :]:
-            if common := reach[one.row] & reach[other.row]:
-                told.append(
+            if not {one.row, other.row} & drawn and (common := reach[one.row] & reach[other.row]):
+                yield (
                     f"{one.row} and {other.row} are not independent: {', '.join(sorted(common)[:4])} had to do with both up to frame {last}; "
                     "mend the earlier one first"
                 )
-        changed = linked.component({n for p in places[one.group] for n in _entities_at(candidate.spec, p)})
+        moving = [p for p in places[one.group] if not _only_drawn(p, spec, after)]
+        changed = linked.component({n for p in moving for n in _entities_at(spec, p)})
         if more := changed - reach[one.row]:
-            told.append(f"the change of {one.group} reaches {', '.join(sorted(more)[:4])}, which had no part in {one.row}")
-    return told
+            yield f"the change of {one.group} reaches {', '.join(sorted(more)[:4])}, which had no part in {one.row}"
+        for other in repairs if one.row in drawn else ():
+            if other.row not in drawn and (common := changed & reach[other.row]):
+                yield (
+                    f"the change of {one.group} may move {', '.join(sorted(common)[:4])}, which {other.row} is about; answer {one.row} by what is "
+                    "drawn alone (parts of static entities that do not collide), or one after the other"
+                )
+
+
+def _only_drawn(pointer: str, *specs: WorldSpec) -> bool:
+    """True if what stands at a pointer is, in each specification that has it, of static entities and collides with nothing."""
+    head, name, kind, part = [*pointer.split("/"), "", "", ""][1:5]
+    there = [spec.entities[name] for spec in specs if head == "entities" and name in spec.entities]
+    parts = [e.parts.values() if kind != "parts" or not part else [e.parts[part]] if part in e.parts else [] for e in there]
+    return bool(there) and all(e.motion == "static" for e in there) and not any(p.collides for held in parts for p in held)
 
 
 def _unpaired(rows: Mapping[str, Row], places: Mapping[str, Sequence[str]], repairs: Sequence[Repair]) -> list[str]:

@@ -65,14 +65,19 @@ def cut_grounds(*specs: WorldSpec) -> set[str]:
 
 
 def same_causes(one: WorldSpec, other: WorldSpec) -> bool:
-    """True if two specifications are equal in everything causal: scene and solver. Materials of which nothing is made count for nothing."""
-    places = differences(document_of(_of_used_materials(one)), document_of(_of_used_materials(other)))
+    """True if two specifications are equal in everything causal: scene and solver.
+
+    Materials of which nothing is made count for nothing, nor do the lists of what was made of interiors.
+    """
+    places = differences(document_of(_causes_of(one)), document_of(_causes_of(other)))
     return not any(group_of(p).edit_class in CAUSAL_CLASSES for p in places)
 
 
-def _of_used_materials(spec: WorldSpec) -> WorldSpec:
+def _causes_of(spec: WorldSpec) -> WorldSpec:
     used = {value for _, target, value in references(spec, "") if target == "material"}
-    return spec.model_copy(update={"materials": {k: m for k, m in spec.materials.items() if k in used}})
+    materials = {k: m for k, m in spec.materials.items() if k in used}
+    interiors = {k: i.model_copy(update={"entities": []}) for k, i in spec.interiors.items()}
+    return spec.model_copy(update={"materials": materials, "interiors": interiors})
 
 
 def judged_on(rows: Iterable[Row]) -> set[str]:

@@ -14,11 +14,12 @@ from .bound_fields import natures
 from .claims import named_in
 from .holding import holding_weakenings
 from .kinds_said import kinds_said_otherwise
-from .patch import differences, entity_weakenings, story_weakenings
+from .patch import differences, entity_weakenings
 from .predicates import entities_of
 from .predicates.registry import interval_tightens
 from .spec import WorldSpec
 from .weakened import directed_weakenings, physical_weakenings, relation_weakenings
+from .weakened_story import story_weakenings
 
 __all__ = ["easier_by_claim"]
 

@@ -5,9 +5,25 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from .spec import Claim, WorldSpec
+from .spec import Claim, ClaimType, WorldSpec
 
-__all__ = ["Span", "named_in", "targets_of"]
+__all__ = ["JUDGED_BY", "Span", "may_judge", "named_in", "targets_of"]
+
+JUDGED_BY: Mapping[ClaimType, tuple[str, ...]] = {
+    "thing": ("entities", "terrains"),
+    "count": ("entities", "terrains", "simulation", "story/beats", "story/requirements"),
+    "quantity": ("entities", "terrains", "materials", "graph", "story", "simulation", "look", "shots"),
+    "property": ("entities", "terrains", "materials", "story/beats", "story/requirements", "graph/relations"),
+    "event": ("story/beats",),
+    "order": ("story/beats", "story/requirements"),
+    "negation": ("story/requirements",),
+    "place": ("graph", "terrains", "entities", "story/requirements"),
+    "time": ("look", "simulation", "story/beats", "story/requirements", "shots"),
+    "weather": ("look", "simulation", "terrains", "entities"),
+    "look": ("look", "shots", "materials", "entities"),
+    "route": ("graph/relations", "graph/regions", "story/beats", "story/requirements"),
+}
+"""Where a claim of each type may be judged."""
 
 
 class Span(NamedTuple):
@@ -31,3 +47,8 @@ def named_in(spec: WorldSpec, name: str, group: str) -> list[str]:
     """Ids of the members of a group, as `story/beats`, that a claim is judged by, in the order in which it names them."""
     start = f"/{group}/"
     return list(dict.fromkeys(p.removeprefix(start).split("/")[0] for p in targets_of(spec.claims, name) if p.startswith(start)))
+
+
+def may_judge(kind: ClaimType, pointer: str) -> bool:
+    """True if a claim of a type may be judged by what stands at a pointer."""
+    return pointer.lstrip("/").startswith(tuple(f"{root}/" for root in JUDGED_BY[kind]))

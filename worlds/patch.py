@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any
@@ -17,17 +16,12 @@ from .hints import patch_problem, spec_problem
 from .holding import holding_weakenings
 from .limits import CAPS, check_cap
 from .named_materials import declared_by_name, filled_materials
-from .predicates.registry import PREDICATES, interval_tightens
 from .spec import WorldSpec
-from .weakened import (
-    claim_weakenings,
-    directed_weakenings,
-    physical_weakenings,
-    relation_weakenings,
-    surface_weakenings,
-)
+from .weakened import directed_weakenings, physical_weakenings, relation_weakenings, surface_weakenings
+from .weakened_claims import claim_weakenings
+from .weakened_story import story_weakenings
 
-__all__ = ["apply_patch", "differences", "entity_weakenings", "parse_edit", "parse_spec", "story_weakenings", "weakenings"]
+__all__ = ["apply_patch", "differences", "entity_weakenings", "parse_edit", "parse_spec", "weakenings"]
 
 _ERROR_CHARACTERS = 300
 _SHOWN_PROBLEMS = 20
@@ -91,7 +85,7 @@ def _first_members(value: Any) -> Any:
 
 
 def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> WorldSpec:
-    """Apply RFC 6902 operations; the prompt cannot change.
+    """Apply RFC 6902 operations; the prompt cannot change. What interiors say was made of them loses the entities that go.
 
     Raises:
         LimitError: too many operations, or they add or copy too much.
@@ -109,7 +103,21 @@ def apply_patch(spec: WorldSpec, operations: Sequence[Mapping[str, Any]]) -> Wor
         check_cap("patch_values", added, what=f"operations 0 to {number} of this patch")
     if not isinstance(changed, dict) or changed.get("prompt") != spec.prompt:
         raise SpecError("the prompt is immutable; create another world for another prompt")
-    return parse_edit(changed)
+    return parse_edit(_struck(spec, changed))
+
+
+def _struck(spec: WorldSpec, document: dict[str, Any]) -> dict[str, Any]:
+    """The document without entities that are gone in the lists of interiors: a record of the server's own, which nobody writes by hand."""
+    entities, interiors = document.get("entities"), document.get("interiors")
+    if not isinstance(entities, dict) or not isinstance(interiors, dict):
+        return document
+    gone, kept = spec.entities.keys() - entities.keys(), dict(interiors)
+    for name, interior in interiors.items():
+        listed = interior.get("entities") if isinstance(interior, dict) else None
+        if isinstance(listed, list):
+            left = [e for e in listed if not isinstance(e, str) or e not in gone]
+            kept[name] = interior if len(left) == len(listed) else {**interior, "entities": left}
+    return {**document, "interiors": kept}
 
 
 def parse_edit(document: Any) -> WorldSpec:
@@ -192,97 +200,6 @@ def differences(old: Any, new: Any, pointer: str = "") -> Iterator[str]:
         yield pointer
 
 
-def _predicate_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
-    """True if a changed predicate is, or may be, easier to satisfy."""
-    kind = old.get("kind")
-    if old == new:
-        return False
-    if kind != new.get("kind") or kind in ("before", "after", "within") or (kind == "count" and "max" in old):
-        # First true frames and upper counts do not follow the inner predicate in one direction.
-        return not (kind == new.get("kind") and old.get("predicate") == new.get("predicate") and _bounds_tighter(old, new))
-    if kind == "not":
-        return _predicate_weaker(new["predicate"], old["predicate"])
-    if kind in ("and", "or"):
-        before, now = old["of"], new["of"]
-        if len(now) != len(before) and (len(now) < len(before)) == (kind == "and"):
-            return True
-        return any(_predicate_weaker(a, b) for a, b in zip(before, now, strict=False))
-    return not _bounds_tighter(old, new)
-
-
-def _bounds_tighter(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
-    """True if every field that changed is a bound moved to the harder side, or a predicate that became no easier."""
-    tightens = PREDICATES[old["kind"]].tightens if old.get("kind") in PREDICATES else {}
-    for key in {*old, *new}:
-        a, b = old.get(key), new.get(key)
-        if a == b:
-            continue
-        if isinstance(a, dict) and isinstance(b, dict):
-            if _predicate_weaker(a, b):
-                return False
-            continue
-        direction = tightens.get(key, "none")
-        if direction == "none" or b is None:
-            return False
-        if a is not None and ((direction == "up" and b < a) or (direction == "down" and b > a)):
-            return False
-    return True
-
-
-def _beat_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], place: str) -> Iterator[str]:
-    for key, beat in old.items():
-        now = new.get(key)
-        if now is None:
-            yield f"{place}/{key} removed"
-            continue
-        if beat.get("mandatory", True) and not now.get("mandatory", True):
-            yield f"{place}/{key} made optional"
-        if beat.get("observe", True) and not now.get("observe", True):
-            yield f"{place}/{key} need not be seen any more"
-        if beat.get("frames") != now.get("frames") and _frames_weaker(beat, now):
-            yield f"{place}/{key}/frames {beat.get('frames')} -> {now.get('frames')}"
-        if not set(beat.get("causes", [])) <= set(now.get("causes", [])):
-            yield f"{place}/{key}/causes lost {sorted(set(beat['causes']) - set(now.get('causes', [])))}"
-        yield from _margin_weakenings(beat, now, f"{place}/{key}/margins")
-        for field in ("subject", "owner"):
-            if beat.get(field) != now.get(field):
-                yield f"{place}/{key}/{field} {beat.get(field)} -> {now.get(field)}"
-        if _predicate_weaker(beat["predicate"], now["predicate"]):
-            yield f"{place}/{key}/predicate loosened or replaced"
-
-
-def story_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
-    """Beats and requirements of a story, as JSON, that ask for less in another one."""
-    yield from _beat_weakenings(old["beats"], new["beats"], "/story/beats")
-    yield from _beat_weakenings(_asked(old["requirements"]), _asked(new["requirements"]), "/story/requirements")
-
-
-def _frames_weaker(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
-    """True if other frames are, or may be, easier: what must happen is harder in fewer frames, what must last in more, and what must
-    be so at the end is looked for from no later frame.
-
-    An effect that is only looked for later is not asked whether it came before its cause.
-    """
-    (first, last), (now, then) = (x.get("frames") or (0, math.inf) for x in (old, new))
-    harder = interval_tightens(old["predicate"])
-    if harder == "narrower":
-        return bool(now < first or then > last or (now > first and old.get("causes")))
-    if harder == "end":
-        return bool(then != last or now > first)
-    return harder == "either" or bool(now > first or then < last)
-
-
-def _margin_weakenings(old: Mapping[str, Any], beat: Mapping[str, Any], place: str) -> Iterator[str]:
-    """Without a margin an effect must vanish with its cause; any margin asks less, a smaller one still less."""
-    for cause, margin in beat.get("margins", {}).items():
-        before = old.get("margins", {}).get(cause)
-        if before == margin or cause not in old.get("causes", []):
-            continue
-        field = next(iter(margin))
-        if before is None or field not in before or margin[field] < before[field]:
-            yield f"{place}/{cause} {before or 'must vanish'} -> {margin}"
-
-
 def _robustness_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     """Fewer beats or other draws; how many and how large trials are is a matter of `directed_weakenings`."""
     for key, item in old.items():
@@ -342,14 +259,6 @@ def _shot_weakenings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator
         yield from (f"/shots: {what} {name} is in no shot's {field} any more" for name in sorted(before - now))
 
 
-def _asked(requirements: Mapping[str, Any]) -> dict[str, Any]:
-    """Requirements with the predicate that must hold, negated where it must never come true."""
-    return {
-        key: {**r, "predicate": {"kind": "not", "predicate": r["predicate"]}} if r.get("never") else r
-        for key, r in requirements.items()
-    }
-
-
 def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()) -> list[str]:
     """Changes that make the specification easier to satisfy (R157), in words.
 
@@ -369,5 +278,5 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     found += physical_weakenings(before, after, old, new, places)
     found += holding_weakenings(before, after)
     found += _shot_weakenings(old["shots"], new["shots"])
-    found += claim_weakenings(old.get("claims", {}), new.get("claims", {}), after.prompt)
+    found += claim_weakenings(old, new)
     return found

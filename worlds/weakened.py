@@ -15,14 +15,11 @@ from typing import Any, NamedTuple
 from .bound_fields import Bound, binders_of, bound_fields
 from .categories.registry import CATEGORIES
 from .directions import field_of, way_of
-from .errors import InputError
-from .prompts.marks import occurrence
 from .quoting import listed
 from .slices import physical_materials
 from .spec import WorldSpec
 
 __all__ = [
-    "claim_weakenings",
     "directed_weakenings",
     "physical_weakenings",
     "relation_weakenings",
@@ -40,6 +37,7 @@ _JOINTS = "/simulation/joints/"
 _SIDES = ("harder_up", "harder_down")
 _RANGE = "/simulation/limits/scale_ratio"
 _REQUIRED = object()
+"""Stands for the default of a field that has none."""
 _TOLD_BY_MOTION = re.compile(
     r"/simulation/(frames|fps) |/story/(beats|requirements)/[^/ ]+/(subject|owner|predicate|frames|causes|margins)\b"
     r"|claim of .* is no longer judged by /story/(beats|requirements)/[^,/]*(, /story/(beats|requirements)/[^,/]*)*$"
@@ -49,9 +47,6 @@ _TOLD_BY_MOTION = re.compile(
 def told_by_motion(line: str) -> bool:
     """True if only motion is evidence against such a weakening: geometry at frame 0 says nothing of what is told there."""
     return _TOLD_BY_MOTION.match(line) is not None
-
-
-"""Stands for the default of a field that has none."""
 
 
 def physical_weakenings(
@@ -287,52 +282,3 @@ def directed_weakenings(old: Document, new: Document, places: Iterable[str]) -> 
             continue
         if weaker:
             yield f"{place} {was} -> {now}"
-
-
-def claim_weakenings(old: Mapping[str, Any], new: Mapping[str, Any], prompt: str) -> Iterator[str]:
-    """Edits of claims, as JSON, that ask for less (R157): compared by quote and place in the prompt, since ids may change."""
-    before, now = ({(c["quote"], c.get("nth", 1)): c for c in claims.values()} for claims in (old, new))
-    for place, claim in before.items():
-        told, after = f"claim of {place[0]!r}", now.get(place)
-        if after is None:
-            yield from _marked_otherwise(told, claim, new.values(), prompt)
-        elif after.get("waived") and not claim.get("waived"):
-            yield f"{told} waived: {after['waived']}"
-        elif after["type"] != claim["type"] and not claim.get("waived"):
-            yield f"{told} is {after['type']}, was {claim['type']}"
-        else:
-            lost = sorted(set(claim.get("by", ())) - set(after.get("by", ())))
-            if lost:
-                yield f"{told} is no longer judged by {', '.join(lost)}"
-    for place, claim in now.items():
-        if place not in before and claim.get("waived") and old:
-            yield f"claim of {place[0]!r} waived: {claim['waived']}"
-
-
-def _marked_otherwise(told: str, claim: Mapping[str, Any], now: Iterable[Mapping[str, Any]], prompt: str) -> Iterator[str]:
-    """Lines on words whose claim is gone; none where claims of its type now cover them all and name all that it named."""
-    words = _letters(claim, prompt)
-    over = [c for c in now if not c.get("waived") and words & _letters(c, prompt)]
-    left = words.difference(*(_letters(c, prompt) for c in over))
-    if claim.get("waived"):
-        return
-    if not over:
-        yield f"{told} dropped: these words are filler"
-        return
-    if left:
-        kept = "".join(prompt[i] if i in left else " " for i in range(min(words), max(words) + 1)).split()
-        yield f"{told} covers less: {' '.join(kept)!r} is filler now"
-    if claim["type"] not in {c["type"] for c in over} | ({"thing"} if any(c["type"] == "count" for c in over) else set()):
-        yield f"{told} is part of {over[0]['quote']!r}, of type {over[0]['type']}; it was {claim['type']}"
-    lost = sorted(set(claim.get("by", ())).difference(*(c.get("by", ()) for c in over)))
-    if lost:
-        yield f"{told} is no longer judged by {', '.join(lost)}"
-
-
-def _letters(claim: Mapping[str, Any], prompt: str) -> set[int]:
-    """Indices into the prompt of the letters and digits that a claim marks; none where its quote is not there."""
-    try:
-        start, end = occurrence(prompt, claim["quote"], claim.get("nth", 1))
-    except InputError:
-        return set()
-    return {i for i in range(start, end) if prompt[i].isalnum()}

@@ -64,6 +64,17 @@ async def test_tools_are_as_the_snapshot_says(tmp_path: Path, era: str) -> None:
 
 
 @pytest.mark.anyio
+async def test_who_sketches_hears_beforehand_that_looking_counts(tmp_path: Path) -> None:
+    """Where frames are offered it is told what seeing them asks of the next edit, and not only afterwards."""
+    async with Client(create_server(tmp_path)) as client:
+        (probe,) = (t for t in (await client.list_tools()).tools if t.name == "probe_sim")
+    assert probe.description
+    _, _, after = " ".join(probe.description.split()).partition("sketch={")
+    assert "looked at (render_shot, inspect_world) before any verdict count as evidence" in after
+    assert "names its hypothesis" in after
+
+
+@pytest.mark.anyio
 async def test_every_tool_is_described_within_what_clients_show(tmp_path: Path) -> None:
     async with Client(create_server(tmp_path)) as client:
         tools = (await client.list_tools()).tools

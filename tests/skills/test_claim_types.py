@@ -10,8 +10,8 @@ import pytest
 from worldagent.server.skill_files import SKILLS
 from worldagent.testing.dishonest.cases import without_marks
 from worldagent.worlds.audits.audit import audit
-from worldagent.worlds.audits.claims import JUDGED_BY
 from worldagent.worlds.claim_marks import with_claims
+from worldagent.worlds.claim_targets import JUDGED_BY
 from worldagent.worlds.claims import prompt_record
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.spec import ClaimType

@@ -131,6 +131,20 @@ def test_rooms_are_made_checked_and_made_again(agent: Any, monkeypatch: pytest.M
     assert "there is no interior 'hut'" in agent.refused("build_interior", world="w", interior="hut")
 
 
+def test_a_thing_of_a_room_is_taken_out_in_one_patch_and_the_reply_says_what_followed(world: Any) -> None:
+    made = {"rooms": {"hall": {"kind": "hall"}}, "entities": ["floor", "jar", "jug"]}
+    things = {name: {**FLOOR, "role": name} for name in ("jar", "jug")}
+    members = {"op": "add", "path": "/simulation/solvers/rigid/members", "value": ["floor", "jug"]}
+    there = [{"op": "add", "path": f"/entities/{n}", "value": e} for n, e in things.items()]
+    listed = {"op": "add", "path": "/interiors", "value": {"house": made}}
+    world.call("edit_spec", world="w", patch=[*there, listed, {**members, "value": ["floor", "jar", "jug"]}])
+    gone = world.call("edit_spec", world="w", patch=[{"op": "remove", "path": "/entities/jar"}, members])
+    assert gone["interiors_list_no_more"] == {"house": ["jar"]}
+    assert "/interiors/house/entities" in gone["changed"]
+    assert "audit:references" not in {r["id"] for r in gone["audit"]["open_rows"]}
+    assert _spec(world, "/interiors/house/entities") == ["floor", "jug"]
+
+
 def test_a_thing_that_is_made_anew_on_a_surface_keeps_its_turn(world: Any) -> None:
     """The table is turned too: what was put along it lies along it, and what was turned on it stays turned."""
     world.call("place_object", world="w", entity="table", asset={"generator": "table"}, on="floor", yaw_deg=30)

@@ -260,6 +260,23 @@ def test_a_patch_is_all_or_nothing() -> None:
         apply_patch(base(), [{"op": "replace", "path": "/title", "value": "x"}, {"op": "remove", "path": "/ghost"}])
 
 
+def test_what_an_interior_lists_follows_an_entity_that_is_taken_out() -> None:
+    """The list is a record of the server's own: nobody has to know of it."""
+    rooms = {"hall": {"kind": "hall"}}
+    spec = changed(base(), "/interiors", {"house": {"rooms": rooms, "entities": ["shelf", "b1", "b2"]}, "hut": {"rooms": rooms}})
+    out = {"op": "remove", "path": "/entities/b1"}
+    after = apply_patch(spec, [out])
+    assert after.interiors["house"].entities == ["shelf", "b2"]
+    assert after.interiors["hut"] == spec.interiors["hut"]
+    assert spec.interiors["house"].entities == ["shelf", "b1", "b2"]
+    assert apply_patch(spec, [out, {"op": "remove", "path": "/interiors/house/entities/1"}]) == after
+    assert apply_patch(spec, [out, {"op": "remove", "path": "/interiors"}]).interiors == {}
+    with pytest.raises(SpecError, match="/interiors/house/entities"):
+        apply_patch(spec, [out, {"op": "add", "path": "/interiors/house/entities/-", "value": ["b3"]}])
+    # An entity that never was is a mistake of its own, and stays for the audit to tell.
+    assert changed(spec, "/interiors/house/entities/-", "b9").interiors["house"].entities[-1] == "b9"
+
+
 def test_too_many_operations_are_refused() -> None:
     with pytest.raises(LimitError, match=r"2,001 operations .*cap 2,000.*split the patch"):
         apply_patch(base(), [{"op": "test", "path": "/title", "value": "Three blocks"}] * 2001)

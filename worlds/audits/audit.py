@@ -18,7 +18,7 @@ from ..fields import field_drivers
 from ..groups import group_of
 from ..instances import bake_order
 from ..materials import DENSITY_RANGES
-from ..problems import Problem, replaced
+from ..problems import Problem, removed, replaced
 from ..references import closest, references
 from ..requirements import Correction, Row
 from ..spec import WorldSpec
@@ -29,6 +29,7 @@ from .couplings import coupling_problems
 from .fields import field_problems
 from .foreseen import foreseen
 from .joints import joint_problems
+from .leaves import value_at
 from .masses import mass_problems
 from .named_materials import row_problems
 from .ownership import ownership_problems
@@ -149,11 +150,15 @@ class _Audit:
     def references(self) -> None:
         """R25, R26: every reference resolves."""
         known = self._known()
-        problems = []
+        problems, taken = [], []
         for place, target, value in references(self.spec, ""):
             if value in known[target] or (value == "each" and target == "entity" and "/predicate" in place):
                 continue
             near = closest(value, known[target])
+            beside = value_at(self.document, place.rpartition("/")[0])
+            if near is not None and isinstance(beside, list) and near in beside:
+                taken.append(Problem(place, f"unknown {target} {value!r}; take {place} out, or declare it", removed(place)))
+                continue
             text = f"unknown {target} {value!r}" + (f"; did you mean {near!r}?" if near else "; declare it first")
             problems.append(Problem(place, text, replaced(place, near) if near else None))
         for name, lamp in self.spec.look.lamps.items():
@@ -164,6 +169,7 @@ class _Audit:
                 problems.append(
                     Problem(f"/look/lamps/{name}/part", text, replaced(f"/look/lamps/{name}/part", near) if near else None)
                 )
+        problems += reversed(taken)  # the last of a list first: taking one out moves those behind it
         self.add("references", "every referenced entity, region, beat, solver, driver, joint and material exists", problems)
 
     # ---------------------------------------------------------------- ownership

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..amounts import miscounted
-from ..claim_targets import Span
+from ..claim_targets import JUDGED_BY, Span, may_judge
 from ..claims import Reading, named_in, reading_of
 from ..contradicted_words import contradicted_words
 from ..definites import misread_definites
@@ -31,7 +31,7 @@ from ..pronouns import misread_pronouns
 from ..references import kinds_of, resolves
 from ..roles import SENTENCE, misplaced_roles
 from ..row_words import misnamed_rows
-from ..spec import Beat, Claim, ClaimType, Connects, Requirement, WorldSpec
+from ..spec import Beat, Claim, Connects, Requirement, WorldSpec
 from ..subjects import misplaced_subjects
 from .acted_on import acted_on_problems
 from .contradictions import contradiction_problems
@@ -46,26 +46,11 @@ from .quantities import quantity_problems
 from .sharing import sharing_problems
 from .unclaimed import unclaimed_problems
 
-__all__ = ["JUDGED_BY", "claim_problems"]
+__all__ = ["claim_problems"]
 
 WAIVED_SHARE = 0.2
 """Own choice: with more of its letters waived, a world is not the prompt's any more."""
 _BEATS, _REQUIREMENTS = "story/beats", "story/requirements"
-JUDGED_BY: Mapping[ClaimType, tuple[str, ...]] = {
-    "thing": ("entities", "terrains"),
-    "count": ("entities", "terrains", "simulation", _BEATS, _REQUIREMENTS),
-    "quantity": ("entities", "terrains", "materials", "graph", "story", "simulation", "look", "shots"),
-    "property": ("entities", "terrains", "materials", _BEATS, _REQUIREMENTS, "graph/relations"),
-    "event": (_BEATS,),
-    "order": (_BEATS, _REQUIREMENTS),
-    "negation": (_REQUIREMENTS,),
-    "place": ("graph", "terrains", "entities", _REQUIREMENTS),
-    "time": ("look", "simulation", _BEATS, _REQUIREMENTS, "shots"),
-    "weather": ("look", "simulation", "terrains", "entities"),
-    "look": ("look", "shots", "materials", "entities"),
-    "route": ("graph/relations", "graph/regions", _BEATS, _REQUIREMENTS),
-}
-"""Where a claim of each type may be judged."""
 _ENTITY = re.compile(r"/entities/([^/]+)(?:/parts/[^/]+)?")
 _ASKED = re.compile(r"/story/(beats|requirements)/([^/]+)")
 _SHOWN = 20
@@ -124,7 +109,7 @@ def _claim(spec: WorldSpec, document: Any, name: str, claim: Claim) -> Iterator[
         at = f"{place}/by/{index}"
         if not resolves(document, pointer):
             yield Problem(at, f"pointer {pointer!r} leads nowhere; name what is in the specification")
-        elif not pointer.lstrip("/").startswith(tuple(f"{root}/" for root in JUDGED_BY[claim.type])):
+        elif not may_judge(claim.type, pointer):
             allowed = ", ".join(f"/{root}" for root in JUDGED_BY[claim.type])
             yield Problem(at, f"a claim of type {claim.type} is judged by {allowed}, not by {pointer!r}")
     yield from _optional(spec, name, claim)

@@ -120,6 +120,19 @@ def test_the_small_world_passes() -> None:
     assert all(r.check == "audit" and r.artifact == "world.json" and r.mandatory for r in report.rows)
 
 
+def test_no_member_of_a_list_is_proposed_in_place_of_another_that_is_gone() -> None:
+    """The list would name it twice."""
+    spec = broken(("/simulation/solvers/rigid/members/-", "ball2"), ("/simulation/solvers/rigid/members/-", "shelf2"))
+    row = next(r for r in audit(spec).rows if r.id == "audit:references")
+    first, second = (f"/simulation/solvers/rigid/members/{k}" for k in (6, 7))
+    assert row.evidence["problems"] == [
+        f"{second}: unknown entity 'shelf2'; take {second} out, or declare it",
+        f"{first}: unknown entity 'ball2'; take {first} out, or declare it",
+    ]
+    patch = [operation for c in row.corrections for operation in c.patch]
+    assert apply_patch(spec, patch).simulation.rigid["rigid"].members == base().simulation.rigid["rigid"].members
+
+
 @pytest.mark.parametrize("name", BROKEN)
 def test_each_fault_fails_its_row_with_a_pointer_and_a_hint(name: str) -> None:
     operations, row_id, words = BROKEN[name]

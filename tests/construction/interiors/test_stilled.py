@@ -1,0 +1,117 @@
+"""Interiors that never move but for what is named: static from the start, fixed as they stand, and without air between them."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+from worldagent.construction.assets.documents import body_boxes
+from worldagent.construction.assets.registry import make
+from worldagent.construction.interiors.build import build_interior
+from worldagent.construction.interiors.built import BuiltInterior
+from worldagent.construction.interiors.stilled import stilled
+from worldagent.worlds.errors import InputError
+from worldagent.worlds.spec import Interior
+
+GAP = 1e-3
+"""[m] Two collision skins."""
+SHOP = {"kind": "workshop", "area": 20.0, "doors": ["outside"], "windows": False}
+
+
+@lru_cache(maxsize=4)
+def _shop(*moves: str, still: bool = True) -> BuiltInterior:
+    plan = {"rooms": {"shop": SHOP}, "seed": 4, "density": 0.5, "still": still, "moves": list(moves)}
+    return build_interior("flat", Interior.model_validate(plan), gap=GAP)
+
+
+def _moving(made: BuiltInterior) -> set[str]:
+    return {key for key, entity in made.entities.items() if entity["motion"] == "dynamic"}
+
+
+def _carrier(made: BuiltInterior, key: str) -> str:
+    return str(made.relations[f"{key}_stands"]["a"])
+
+
+def _low(entity: dict[str, Any]) -> float:
+    return float(entity["pose"]["position"][2])
+
+
+def test_nothing_of_a_still_interior_moves_or_hangs_on_a_joint() -> None:
+    """The same things, as a control, move and hang on joints where the interior is not still."""
+    still, free = _shop(), _shop(still=False)
+    assert set(still.entities) == set(free.entities)
+    assert len(_moving(free)) > 50
+    assert free.joints
+    assert _moving(still) == set()
+    assert still.joints == {}
+    hung = {joint["child"] for joint in free.joints.values()}
+    assert {r["b"] for r in still.relations.values() if r["kind"] == "fastened"} == hung
+
+
+def test_kinds_ids_and_rooms_are_named_that_move() -> None:
+    tins = {key for key in _shop().entities if "_tin_can" in key}
+    assert len(tins) > 1
+    assert _moving(_shop("tin_can")) == tins
+    one = min(tins)
+    assert _moving(_shop(one)) == {one}
+    assert _moving(_shop("shop")) == _moving(_shop(still=False))
+
+
+def test_what_lies_on_something_that_moves_moves_as_well() -> None:
+    """What never moves would hang in the air as soon as its carrier is gone."""
+    free = _shop(still=False)
+    carriers = {_carrier(free, f"{key}") for key in free.entities if f"{key}_stands" in free.relations}
+    table = min(c for c in carriers if c in _moving(free) and c not in ("flat_floor", "flat_walls"))
+    made = _shop(table)
+    on_it = {key for key in free.entities if f"{key}_stands" in free.relations and _carrier(free, key) == table}
+    assert on_it
+    assert {table, *on_it} <= _moving(made)
+    assert len(_moving(made)) < len(_moving(free))
+
+
+def test_still_things_touch_what_carries_them_and_those_that_move_keep_room_for_skins() -> None:
+    """Three gaps of 1 mm between floor, bench, box and lid are more air than a chain of static things may have."""
+    made, free = _shop("tin_can"), _shop(still=False)
+    checked = set()
+    for key, entity in made.entities.items():
+        if f"{key}_stands" not in made.relations:
+            continue
+        carrier = _carrier(made, key)
+        if carrier not in ("flat_floor", "flat_walls"):
+            closed = (_low(free.entities[key]) - _low(free.entities[carrier])) - (_low(entity) - _low(made.entities[carrier]))
+            wall = f"{carrier}_stands" in made.relations and _carrier(made, carrier) == "flat_walls"
+            checked.add((entity["motion"], wall))
+            assert closed == pytest.approx(0.0 if entity["motion"] == "dynamic" else 9e-4, abs=1e-6), key
+        elif carrier == "flat_floor":
+            assert _low(entity) == pytest.approx(1e-4, abs=1e-6), key
+    assert {motion for motion, _ in checked} == {"static", "dynamic"}
+
+
+@pytest.mark.parametrize("name", ["pile_of_books", "jar", "cooking_pot", "bottle"])
+def test_what_lies_loosely_on_a_still_thing_touches_it(name: str) -> None:
+    made = make(name, {}, 1)
+    still = stilled(made)
+    assert made.carries
+    assert {body.motion for body in still.bodies.values()} == {"static"}
+    before, after = body_boxes(made), body_boxes(still)
+    for _, child in made.carries:
+        shift = before[child][0] - after[child][0]
+        np.testing.assert_allclose(shift[:2], 0.0, atol=1e-9)
+        assert shift[2] >= 0.8e-3, "its gap was more than 1 mm and is 0.1 mm"
+    order = [child for _, child in made.carries]
+    shifts = [float(before[c][0][2] - after[c][0][2]) for c in order]
+    assert shifts == sorted(shifts), "what lies on what was lowered comes down with it"
+
+
+def test_names_that_mean_nothing_are_refused_and_kinds_that_are_not_there_told() -> None:
+    with pytest.raises(InputError, match=r"moves names 'flat_shop_tin_cam'.*did you mean 'flat_shop_tin_can'"):
+        _shop("flat_shop_tin_cam")
+    assert "no bathtub stands here, which moves names" in _shop("bathtub").lacking
+
+
+def test_moves_without_still_is_refused() -> None:
+    with pytest.raises(ValidationError, match="give still: true"):
+        Interior.model_validate({"rooms": {"shop": SHOP}, "moves": ["tin_can"]})

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ...geometry import Solid, kept_solid
-from ...worlds.arrays import RigidPose, pose_of
+from ...geometry import Solid, kept_solid, signed_clearance
+from ...worlds.arrays import F64, RigidPose, pose_of
 from ...worlds.errors import InputError
 from ...worlds.hints import did_you_mean
 from ...worlds.spec import Interior
 from ..assets.documents import body_boxes, part_boxes
-from ..assets.made import Body, Made
+from ..assets.made import Body, Made, Point
 from ..assets.registry import GENERATORS
 from ..kept_shapes import kept_shape
 from ..placing import lowered
@@ -31,6 +31,11 @@ __all__ = ["Still", "lowerings", "stilled"]
 
 REACH = 3e-3
 """[m] Own choice: what lies loosely on another body of its thing is no further above it than 2 mm (`testing/assets.py`)."""
+HUNG = 5e-3
+"""[m] Own choice: what hangs further than that from its holder hangs on a rope or chain; generators make joints within 3 mm."""
+HERE = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+Part = tuple[RigidPose, Solid]
+"""Place and surface of a part, in the thing's frame."""
 TOLD = 20
 """Names that a refusal tells."""
 
@@ -101,23 +106,72 @@ def lowerings(standing: Sequence[Standing], still: Mapping[str, bool], gap: floa
 
 
 def stilled(made: Made) -> Made:
-    """The thing with all its bodies static, and what lies loosely on them lowered until it touches."""
-    bodies = {name: replace(body, motion="static") for name, body in made.bodies.items()}
-    boxes = body_boxes(made)
-    places = dict(made.places)
-    for name in sorted({b for _, b in made.carries}, key=lambda b: float(boxes[b][0][2])):
-        above = {name, *_carried(made, name)}
-        others = [part for n, body in bodies.items() if n not in above for part in _parts(body)]
-        here = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
-        down = np.array([0.0, 0.0, -1.0])
-        found = lowered(Surfaces(tuple(_parts(bodies[name]))), here, Surfaces(tuple(others)), here, down, STILL_GAP, REACH)
-        # What also stands on the ground is not let into it.
-        way = 0.0 if found is None else min(-float(found.position[2]), max(0.0, float(boxes[name][0][2])))
-        if way > 0.0:
-            for n in above:
-                bodies[n] = _shifted(bodies[n], way)
-            places = {k: replace(p, center=_lower(p.center, way)) if p.body in above else p for k, p in places.items()}
-    return replace(made, bodies=bodies, places=places)
+    """The thing with all its bodies static; those that hang on joints or lie loosely on others are brought to what holds them."""
+    still = replace(made, bodies={name: replace(body, motion="static") for name, body in made.bodies.items()})
+    hung: list[str] = []
+    for joint in made.joints.values():
+        hung += [joint.child] if joint.child not in hung else []
+    for name in sorted(hung, key=lambda child: len(_owners(made, child))):
+        still = _hung(still, name)
+    low = {name: float(box[0][2]) for name, box in body_boxes(made).items()}
+    for name in sorted({b for _, b in made.carries}, key=low.__getitem__):
+        still = _lowered(still, name)
+    return still
+
+
+def _hung(made: Made, name: str) -> Made:
+    """The thing with one body, and what that carries, moved to what its joint hangs it on, as far as nothing else is in the way."""
+    above = {name, *_carried(made, name)}
+    parent = next(j.parent for j in made.joints.values() if j.child == name)
+    if parent in above:
+        return made
+    gap, way = _nearest([*_parts(made.bodies[name])], [*_parts(made.bodies[parent])])
+    others = [part for n, body in made.bodies.items() if n not in above for part in _parts(body)]
+    room, _ = _nearest([part for n in above for part in _parts(made.bodies[n])], others)
+    # Whatever is at least so far away is not met by a move of that length, in any direction.
+    far = min(gap, room) - STILL_GAP
+    if not 0.0 < far < gap <= HUNG:
+        return made
+    move = far / gap * way
+    lowest = min(float(body_boxes(made)[n][0][2]) for n in above)
+    return _shifted(made, above, np.array([move[0], move[1], max(float(move[2]), min(0.0, -lowest))]))
+
+
+def _lowered(made: Made, name: str) -> Made:
+    """The thing with one body that lies loosely on others, and what that carries, lowered until it touches."""
+    above = {name, *_carried(made, name)}
+    own = Surfaces(tuple(_parts(made.bodies[name])))
+    others = Surfaces(tuple(part for n, body in made.bodies.items() if n not in above for part in _parts(body)))
+    found = lowered(own, HERE, others, HERE, np.array([0.0, 0.0, -1.0]), STILL_GAP, REACH)
+    # What also stands on the ground is not let into it.
+    way = 0.0 if found is None else min(-float(found.position[2]), max(0.0, float(body_boxes(made)[name][0][2])))
+    return _shifted(made, above, np.array([0.0, 0.0, -way])) if way > 0.0 else made
+
+
+def _owners(made: Made, name: str) -> list[str]:
+    """Bodies on which a body hangs by joints, one on the other; the nearest first."""
+    found: list[str] = []
+    parents = {j.child: j.parent for j in made.joints.values()}
+    while name in parents and parents[name] not in found:
+        name = parents[name]
+        found.append(name)
+    return found
+
+
+def _nearest(own: Sequence[Part], others: Sequence[Part]) -> tuple[float, F64]:
+    """Least clearance [m] between parts, and the way that closes it, shape (3,); infinite where there are none."""
+    best, way = np.inf, np.zeros(3)
+    low, high = (np.array([f(place.apply(solid.vertices), axis=0) for place, solid in others]) for f in (np.min, np.max))
+    for place, solid in own if len(others) else ():
+        points = place.apply(solid.vertices)
+        apart = np.linalg.norm(np.maximum(np.maximum(low - points.max(0), points.min(0) - high), 0.0), axis=1)
+        for k in np.argsort(apart, kind="stable"):
+            if apart[k] >= best:
+                break
+            found = signed_clearance(solid, place, others[k][1], others[k][0])
+            if found.distance < best:
+                best, way = float(found.distance), np.asarray(found.point_b) - np.asarray(found.point_a)
+    return best, way
 
 
 def _carried(made: Made, name: str) -> Iterator[str]:
@@ -129,19 +183,24 @@ def _carried(made: Made, name: str) -> Iterator[str]:
     yield from known[1:]
 
 
-def _parts(body: Body) -> Iterator[tuple[RigidPose, Solid]]:
+def _parts(body: Body) -> Iterator[Part]:
     for part in body.parts.values():
         yield pose_of(part.pose), kept_solid(kept_shape(part.shape, Path()).geometry.render, closed=True)
 
 
-def _lower(point: Sequence[float], way: float) -> tuple[float, float, float]:
-    x, y, z = (float(c) for c in point)
-    return (x, y, z - way)
+def _moved(point: Point, way: F64) -> tuple[float, float, float]:
+    x, y, z = (float(c) + float(w) for c, w in zip(point, way, strict=True))
+    return (x, y, z)
 
 
-def _shifted(body: Body, way: float) -> Body:
-    parts = {
-        key: part.model_copy(update={"pose": part.pose.model_copy(update={"position": _lower(part.pose.position, way)})})
-        for key, part in body.parts.items()
-    }
-    return replace(body, parts=parts)
+def _shifted(made: Made, names: Collection[str], way: F64) -> Made:
+    """The thing with some bodies, and the places on them, moved [m]."""
+    bodies = dict(made.bodies)
+    for name in names:
+        parts = {
+            key: part.model_copy(update={"pose": part.pose.model_copy(update={"position": _moved(part.pose.position, way)})})
+            for key, part in bodies[name].parts.items()
+        }
+        bodies[name] = replace(bodies[name], parts=parts)
+    places = {k: replace(p, center=_moved(p.center, way)) if p.body in names else p for k, p in made.places.items()}
+    return replace(made, bodies=bodies, places=places)

@@ -6,7 +6,7 @@ and several such gaps on the way to the ground are told as air; so it is placed 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,7 +41,7 @@ TOLD = 20
 
 
 class Still:
-    """What of an interior never moves.
+    """Decides on the things of an interior that never move.
 
     Args:
         interior: what is asked for.
@@ -59,7 +59,7 @@ class Still:
         return self.all and not met
 
     def among(self, standing: Sequence[Standing], room: str) -> dict[str, bool]:
-        """Whether each thing of a room never moves, by id: what lies on something that moves moves as well."""
+        """True for each thing of a room that never moves, by id: what lies on something that moves moves as well."""
         found: dict[str, bool] = {}
         for thing in standing:  # carriers are placed before what they carry
             found[thing.id] = self.of(thing.id, thing.piece.generator, room) and found.get(thing.carrier, True)
@@ -90,7 +90,7 @@ class Still:
 
 
 def lowerings(standing: Sequence[Standing], still: Mapping[str, bool], gap: float) -> dict[str, float]:
-    """How much lower than with the gap of skins each thing stands [m], by id.
+    """Way that each thing of a room stands lower than with the gap of skins [m], by id.
 
     Args:
         standing: things of a room, carriers before what they carry.
@@ -132,9 +132,12 @@ def _hung(made: Made, name: str) -> Made:
     far = min(gap, room) - STILL_GAP
     if not 0.0 < far < gap <= HUNG:
         return made
+    # It stays before the back of the thing, at which a wall may be, and above its foot; other things stand a centimetre apart.
+    boxes = body_boxes(made)
+    (low, high), (own_low, own_high) = _around(boxes.values()), _around(boxes[n] for n in above)
     move = far / gap * way
-    lowest = min(float(body_boxes(made)[n][0][2]) for n in above)
-    return _shifted(made, above, np.array([move[0], move[1], max(float(move[2]), min(0.0, -lowest))]))
+    back, foot = max(0.0, float(high[1] - own_high[1])), min(0.0, float(low[2] - own_low[2]))
+    return _shifted(made, above, np.array([move[0], min(float(move[1]), back), max(float(move[2]), foot)]))
 
 
 def _lowered(made: Made, name: str) -> Made:
@@ -146,6 +149,12 @@ def _lowered(made: Made, name: str) -> Made:
     # What also stands on the ground is not let into it.
     way = 0.0 if found is None else min(-float(found.position[2]), max(0.0, float(body_boxes(made)[name][0][2])))
     return _shifted(made, above, np.array([0.0, 0.0, -way])) if way > 0.0 else made
+
+
+def _around(boxes: Iterable[tuple[F64, F64]]) -> tuple[F64, F64]:
+    """Least and greatest corner of boxes [m]."""
+    low, high = zip(*boxes, strict=True)
+    return np.min(low, axis=0), np.max(high, axis=0)
 
 
 def _owners(made: Made, name: str) -> list[str]:

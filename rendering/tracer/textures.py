@@ -177,7 +177,7 @@ def _bricks(color: tuple[float, float, float], seed: int) -> Tile:
         row = np.repeat(tones, BRICK)[None] * np.ones((high, 1))
         rows.append(np.roll(np.concatenate([row[None], np.tile(inside, columns)[None]]), course % 2 * (BRICK // 2), axis=2))
     shade, edge = np.concatenate(rows, axis=1)
-    grain = [_noise(random, *shade.shape, length, length) for length in (14.0, 3.0, 0.8)]
+    grain = [_noise(random, shade.shape[0], shade.shape[1], length, length) for length in (14.0, 3.0, 0.8)]
     mottled = shade * (1.0 + 0.06 * grain[0] + 0.05 * grain[1] + 0.05 * grain[2])
     # Edges of bricks are worn by a millimetre or two.
     mortar = (edge + 0.004 * grain[1] < MORTAR_JOINT / 2)[..., None]

@@ -161,7 +161,7 @@ def pattern_frame(candidate: Candidate, entity: str, part: BuiltPart) -> RigidPo
     declared = candidate.spec.entities[entity].parts.get(part.part)
     own = RigidPose(np.zeros(3), np.array([1.0, 0, 0, 0])) if declared is None else pose_of(declared.pose)
     if (
-        candidate.spec.materials[part.material].appearance.pattern != "tiles"
+        candidate.spec.materials[part.material].appearance.pattern not in ("tiles", "bricks")
         or candidate.spec.entities[entity].motion != "static"
     ):
         return own

@@ -40,6 +40,7 @@ def build_interior(
     Corridors with steps, L-shaped rooms (shape), storeys joined by stairs, also straight in an open well with railings, barn or museum hall, a roof,
     uneven ground (`on`: plinth, steps, floor at the entrance).
     Makes ordinary entities <interior>_<room>_<thing>, a region <interior>_<room>, a route through every door; tells what found no place and why.
+    `still: true` makes all of it static but what `moves` names (ids, kinds, rooms).
     Repeating it replaces what it made. Not for: single things (place_object with asset). Next: place_object for what the prompt asks beyond that.
     """
     from ..workflow.session import Session

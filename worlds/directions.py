@@ -95,7 +95,7 @@ FIELDS: tuple[Parameter, ...] = (
     *parameters("/materials/*/appearance", ". color roughness metallic transmission pattern pattern_scale drying", "look", "none", _LOOK),
     # interiors and landscapes
     *parameters("/interiors", ". * */rooms */rooms/* */rooms/*/kind */rooms/*/area */rooms/*/doors */rooms/*/windows */rooms/*/furniture */rooms/*/things */rooms/*/storey */rooms/*/width */rooms/*/steps */rooms/*/shape */rooms/*/stairs */rooms/*/open", "shape", "repair", _MADE),
-    *parameters("/interiors/*", "size at on entrance height wall door ceiling roof walls density seed entities", "shape", "repair", _MADE),
+    *parameters("/interiors/*", "size at on entrance height wall door ceiling roof walls density seed still moves entities", "shape", "repair", _MADE),
     *parameters("/terrains", ". *", "terrain", "repair", _JUDGED),
     *parameters("/terrains/*", "extent cell datum sea_level seed", "terrain", "repair", _JUDGED),
     *parameters("/terrains/*/zones", ". * */label */polygon */center */radius */line */width", "terrain", "repair", "where rows about a zone look; rows judge what is there"),

@@ -32,6 +32,7 @@ BROWN_HUES = (10.0 / 360.0, 50.0 / 360.0)
 PATTERNS: Mapping[str, frozenset[str]] = {
     "wood": frozenset(("wood",)),
     "concrete": frozenset(("concrete", "stone", "brick", "ceramic")),
+    "bricks": frozenset(("brick", "stone", "concrete")),
     "tiles": frozenset(("ceramic", "stone", "concrete", "brick", "glass")),
 }
 """Substances whose pattern a surface shows."""

@@ -11,7 +11,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Joint, Made, Place
 from .profiles import arc, circle
-from .turning import drawn, facet, half, hollow, moved, solid
+from .turning import TRIM, drawn, facet, half, hollow, moved, solid
 
 __all__ = ["GENERATORS"]
 
@@ -55,7 +55,8 @@ def _barrel(p: BarrelParameters, rng: np.random.Generator) -> Made:
     starts = (first, second, p.height - second - broad, p.height - first - broad)
     for number, low in enumerate(starts, start=1):
         ends = [(radius(z), z) for z in (low, low + broad)]
-        body.turned(f"hoop_{number}", [*ends, *((r + 0.003, z) for r, z in reversed(ends))], segments=n, material=p.hoop)
+        body.turned(f"hoop_{number}", [*ends, *((r + TRIM, z) for r, z in reversed(ends))], segments=n, material=p.hoop)
+        drawn(body, f"hoop_{number}")  # it stands and rolls on its staves
     made = Made.of(body)
     recess, thick = 0.05 * p.height, 0.02
     heads = [("foot", recess)] if p.open else [("foot", recess), ("head", p.height - recess - thick)]

@@ -7,13 +7,19 @@ import math
 import numpy as np
 from pydantic import Field
 
+from ...worlds.materials import row_named
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 from .profiles import circle, rounded
-from .turning import curve, drawn, facet, grip, half, hollow, lying, ring, solid
+from .turning import TRIM, curve, drawn, facet, grip, half, hollow, lying, ring, solid
 from .vessels import CLEAR
 
 __all__ = ["GENERATORS"]
+
+SHEET = 0.0003
+"""[m] Own choice: thickness of the sheet of a tin can; steel cans have 0.2 to 0.3 mm."""
+CYLINDER_FACETS = 64
+"""[1] As many as those of a cylinder, so that what is drawn around one touches it everywhere."""
 
 
 class CookingPotParameters(Parameters):
@@ -172,25 +178,37 @@ class TinCanParameters(Parameters):
 
 
 def _tin_can(p: TinCanParameters, rng: np.random.Generator) -> Made:
-    """Its contents reach to the outer side, one convex piece that collides: sheet of 0.4 mm is drawn, and stiff rims stand out.
+    """One exact cylinder collides, as thick as the can, of its sheet; rims and label are drawn within the skin around it.
 
-    Rims are exact cylinders, on which it rolls; a ring of facets would lose a tenth of its energy at each.
+    A ring of facets would brake a rolling one.
     """
-    segments, r, top, sheet = 32, p.diameter / 2, p.height, 0.0004
+    r, top, rim = p.diameter / 2, p.height, 0.003
     body = Body("tin can", p.material)
-    rim = 0.002
+    weight = _filled_weight(p)
+    if weight is not None:
+        body.physics = {"category": "rigid", "mass": weight, "hollow": True}
+    body.cylinder("can", (0, 0, 0), (0, 0, top), r, material=None if weight is not None else p.filled)
     for name, low in (("foot", 0.0), ("top", top - rim)):
-        body.cylinder(f"rim_{name}", (0, 0, low), (0, 0, low + rim), r + 0.0012)
-    body.turned("contents", solid([(r, rim), (r, top - rim)]), segments=segments, material=p.filled)
-    body.turned("wall", ring(r, rim, top - rim, sheet), segments=segments)
-    drawn(body, "wall")
+        body.turned(f"rim_{name}", ring(r, low, low + rim, TRIM), segments=CYLINDER_FACETS)
+        drawn(body, f"rim_{name}")
     if p.label:
         low = rim + float(rng.uniform(0.03, 0.1)) * top
-        body.turned("label", ring(r + sheet, low, top - low, sheet), segments=segments, material="cardboard")
+        body.turned("label", ring(r, low, top - low, 0.4 * TRIM), segments=CYLINDER_FACETS, material="cardboard")
         drawn(body, "label")
     made = Made.of(body)
     made.places["top"] = Place((0, 0, top), (r, r))
     return made
+
+
+def _filled_weight(p: TinCanParameters) -> float | None:
+    """Mass of a closed can of sheet and what fills it [kg]; None where the table does not know one of them."""
+    rows = row_named(p.material), row_named(p.filled)
+    if rows[0] is None or rows[1] is None:
+        return None
+    metal, content = (row[1].figures["density"].range[1] for row in rows if row is not None)
+    r, top = p.diameter / 2, p.height
+    whole, inside = math.pi * r**2 * top, math.pi * (r - SHEET) ** 2 * (top - 2 * SHEET)
+    return round(content * inside + metal * (whole - inside), 6)
 
 
 class WateringCanParameters(Parameters):

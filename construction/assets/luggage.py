@@ -10,7 +10,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 from .profiles import rectangle, rounded
-from .turning import facet, half, hollow, moved
+from .turning import TRIM, drawn, facet, half, hollow, moved
 
 __all__ = ["GENERATORS"]
 
@@ -147,10 +147,11 @@ def _toolbox(p: ToolboxParameters, rng: np.random.Generator) -> Made:
         body.cylinder(
             f"screw_{number}",
             (sx * x, sy * 0.7 * y, side * 0.5),
-            (sx * (x + 0.002), sy * 0.7 * y, side * 0.5),
+            (sx * (x + TRIM), sy * 0.7 * y, side * 0.5),
             0.005,
             material="mild_steel",
         )
+        drawn(body, f"screw_{number}")
     made = Made.of(body)
     free = y - t - (0.005 if p.divider else 0.0)
     made.places["inside"] = Place((0, -free / 2 - 0.005 if p.divider else 0.0, t), (p.width - 2 * t, free), side)

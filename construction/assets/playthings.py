@@ -10,7 +10,7 @@ from pydantic import Field
 
 from .generator import Generator, Parameters, material
 from .made import Body, Joint, Made
-from .turning import half, solid
+from .turning import TRIM, drawn, half, solid
 
 __all__ = ["GENERATORS"]
 
@@ -51,22 +51,24 @@ def _toy_car(p: ToyCarParameters, rng: np.random.Generator) -> Made:
     body.hull("roof", [(s * w * wide, y, z) for s in (-1, 1) for w, z in ((0.74, top), (0.7, top + 0.018 * long)) for y in roof])
     for name, s in (("left", -1), ("right", 1)):
         at = (s * 0.62 * wide, -half_long, low + 0.06 * long)
-        body.cylinder(f"light_{name}", at, (at[0], -half_long - max(0.012 * long, 0.0012), at[2]), 0.026 * long, material=p.trim)
+        body.cylinder(f"light_{name}", at, (at[0], -half_long - TRIM, at[2]), 0.026 * long, material=p.trim)
         tail = (s * 0.62 * wide, half_long, low + 0.08 * long)
         body.box(
             f"lamp_{name}",
             (tail[0] - 0.03 * long, half_long, tail[2] - 0.015 * long),
-            (tail[0] + 0.03 * long, half_long + max(0.008 * long, 0.0012), tail[2] + 0.015 * long),
+            (tail[0] + 0.03 * long, half_long + TRIM, tail[2] + 0.015 * long),
             material=p.trim,
         )
+        drawn(body, f"light_{name}", f"lamp_{name}")
     made = Made.of(body)
     broad = 0.075 * long
     for name, sx, y in (("front_left", -1, -0.29), ("front_right", 1, -0.29), ("back_left", -1, 0.29), ("back_right", 1, 0.29)):
         wheel = Body("wheel", p.tyre)
         inner = wide + GAP
         wheel.cylinder("tyre", (sx * inner, y * long, r), (sx * (inner + broad), y * long, r), r)
-        outer = inner + broad + max(0.15 * broad, 0.0012)
+        outer = inner + broad + TRIM
         wheel.cylinder("hub", (sx * (inner + broad), y * long, r), (sx * outer, y * long, r), 0.5 * r, material=p.trim)
+        drawn(wheel, "hub")
         made.bodies[f"wheel_{name}"] = wheel
         friction = 1e-4 * (long / 0.16) ** 3
         made.joints[f"wheel_{name}"] = Joint(

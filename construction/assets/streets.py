@@ -12,6 +12,7 @@ from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 from .profiles import mitred
 from .railings import spindle
+from .turning import TRIM, drawn
 
 __all__ = ["GENERATORS"]
 
@@ -308,10 +309,11 @@ def _cone(p: ConeParameters, rng: np.random.Generator) -> Made:
         b = a + 0.16 * (p.height - foot)
         body.turned(
             f"band_{k + 1}",
-            [(radius(a), a), (radius(a) + 0.001, a), (radius(b) + 0.001, b), (radius(b), b)],
+            [(radius(a), a), (radius(a) + TRIM, a), (radius(b) + TRIM, b), (radius(b), b)],
             segments=n,
             material=p.band,
         )
+        drawn(body, f"band_{k + 1}")
     return Made.of(body)
 
 

@@ -195,7 +195,7 @@ def _jar(p: JarParameters, rng: np.random.Generator) -> Made:
     body.breakable = breaking(p.material, 14, int(rng.integers(1000)), p.wall) if p.breakable else None
     lid = Body("lid", p.lid)
     inner, low, high = (mouth + CLEAR) / 0.985, top - 0.012, top + CLEAR
-    outside = inner + 0.0015
+    outside = inner + 0.003
     lid.turned("rim", [(inner, low), (outside, low), (outside, high), (inner, high)], segments=segments)
     lid.turned("top", solid([(outside, high), (outside, high + 0.002), (0.9 * outside, high + 0.004)]), segments=36)
     if p.knob:

@@ -22,6 +22,7 @@ from .pieces import Stock
 from .plans import OUTSIDE, STEPS, WING, Rect
 from .programs import KINDS
 from .shell import put_roof, put_shell
+from .stilled import Still, lowerings
 from .walls import Opening, clear_rect
 from .wells import well_of
 
@@ -59,19 +60,21 @@ def build_interior(name: str, interior: Interior, *, gap: float, ground: Heights
             "plinth": round(-site.lowest, 3),
             "steps": {s.front.door.rooms[0]: s.number for s in site.steps},
         }
+    still = Still(interior)
     put_shell(found, name, interior, storeys)
     put_roof(found, name, interior, storeys[-1])
     for storey in storeys:
         for door in storey.doors:
-            hang_door(found, name, interior, storey, door, rng)
+            hang_door(found, name, interior, storey, door, rng, still)
         for window in storey.windows:
-            set_window(found, name, interior, storey, window)
-    supply = _Supply(Stock(rng), interior.density, rng)
+            set_window(found, name, interior, storey, window, still)
+    supply = _Supply(Stock(rng), interior.density, rng, still)
     for storey in storeys:
         for part in storey.plan.rooms:
             _room(found, name, interior, storey, part, gap, supply)
         _routes(found, name, storey)
     _climbs(found, name, interior, storeys)
+    found.lacking += still.unmet(found.entities, interior.rooms)
     return found
 
 
@@ -81,6 +84,7 @@ class _Supply(NamedTuple):
     stock: Stock
     density: float
     rng: np.random.Generator
+    still: Still
 
 
 def _room(found: BuiltInterior, name: str, interior: Interior, storey: Storey, part: str, gap: float, supply: _Supply) -> None:
@@ -110,8 +114,13 @@ def _room(found: BuiltInterior, name: str, interior: Interior, storey: Storey, p
         standing = filled.standing
         found.lacking += filled.lacking
         found.left_out += filled.left_out
+    still = supply.still.among(standing, own)
+    lower = lowerings(standing, still, gap)
     for thing in standing:
-        _stand(found, name, storey, thing, level)
+        placed = replace(thing, z=thing.z - lower[thing.id])
+        if still[thing.id]:
+            placed = replace(placed, piece=supply.still.piece(thing.piece), still=True)
+        _stand(found, name, storey, placed, level, fixed=still[thing.id])
     found.rooms[part + suffix(storey.number) if asked.kind == "stairs" else part] = {
         "kind": asked.kind,
         "size": _size(rect),
@@ -141,12 +150,12 @@ def _space(storey: Storey, part: str, wall: float, level: float, *, wing: str) -
     return FloorSpace(rects[0], openings, wall, name=part)
 
 
-def _stand(found: BuiltInterior, name: str, storey: Storey, thing: Standing, level: float) -> None:
-    """Write a thing of a room in its place, and what carries it."""
+def _stand(found: BuiltInterior, name: str, storey: Storey, thing: Standing, level: float, *, fixed: bool) -> None:
+    """Write a thing of a room in its place, and what carries it; `fixed`: with what hangs on its joints."""
     place = found.place(thing.x, thing.y, storey.z + level + thing.z)
     pose = RigidPose(np.array(place), euler_to_quaternion((0.0, 0.0, thing.yaw)))
     motion = "static" if thing.still else generator(thing.piece.generator).motion
-    put_asset(found, thing.id, thing.piece, pose, motion=motion)
+    put_asset(found, thing.id, thing.piece, pose, motion=motion, fixed=fixed)
     shell = thing.carrier in ("floor", "walls")
     carrier = f"{name}_{thing.carrier}{suffix(storey.number)}" if shell else body_id(thing.carrier, thing.body)
     for foot in feet(thing.piece.made, thing.piece.boxes, stands=generator(thing.piece.generator).stands):

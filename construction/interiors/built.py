@@ -95,11 +95,14 @@ def put_asset(
     *,
     motion: str,
     positions: dict[str, float] | None = None,
+    fixed: bool = False,
 ) -> None:
-    """Write a generated thing at a pose, its joints at other positions where some are given."""
+    """Write a generated thing at a pose, its joints at other positions where some are given, `fixed` there where it says so."""
     asset: dict[str, Any] = {"generator": own.generator, "parameters": dict(own.parameters), "seed": own.seed}
     if positions:
         asset["positions"] = positions
+    if fixed and own.made.joints:
+        asset["fixed"] = True
     boxes = None if positions else own.boxes
     documents = asset_documents(key, asset, posed(own.made, positions or {}), pose, motion=motion, boxes=boxes)
     found.entities |= documents.entities

@@ -15,6 +15,7 @@ from .floor_space import FloorSpace
 from .layout import DOOR_HEIGHT, JAMB, Storey, gate_of
 from .pieces import made_piece
 from .plans import OUTSIDE, Rect
+from .stilled import Still
 from .swept import Volume
 from .walls import Opening, hinge
 
@@ -25,7 +26,7 @@ AJAR = 1.4
 
 
 def hang_door(
-    found: BuiltInterior, name: str, interior: Interior, storey: Storey, door: Opening, rng: np.random.Generator
+    found: BuiltInterior, name: str, interior: Interior, storey: Storey, door: Opening, rng: np.random.Generator, still: Still
 ) -> None:
     """A door in its opening, ajar into the room that it belongs to."""
     gate = gate_of(interior, *door.rooms)
@@ -39,15 +40,17 @@ def hang_door(
         parameters = {"width": gate[0], "height": gate[1], "depth": depth, "style": style}
         own, positions = made_piece("double_door", parameters, int(rng.integers(2**31))), {"left": AJAR, "right": AJAR}
     key = f"{name}_{door.id}_door"
-    put_asset(found, key, own, _in_wall(found, storey, door), motion="static", positions=positions)
+    fixed = still.of(key, own.generator, *door.rooms)
+    put_asset(found, key, own, _in_wall(found, storey, door), motion="static", positions=positions, fixed=fixed)
     found.supports(f"{key}_set", f"{name}_floor{suffix(storey.number)}", key)
 
 
-def set_window(found: BuiltInterior, name: str, interior: Interior, storey: Storey, window: Opening) -> None:
+def set_window(found: BuiltInterior, name: str, interior: Interior, storey: Storey, window: Opening, still: Still) -> None:
     """A window in its opening."""
     own = made_piece("window", _window_parameters(window, interior.wall), interior.seed)
     key = f"{name}_{window.id}_window"
-    put_asset(found, key, own, _in_wall(found, storey, window), motion="static")
+    fixed = still.of(key, own.generator, *window.rooms)
+    put_asset(found, key, own, _in_wall(found, storey, window), motion="static", fixed=fixed)
     found.supports(f"{key}_set", f"{name}_walls{suffix(storey.number)}", key)
 
 

@@ -65,6 +65,9 @@ class Piece:
         """[kg]"""
         total = 0.0
         for body in self.made.bodies.values():
+            if body.physics is not None and "mass" in body.physics:
+                total += float(body.physics["mass"])
+                continue
             for part in body.parts.values():
                 kept = kept_shape(part.shape, Path())
                 volume = kept.measured("volume", partial(_volume, kept.geometry))

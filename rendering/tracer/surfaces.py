@@ -9,7 +9,7 @@ import numpy as np
 
 from ...worlds.arrays import F32, F64, I32, RigidPose
 from ...worlds.built import TriangleMesh
-from .textures import BOARD_LENGTH, BOARDS, Tile, board_joint
+from .textures import BOARD_LENGTH, BOARDS, Tile, board_joint, brick_middle
 
 __all__ = ["CREASE", "Surface", "corner_normals", "soft_normals", "textured_surfaces"]
 
@@ -125,7 +125,7 @@ def _compact(mesh: TriangleMesh, faces: I32, normals: F64, uv: F64) -> Surface:
 def _project(local: F64, axis: int, grain: int, tile: Tile, period: float, key: str, pattern: str) -> F64:
     """Texture coordinates of points (..., 3) seen along `axis`; wood runs along `grain`."""
     rest = [k for k in range(3) if k != axis]
-    if axis != grain:
+    if axis != grain and pattern != "bricks":  # courses run level, whichever way is longest
         rest = [grain, next(k for k in rest if k != grain)]
     coordinates = local[..., rest] / period
     random = _unit_hash(f"{key}/{axis}")
@@ -169,7 +169,10 @@ def textured_surfaces(
     axes = np.abs(_face_normals(local, mesh.faces)).argmax(1)
     extent = np.ptp(local, axis=0)
     grain = int(extent.argmax())
-    period = _period(scale, extent)
+    if pattern == "bricks" and np.sort(extent)[1] < scale:  # it is a brick or a piece of one, not masonry
+        uv = np.broadcast_to(brick_middle(_unit_hash(key)), (len(mesh.faces), 3, 2))
+        return {"side": _compact(mesh, mesh.faces, normals, np.ascontiguousarray(uv))}
+    period = scale if pattern == "bricks" else _period(scale, extent)
     uv = np.zeros((len(mesh.faces), 3, 2))
     for axis in range(3):
         chosen = axes == axis

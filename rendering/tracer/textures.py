@@ -1,4 +1,4 @@
-"""Procedural, seamlessly repeating colour tiles for the patterns of `Appearance`: wood, checker, concrete, tiles.
+"""Procedural, seamlessly repeating colour tiles for the patterns of `Appearance`: wood, checker, concrete, tiles, bricks.
 
 A tile is a linear RGB picture whose mean is the material's colour. One *period* is `Appearance.pattern_scale`;
 a wood tile shows `BOARDS` boards, each one period wide. Boards start at their own joint, so that a part smaller
@@ -13,12 +13,12 @@ from typing import Literal
 
 import numpy as np
 
-from ...worlds.arrays import F32
+from ...worlds.arrays import F32, F64
 
-Pattern = Literal["plain", "wood", "checker", "concrete", "tiles"]
+Pattern = Literal["plain", "wood", "checker", "concrete", "tiles", "bricks"]
 """Patterns of `Appearance`."""
 
-__all__ = ["BOARDS", "BOARD_LENGTH", "Tile", "board_joint", "pattern_tiles"]
+__all__ = ["BOARDS", "BOARD_LENGTH", "Tile", "board_joint", "brick_middle", "pattern_tiles"]
 
 BOARDS = 4
 """Boards side by side in a wood tile."""
@@ -28,6 +28,16 @@ PIXELS = 128
 """Pixels across one period of wood, or one tile of a floor."""
 JOINT = 0.02
 """[1] Own choice: width of a joint as share of a tile: 4 mm of 200."""
+BRICK = 126
+"""Pixels along a brick with its joint, one period; a multiple of 3 and of 2."""
+BRICKS = (8, 4)
+"""Periods along and up a picture of bricks: 8 in each of 12 courses."""
+COURSES = 3
+"""[1] Courses in one period: a brick and joint are 225 x 75 mm (BS EN 771-1, 215 x 65 mm with joints of 10 mm)."""
+MORTAR_JOINT = 10.0 / 225.0
+"""[1] Width of a joint as share of the period, the same source."""
+MORTAR = (1.2, 2.2, 2.8)
+"""[1] Own choice: mortar of lime and cement, by channel as share of the bricks' colour; greyer and lighter than red bricks."""
 GROUT = 0.42
 """[1] Own choice: brightness of a joint as share of the tiles'."""
 
@@ -149,6 +159,33 @@ def _paved(color: tuple[float, float, float], seed: int) -> Tile:
     return Tile(_tint(np.block(rows).astype(np.float32), color, (1.0, 1.0, 1.0)), (count, count))
 
 
+def brick_middle(random: F64) -> F64:
+    """Texture coordinates in a picture of bricks, shape (2,), of the middle of one of them; `random` two numbers in [0, 1)."""
+    column, course = np.floor(random[:2] * (BRICKS[0], BRICKS[1] * COURSES))
+    return np.array([(column + 0.5 + 0.5 * (course % 2)) / BRICKS[0], (course + 0.5) / (BRICKS[1] * COURSES)])
+
+
+def _bricks(color: tuple[float, float, float], seed: int) -> Tile:
+    """Courses of bricks in running bond, each brick of a tone of its own, with joints of mortar."""
+    random = np.random.default_rng([seed, 5])
+    columns, courses, high = BRICKS[0], BRICKS[1] * COURSES, BRICK // COURSES
+    along, up = ((np.arange(n, dtype=np.float32) + 0.5) / BRICK for n in (BRICK, high))
+    inside = np.minimum(np.minimum(along, 1.0 - along)[None], np.minimum(up, 1.0 / COURSES - up)[:, None])
+    rows = []
+    for course in range(courses):
+        tones = random.normal(1.0, 0.13, columns).clip(0.6, 1.4)  # burnt darker or lighter, brick by brick
+        row = np.repeat(tones, BRICK)[None] * np.ones((high, 1))
+        rows.append(np.roll(np.concatenate([row[None], np.tile(inside, columns)[None]]), course % 2 * (BRICK // 2), axis=2))
+    shade, edge = np.concatenate(rows, axis=1)
+    grain = [_noise(random, shade.shape[0], shade.shape[1], length, length) for length in (14.0, 3.0, 0.8)]
+    mottled = shade * (1.0 + 0.06 * grain[0] + 0.05 * grain[1] + 0.05 * grain[2])
+    # Edges of bricks are worn by a millimetre or two.
+    mortar = (edge + 0.004 * grain[1] < MORTAR_JOINT / 2)[..., None]
+    image = np.where(mortar, (1.0 + 0.06 * grain[2])[..., None] * MORTAR, mottled[..., None])
+    image *= np.array(color) / image.mean((0, 1))
+    return Tile(np.asarray(np.clip(image, 0.0, 0.95), dtype=np.float32), BRICKS)
+
+
 def pattern_tiles(pattern: Pattern, color: tuple[float, float, float], *, seed: int = 0) -> dict[str, Tile]:
     """Tiles of a pattern by layer: `side`, and `end` for the end grain of wood; empty for `plain`."""
     if pattern == "wood":
@@ -157,6 +194,8 @@ def pattern_tiles(pattern: Pattern, color: tuple[float, float, float], *, seed: 
         return {"side": _concrete(color, seed)}
     if pattern == "tiles":
         return {"side": _paved(color, seed)}
+    if pattern == "bricks":
+        return {"side": _bricks(color, seed)}
     if pattern == "checker":
         return {"side": _checker(color)}
     return {}

@@ -275,3 +275,20 @@ def test_tiles_go_on_from_one_static_wall_to_the_next(tmp_path):
     assert np.ptp(whole[100:140, 60:260].mean(axis=2)) > 60, "joints are seen"
     off = np.abs(picture("two", parts) - whole).max(axis=2)
     assert (off > 12).mean() < 0.01
+
+
+def test_bricks_show_courses_and_joints_and_a_single_brick_none():
+    """Points on a wall, 1 mm apart: lighter at each course of 75 mm, and at every 225 mm of one, shifted by half of that in the next."""
+    x, z = np.meshgrid(np.arange(0.0005, 0.45, 0.001), np.arange(0.0005, 0.15, 0.001), indexing="ij")
+    points = np.stack([x.ravel(), np.full(x.size, 0.1), z.ravel()], axis=1)
+    front = np.tile([0.0, -1.0, 0.0], (len(points), 1))
+    shade = pattern_shade("bricks", points, front, scale=0.225, extent=np.array([3.0, 0.1, 2.0])).reshape(x.shape)
+    joint = shade > 1.3
+    assert joint[:, [0, 75, 149]].all()
+    assert joint[[0, 225, 449], 37].all()
+    assert joint[[112, 337], 112].all()
+    assert not joint[[112, 337], 37].any()
+    assert not joint[[20, 225], 112].any()
+    assert len(np.unique(shade[~joint])) == 5  # two bricks of one course, three of the next
+    one = pattern_shade("bricks", points, front, scale=0.225, extent=np.array([0.215, 0.1, 0.065]))
+    assert np.ptp(one) == 0

@@ -40,8 +40,8 @@ class Appearance(SpecModel):
     roughness: Unit = 0.5
     metallic: Unit = 0.0
     transmission: Unit = 0.0
-    pattern: Literal["plain", "wood", "checker", "concrete", "tiles"] = Field(
-        default="plain", description="tiles: square ones with joints, for floors and walls"
+    pattern: Literal["plain", "wood", "checker", "concrete", "tiles", "bricks"] = Field(
+        default="plain", description="tiles: square ones with joints; bricks: courses, each brick of its own tone, period 0.225 m"
     )
     pattern_scale: Positive = Field(default=0.1, description="size of one pattern period, or of one tile [m]")
     drying: Positive = Field(default=600.0, description="of liquids: time in which the film they leave fades to 1/e [s]")

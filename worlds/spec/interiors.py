@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, StringConstraints, model_validator
 
 from ..vocabulary import EntityRef, Id, Positive, SpecModel, Vec3
 
@@ -93,7 +93,21 @@ class Interior(SpecModel):
         default=None, min_length=1, max_length=64, description="material of the walls; default plaster, of a barn larch"
     )
     density: float = Field(default=0.7, ge=0.0, le=1.0, description="of small things: 0 none, 1 every surface full")
+    still: bool = Field(
+        default=False,
+        description="furniture, doors and small things are static from the start, what hangs on joints or lies loose on them too, as they stand",
+    )
+    moves: Annotated[list[Annotated[str, StringConstraints(min_length=1, max_length=64)]], Field(max_length=60)] = Field(
+        default=[],
+        description="of a still interior what moves all the same: ids of things, kinds (tin_can), rooms; what lies on them moves as well",
+    )
     seed: int = Field(default=0, ge=0, le=2**31 - 1, description="of plan and furniture")
     entities: Annotated[list[EntityRef], Field(max_length=5000)] = Field(
         default=[], description="what build_interior made, written by it"
     )
+
+    @model_validator(mode="after")
+    def _still(self) -> Interior:
+        if self.moves and not self.still:
+            raise ValueError("moves names what moves of an interior that is still: give still: true with it, or leave it out")
+        return self

@@ -7,16 +7,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from worldagent.construction.assets.documents import asset_documents, asset_size, feet
+from worldagent.construction.assets.documents import asset_documents, asset_size, body_boxes, feet
 from worldagent.construction.assets.made import Body, Joint, Made
 from worldagent.construction.assets.posing import posed
 from worldagent.construction.assets.registry import GENERATORS, found, make
+from worldagent.construction.assets.turning import TRIM
 from worldagent.construction.primitives import build_shape
+from worldagent.geometry import Solid, wall_thickness
 from worldagent.testing.assets import faults
+from worldagent.verifiers.contact.step_travel import thickness
 from worldagent.worlds.arrays import RigidPose, euler_to_quaternion
 from worldagent.worlds.errors import InputError
+from worldagent.worlds.materials import row_named
 from worldagent.worlds.patch import parse_edit
 from worldagent.worlds.shapes import Box
+from worldagent.worlds.spec import Entity, RigidPhysics
 
 HERE = RigidPose(np.array([1.0, 2.0, 0.5]), euler_to_quaternion((0.0, 0.0, math.pi / 2)))
 
@@ -180,17 +185,52 @@ def test_small_things_roll_under_a_bookcase_only_where_its_base_is_open(frame: s
     assert _lowest_between_sides(frame=frame) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_tin_rolls_on_exact_cylinders() -> None:
-    """Nothing of a tin reaches as far from its axis as its rims, which have no facets that would brake it."""
-    body = make("tin_can", {}, 3).bodies[""]
-    reach = {name: part.shape.radius for name, part in body.parts.items() if part.shape.kind == "cylinder"}
-    assert set(reach) == {"rim_foot", "rim_top"}
-    others = [part.shape for name, part in body.parts.items() if name not in reach]
-    assert all(shape.kind == "revolution" for shape in others)
-    assert max(r for shape in others for r, _ in shape.profile) < min(reach.values())
+@pytest.mark.parametrize(
+    "parameters", [{}, {"diameter": 0.05, "height": 0.2}, {"diameter": 0.16, "height": 0.04, "label": False}]
+)
+def test_a_tin_collides_as_one_exact_cylinder(parameters: dict[str, object]) -> None:
+    """Rims of 2 mm as pieces of their own asked for steps of 0.1 ms of a tin that falls; facets would brake one that rolls."""
+    body = make("tin_can", parameters, 3).bodies[""]
+    colliding = {name: build_shape(part.shape, Path()).collision for name, part in body.parts.items() if part.collides}
+    assert {name: [piece.kind for piece in pieces] for name, pieces in colliding.items()} == {"can": ["cylinder"]}
+    sizes = body_boxes(make("tin_can", parameters, 3))[""]
+    radius, half = colliding["can"][0].params
+    assert 2 * half == pytest.approx(sizes[1][2] - sizes[0][2])  # nothing stands out at its ends
+    assert 0 < sizes[1][0] - radius <= TRIM + 1e-9  # what is drawn around it lies within the skin
 
 
-def test_a_tin_collides_as_three_convex_pieces() -> None:
-    """Sixty-six thin ones of an earlier shape made steps four times shorter, and minutes of checks of contacts."""
-    parts = make("tin_can", {}, 3).bodies[""].parts.values()
-    assert sum(len(build_shape(part.shape, Path()).collision) for part in parts if part.collides) == 3
+@pytest.mark.parametrize("metal", ["tin", "mild_steel", "aluminium_alloy"])
+def test_a_tin_weighs_what_its_sheet_and_its_contents_weigh(metal: str) -> None:
+    """A can of 0.47 l of water of 1000 kg/m^3, and a sheet of 0.3 mm over 343 cm^2."""
+    made = make("tin_can", {"filled": "water", "material": metal}, 3)
+    entities = asset_documents("tin", {"generator": "tin_can"}, made, HERE, motion="dynamic").entities
+    physics = Entity.model_validate(entities["tin"]).physics
+    assert isinstance(physics, RigidPhysics)
+    row = row_named(metal)
+    assert row is not None
+    sheet = row[1].figures["density"].range[1] * 0.0343 * 0.0003
+    assert physics.mass == pytest.approx(0.463 + sheet, rel=0.02)
+
+
+def test_a_tin_of_materials_of_the_world_weighs_what_these_weigh() -> None:
+    """Their densities are those of the world, which no generator knows."""
+    body = make("tin_can", {"filled": "gold_of_the_world"}, 3).bodies[""]
+    assert body.physics is None
+    assert body.parts["can"].material == "gold_of_the_world"
+
+
+@pytest.mark.parametrize(
+    ("name", "least"),
+    [("tin_can", 0.05), ("jar", 0.0025), ("toy_car", 0.0025), ("toolbox", 0.004), ("marker_cone", 0.0035), ("barrel", 0.01)],
+)
+def test_what_falls_and_rolls_has_no_thin_trimmings_that_collide(name: str, least: float) -> None:
+    """Its thinnest collision piece, or the wall that pieces tile, is no rim, screw, lamp or hoop [m]."""
+    thin = {}
+    for key, body in make(name, {}, 0).bodies.items():
+        for part_name, part in body.parts.items():
+            shape = build_shape(part.shape, Path())
+            if part.collides:
+                thick = min(thickness(piece) for piece in shape.collision)
+                wall = wall_thickness(Solid.from_mesh(shape.render, closed=True)) if len(shape.collision) > 1 else 0.0
+                thin[f"{key}/{part_name}"] = max(thick, wall)
+    assert min(thin.values()) >= least, min(thin.items(), key=lambda item: item[1])

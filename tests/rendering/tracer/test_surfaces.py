@@ -7,11 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from worldagent.construction.primitives import build_shape
 from worldagent.rendering.tracer import variant as variants
-from worldagent.rendering.tracer.surfaces import corner_normals
-from worldagent.rendering.tracer.textures import BOARD_LENGTH, BOARDS, board_joint, pattern_tiles
+from worldagent.rendering.tracer.surfaces import corner_normals, textured_surfaces
+from worldagent.rendering.tracer.textures import BOARD_LENGTH, BOARDS, BRICK, board_joint, brick_middle, pattern_tiles
+from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import TriangleMesh
 from worldagent.worlds.errors import EngineError
+from worldagent.worlds.spec import Box
 
 
 def _cylinder(segments=24):
@@ -36,7 +39,7 @@ def test_a_smooth_cylinder_has_round_sides_and_a_sharp_rim():
     assert (np.ptp(flat, axis=1) == 0).all()
 
 
-@pytest.mark.parametrize("pattern", ["wood", "concrete", "checker", "tiles"])
+@pytest.mark.parametrize("pattern", ["wood", "concrete", "checker", "tiles", "bricks"])
 def test_tiles_keep_the_material_colour_on_average_and_repeat_from_the_same_seed(pattern):
     color = (0.4, 0.3, 0.2)
     tiles = pattern_tiles(pattern, color, seed=3)
@@ -108,3 +111,44 @@ def test_tiles_have_joints_that_are_darker_and_go_on_over_the_seam():
     assert len(np.unique(middles.round(3))) > 20, "no tile is quite like the next"
     dark = float((grey < 0.7 * np.median(grey)).mean())
     assert 0.02 < dark < 0.06, "joints take the share of the surface that two widths of 2 % ask for"
+
+
+def test_bricks_lie_in_courses_with_joints_of_their_width_and_tones_of_their_own():
+    """A brick and its joint are 225 x 75 mm; every second course is shifted by half of that."""
+    tile = pattern_tiles("bricks", (0.35, 0.13, 0.08), seed=1)["side"]
+    blue = tile.image[..., 2] / tile.image[..., 2].mean()
+    high = BRICK // 3
+    mortar = blue > 1.4
+    assert mortar[:2].mean() > 0.95, "a joint between courses"
+    middle = mortar[high // 2]
+    shifted = mortar[high + high // 2]
+    assert 0.02 < middle.mean() < 0.08, "10 mm of 225"
+    assert middle[np.arange(0, len(middle), BRICK)].all()
+    assert shifted[np.arange(BRICK // 2, len(middle), BRICK)].all()
+    assert not (middle & shifted).any()
+    bricks = tile.image[high // 2, BRICK // 2 :: BRICK, 0]
+    assert len(np.unique(bricks)) == len(bricks)
+    assert np.ptp(bricks) > 0.1 * bricks.mean()
+
+
+def test_a_wall_shows_level_courses_and_a_single_brick_none():
+    """Whichever way is longest; a brick by itself is of one brick's tone."""
+    tiles = pattern_tiles("bricks", (0.35, 0.13, 0.08))
+
+    def shown(size):
+        mesh = build_shape(Box(size=size), Path()).render
+        here = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+        return textured_surfaces(mesh, smooth=False, tiles=tiles, pattern="bricks", scale=0.225, frame=here, key="w")["side"]
+
+    for size in ((3.0, 0.2, 2.0), (2.0, 0.2, 3.0)):
+        wall = shown(size)
+        front = np.abs(wall.normals[:, 1]) > 0.9
+        height = np.ptp(wall.positions[front, 2]) / 0.225
+        assert np.ptp(wall.uv[front, 1]) * tiles["side"].periods[1] == pytest.approx(height)
+    one = shown((0.215, 0.1025, 0.065))
+    assert np.ptp(one.uv, axis=0).max() == 0.0
+    rows, columns = tiles["side"].image.shape[:2]
+    for random in np.random.default_rng(0).random((20, 2)):
+        u, v = brick_middle(random)
+        at = tiles["side"].image[int(v * rows) % rows, int(u * columns) % columns]
+        assert at[2] / tiles["side"].image[..., 2].mean() < 1.4, "no joint"

@@ -106,7 +106,7 @@ def test_cans_that_lean_on_each_other_are_searched_where_they_cut_each_other(ask
     few = sum(asked)
     asked.clear()
     monkeypatch.setattr(
-        depth_module, "_clipped", lambda corners, within, names, pairs, other, noise: [corners[np.isin(names, pairs[:, 0])]]
+        depth_module, "clipped", lambda corners, within, names, pairs, other, noise: [corners[np.isin(names, pairs[:, 0])]]
     )
     whole = signed_clearance(tube(), at(), tube(), pose).distance
     assert found == pytest.approx(whole, rel=2 * PRECISION)

@@ -1,4 +1,4 @@
-"""What of the triangles of one surface lies inside a solid that cuts them, as triangles of the size of the cut."""
+"""Triangles of one surface clipped to the solid that cuts them: as large as the cut, not as the triangle."""
 
 from __future__ import annotations
 

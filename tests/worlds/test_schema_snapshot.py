@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "918708cb281ff4b4500d450771c0dbbf169990a6fca7b55666e14a43967b0707"
+SCHEMA = "c193cbdc32f91bca79b4a249f80b700cd2594ddccf00393d1e65eb575e812f8f"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from ..worlds.errors import EvidenceError, InputError, RefusedError
 from ..worlds.folder import WorldFolder, world_ids
 from ..worlds.ledger import Ledger
 from ..worlds.limits import check_cap, check_limits, check_workspace
-from ..worlds.patch import apply_patch, parse_edit, parse_spec
+from ..worlds.patch import apply_patch, parse_edit, parse_spec, weakenings
 from .opened import no_revision
 from .session import Session
 from .siblings import started_anew
@@ -31,9 +32,17 @@ ANEW = "a new world for a prompt whose earlier world has failed rows"
 
 
 def create(
-    workspace: Path, world: str, prompt: str, spec: dict[str, Any], claims: str | None = None
+    workspace: Path, world: str, prompt: str, spec: dict[str, Any], claims: str | None = None, *, weaker: Sequence[str] = ()
 ) -> tuple[Session, dict[str, Any]]:
     """Make a world from a prompt and a part of its specification; the world, and its revision for the reply.
+
+    Args:
+        workspace: where worlds are.
+        world: its id.
+        prompt: of the user.
+        spec: the specification without it, or a part.
+        claims: the prompt, marked.
+        weaker: what it asks less than the world that it is a copy of, a line each.
 
     Raises:
         RefusedError: there is such a world already.
@@ -55,7 +64,7 @@ def create(
     check_workspace(workspace, len(parsed.model_dump_json()))
     folder.root.mkdir(parents=True, exist_ok=True)
     folder.assets.mkdir(exist_ok=True)
-    siblings = started_anew(workspace, world, prompt)
+    siblings = [*started_anew(workspace, world, prompt), *weaker]
     session = Session(folder, Ledger(folder.ledger_path), parsed, 1)
     with session.step():
         number = session.ledger.add_revision(
@@ -83,15 +92,16 @@ def copy(
 ) -> tuple[Session, dict[str, Any]]:
     """Make a world that begins with the present specification of another one, changed by a patch, and with its assets.
 
-    Its history is its own: what failed in the other stays on record by the prompt (`started_anew`). Claims quote the prompt, so that
-    they come along only where it is the same.
+    Its history is its own: what failed in the other stays on record by the prompt (`started_anew`), and what the patch asks less after
+    evidence is a weakening here too. Claims quote the prompt, so that they come along only where it is the same.
 
     Raises:
         RefusedError: there is such a world already, or the other is of version 1.
         InputError: there is no world `source`, or the changed specification does not validate.
     """
     other = Session.open(workspace, source)
-    document = dict(bare_document(apply_patch(other.spec, patch) if patch else other.spec))
+    after = apply_patch(other.spec, patch) if patch else other.spec
+    document = dict(bare_document(after))
     said = document.pop("prompt")
     if other.spec.spec_version == "1":
         raise RefusedError(f"world {source!r} is of version 1, of which no world is made any more; mark its claims there")
@@ -100,7 +110,9 @@ def copy(
         document.pop("claims", None)
     kept = [p for p in other.folder.assets.rglob("*") if p.is_file()] if other.folder.assets.is_dir() else []
     check_workspace(workspace, sum(p.stat().st_size for p in kept))
-    session, told = create(workspace, world, said if prompt is None else prompt, document, claims)
+    tried = other.ledger.ever_failed() or other.ledger.looks()
+    weaker = [f"copied from {source} with {line}" for line in weakenings(other.spec, after)] if same and tried else []
+    session, told = create(workspace, world, said if prompt is None else prompt, document, claims, weaker=weaker)
     for path in kept:
         to = session.folder.assets / path.relative_to(other.folder.assets)
         to.parent.mkdir(parents=True, exist_ok=True)

@@ -49,6 +49,19 @@ def test_what_failed_in_the_other_world_stands_in_the_copy(made: ToolContext) ->
     assert line == "started anew beside world w, in which rows failed for this prompt"
 
 
+def test_a_copy_that_asks_for_less_than_a_failed_world_says_so(made: ToolContext) -> None:
+    (beat, *_) = spec_of(made, "w")["story"]["beats"]
+    easier = [{"op": "add", "path": f"/story/beats/{beat}/mandatory", "value": False}]
+    assert "weakenings_recorded" not in edit_spec(made, world="early", copy_of="w", patch=easier).data
+    ledger = Ledger(WorldFolder.of(made.workspace, "w").ledger_path)
+    ledger.add_look("sketch of it", "sketch", 1, 40)
+    told = edit_spec(made, world="late", copy_of="w", patch=easier).data["weakenings_recorded"]
+    assert told == [
+        "started anew beside world w, in which frames were seen without a verdict for this prompt",
+        f"copied from w with /story/beats/{beat} made optional",
+    ]
+
+
 def test_claims_come_along_only_with_their_prompt(made: ToolContext) -> None:
     assert spec_of(made, "w")["claims"]
     edit_spec(made, world="same", copy_of="w")

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from ...worlds.materials import row_named
+from ...worlds.spec import RigidPhysics
 from .generator import Generator, Parameters, material
 from .made import Body, Made, Place
 from .profiles import circle, rounded
@@ -186,7 +187,7 @@ def _tin_can(p: TinCanParameters, rng: np.random.Generator) -> Made:
     body = Body("tin can", p.material)
     weight = _filled_weight(p)
     if weight is not None:
-        body.physics = {"category": "rigid", "mass": weight, "hollow": True}
+        body.physics = RigidPhysics(mass=weight, hollow=True).model_dump(include={"category", "mass", "hollow"})
     body.cylinder("can", (0, 0, 0), (0, 0, top), r, material=None if weight is not None else p.filled)
     for name, low in (("foot", 0.0), ("top", top - rim)):
         body.turned(f"rim_{name}", ring(r, low, low + rim, TRIM), segments=CYLINDER_FACETS)

@@ -23,7 +23,7 @@ FRAMES = 49
 
 
 def _jar_among_blocks(tolerance: float) -> dict[str, Any]:
-    """A jar whose lid of cork weighs 4 g, between blocks of oak of 700 kg, on a floor."""
+    """A jar whose lid of cork weighs a few grams, between blocks of oak of 700 kg, on a floor."""
     asked = {"generator": "jar", "parameters": {"lid": "cork"}, "seed": 487226690}
     here = RigidPose(np.array([0.0, 0.0, 0.001]), euler_to_quaternion((0.0, 0.0, 0.3)))
     jar = asset_documents("jar", asked, make("jar", {"lid": "cork"}, 487226690), here, motion="dynamic")
@@ -69,7 +69,7 @@ def _turned(tmp_path: Path, tolerance: float) -> float:
 def test_a_light_lid_stays_where_it_lies_among_heavy_things(tmp_path: Path) -> None:
     """Law: nothing turns a lid that lies on its jar; the engine's own tolerance, taken from the heavy ones, leaves forces that do."""
     assert _turned(tmp_path, TOLERANCE) < 0.02
-    assert _turned(tmp_path, 1e-8) > 0.05
+    assert _turned(tmp_path, 1e-8) > 0.03
 
 
 def test_the_instance_that_is_made_for_a_room_searches_that_exactly_and_an_own_one_stays_as_it_is(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 __all__ = ["kept"]
 
@@ -38,6 +38,6 @@ def kept(most: int | None = None) -> Callable[[F], F]:
                 known.pop(next(iter(known)), None)
             return found
 
-        return answer  # type: ignore[return-value]
+        return cast("F", answer)
 
     return decorate

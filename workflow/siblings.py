@@ -38,7 +38,7 @@ class _Sibling(NamedTuple):
     """False if no row of it failed, and its frames were looked at and never judged."""
 
 
-def _failed(workspace: Path, world: str, prompt: str) -> Iterator[_Sibling]:
+def _with_evidence(workspace: Path, world: str, prompt: str) -> Iterator[_Sibling]:
     """Other worlds of nearly the same prompt in which a row failed, or whose frames were looked at and never judged."""
     for other in world_ids(workspace):
         try:
@@ -62,7 +62,7 @@ def _failed(workspace: Path, world: str, prompt: str) -> Iterator[_Sibling]:
 
 def started_anew(workspace: Path, world: str, prompt: str) -> list[str]:
     """A line about the worlds of nearly the same prompt that hold evidence against it; none where there are none."""
-    siblings = list(_failed(workspace, world, prompt))
+    siblings = list(_with_evidence(workspace, world, prompt))
     failed = {s.world if s.ledger is not None else f"{s.world} (its ledger is damaged)": s.alike for s in siblings}
     exact = all(alike == 1.0 for alike in failed.values())
     least = min(failed.values(), default=0.0)
@@ -86,7 +86,7 @@ def easier_beside(workspace: Path, world: str, spec: WorldSpec) -> list[str]:
 
     A line each, that names the other world.
     """
-    siblings = sorted(_failed(workspace, world, spec.prompt), key=lambda s: -s.changed)
+    siblings = sorted(_with_evidence(workspace, world, spec.prompt), key=lambda s: -s.changed)
     found = []
     for sibling in siblings[:MOST_COMPARED]:
         try:

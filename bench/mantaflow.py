@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import shutil
@@ -10,7 +11,11 @@ import tempfile
 from pathlib import Path
 from typing import Any, Literal
 
-__all__ = ["bake"]
+import numpy as np
+
+from ..worlds.arrays import F64
+
+__all__ = ["bake", "grid_of"]
 
 ENV_BLENDER = "WORLDAGENT_BLENDER"
 _HEAD = """
@@ -38,7 +43,9 @@ print("PEER" + json.dumps({**figures, "cfl": settings.cfl_condition, "most_steps
 """
 
 
-def bake(script: str, kind: Literal["GAS", "LIQUID"], resolution: int, frames: int) -> dict[str, Any]:
+def bake(
+    script: str, kind: Literal["GAS", "LIQUID"], resolution: int, frames: int, *, cache: Path | None = None
+) -> dict[str, Any]:
     """Seconds by the clock and of the processor that a bake takes, with version and settings, or the reason why there are none.
 
     Args:
@@ -46,6 +53,7 @@ def bake(script: str, kind: Literal["GAS", "LIQUID"], resolution: int, frames: i
         kind: of the domain.
         resolution: cells along the domain's longest side.
         frames: to bake.
+        cache: folder that keeps its frames; left out: they are deleted.
     """
     blender = os.environ.get(ENV_BLENDER) or shutil.which("blender")
     if blender is None:
@@ -53,10 +61,35 @@ def bake(script: str, kind: Literal["GAS", "LIQUID"], resolution: int, frames: i
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "peer.py"
         path.write_text(_HEAD + script + _TAIL)
-        command = [blender, "-b", "-P", str(path), "--", kind, str(resolution), "1", str(frames), str(Path(folder) / "cache")]
+        command = [
+            blender,
+            "-b",
+            "-P",
+            str(path),
+            "--",
+            kind,
+            str(resolution),
+            "1",
+            str(frames),
+            str(cache or Path(folder) / "cache"),
+        ]
         ended = subprocess.run(command, capture_output=True, text=True, check=False)
     for line in ended.stdout.splitlines():
         if line.startswith("PEER"):
             found: dict[str, Any] = json.loads(line[4:])
             return found
     return {"reason": (ended.stderr.strip().splitlines() or ["blender ended without a word"])[-1]}
+
+
+def grid_of(cache: Path, name: str, frame: int) -> F64:
+    """A field of a frame that was baked with the data format UNI, shape (nx, ny, nz, components).
+
+    Args:
+        cache: folder of the bake.
+        name: of the field: `vel` (lower faces, cells per unit of its time), `density`, `heat`.
+        frame: from 1 on.
+    """
+    raw = gzip.decompress((cache / "data" / f"{name}_{frame:04d}.uni").read_bytes())
+    nx, ny, nz, _, _, size = np.frombuffer(raw, dtype="<i4", count=6, offset=4)
+    values = np.frombuffer(raw, dtype="<f4", offset=len(raw) - int(nx) * int(ny) * int(nz) * int(size))
+    return np.asarray(values.reshape(nz, ny, nx, -1).transpose(2, 1, 0, 3), dtype=np.float64)

@@ -47,12 +47,11 @@ class Border:
         self._starts = [0, faces[0], faces[0] + faces[1]]
         self._out = warp().zeros((max(1, sum(faces)), 5), dtype=warp().float64, device=run.device)
 
-    def count(self, axis: int, flow: Sequence[Any], before: Sequence[Any]) -> None:
-        """Add what a sweep along an axis takes out; `flow` and `before` are the first inputs of `transport_kernels.sweep`."""
+    def count(self, box: Any, axis: int, through: Any, moved: Any) -> None:
+        """Add what a sweep along an axis takes out: volumes through lower faces, and the amounts that they take along."""
         from .border_kernels import leave
 
-        inputs = [*flow, *before, self._starts[axis], self._out]
-        self.run(leave, self.faces[axis], inputs, grain=1024)
+        self.run(leave, self.faces[axis], [box, axis, through, moved, self._starts[axis], self._out], grain=1024)
 
     def take(self) -> F64:
         """(5,) four amounts and the volume that have left since the last call, less what came in [cells]."""

@@ -5,7 +5,6 @@
 import warp as wp
 
 from .box_kernels import Box, count_of, index_of
-from .transport_kernels import flux
 
 wp.set_module_options({"enable_backward": False})
 
@@ -14,8 +13,7 @@ __all__ = ["leave"]
 
 @wp.kernel
 def leave(
-    first: wp.int32, box: Box, axis: int, cells: float, velocity: wp.array(dtype=wp.vec3),
-    opening: wp.array(dtype=wp.vec3), amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), offset: int,
+    first: wp.int32, box: Box, axis: int, through: wp.array(dtype=wp.vec3), moved: wp.array(dtype=wp.vec4), offset: int,
     out: wp.array2d(dtype=wp.float64),
 ):  # fmt: skip
     """Amounts and volume out through the faces of both sides along an axis, one thread per face, added to `out` from row `offset` on."""
@@ -26,25 +24,14 @@ def leave(
     layer = count_of(box, second) * across
     upper_side = n // layer
     rest = n - upper_side * layer
-    at = wp.vec3i(0, 0, 0)
-    at[second] = rest // across
-    at[third] = rest - at[second] * across
-    face = at
-    inner = at
+    face = wp.vec3i(0, 0, 0)
+    face[second] = rest // across
+    face[third] = rest - face[second] * across
+    sign = float(-1.0)
     if upper_side == 1:
         face[axis] = count_of(box, axis)
-        inner[axis] = face[axis] - 1
+        sign = 1.0
     f = index_of(box, face[0], face[1], face[2])
-    c = index_of(box, inner[0], inner[1], inner[2])
-    through = cells * velocity[f][axis] * opening[f][axis]
-    below = c
-    above = int(-1)
-    sign = float(1.0)
-    if upper_side == 0:
-        below = int(-1)
-        above = c
-        sign = -1.0
-    moved = flux(box, axis, below, above, inner, inner, through, amount, volume, opening)
     for k in range(4):
-        out[offset + n, k] = out[offset + n, k] + wp.float64(sign * moved[k])
-    out[offset + n, 4] = out[offset + n, 4] + wp.float64(sign * through)
+        out[offset + n, k] = out[offset + n, k] + wp.float64(sign * moved[f][k])
+    out[offset + n, 4] = out[offset + n, 4] + wp.float64(sign * through[f][axis])

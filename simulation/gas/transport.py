@@ -40,7 +40,6 @@ class Transport:
     def __init__(self, run: Runner, elements: int, box: Any, cell: float, border: Border, *, expands: bool) -> None:
         self.run, self.elements, self.box, self.cell, self.border = run, elements, box, cell, border
         self.expands = int(expands)
-        self._whole = run.upload("gas/whole", np.ones((elements, 3), np.float32), warp().vec3)
         self.crushed = np.zeros(4)
         """Air [cells of ambient density], soot, fuel and product in cells that solids have filled before they could leave."""
         self.let_in = 0.0
@@ -48,8 +47,15 @@ class Transport:
 
     def _array(self, name: str) -> Any:
         wp = warp()
-        kind = wp.float32 if name.startswith("volume") else wp.vec3 if name.startswith("left") else wp.vec4
+        kind = {"volume": wp.float32, "left": wp.vec3, "through": wp.vec3}.get(name.split("/")[0], wp.vec4)
         return self.run.array(name, self.elements, kind)
+
+    def _sweep(self, axis: int, through: Any, opening: Any) -> None:
+        """Move amounts along one axis with the volumes that pass lower faces."""
+        share, volume, moved, amount = (self._array(n) for n in ("share", "volume", "moved", "amount"))
+        self.run(kernels.fluxes, self.elements, [self.box, axis, through, share, volume, opening, moved], grain=2048)
+        self.border.count(self.box, axis, through, moved)
+        self.run(kernels.settle, self.elements, [self.box, axis, through, moved, amount, volume, share])
 
     def standing(self, seconds: float, turn: int, velocity: Any, opening: Any, room: Any, made: Sequence[Any]) -> None:
         """A part of a step between solids that stand.
@@ -62,15 +68,11 @@ class Transport:
             room: of cells.
             made: volume that cells make per volume and second [1/s], their regions, and what each of these takes up by its pressure [m/s].
         """
-        run, names = self.run, ("amount", "volume")
-        run(kernels.start, self.elements, [room, self._array("state"), *map(self._array, names)])
+        run, through = self.run, self._array("through")
+        run(kernels.start, self.elements, [room, self._array("state"), *map(self._array, ("amount", "volume", "share"))])
+        run(kernels.ask, self.elements, [seconds / self.cell, velocity, opening, through])
         for axis in (0, 1, 2) if turn % 2 == 0 else (2, 1, 0):
-            flow = [self.box, axis, seconds / self.cell, velocity, opening]
-            before = [self._array(name) for name in names]
-            self.border.count(axis, flow, before)
-            run(kernels.sweep, self.elements, [*flow, *before, *(self._array(f"{n}/next") for n in names)], grain=1024)
-            for name in names:
-                run.swap(name, f"{name}/next")
+            self._sweep(axis, through, opening)
         inputs = [self.box, self.expands, room, self._array("amount"), seconds, self.cell, *made, self._array("state")]
         run(kernels.finish_standing, self.elements, inputs)
 
@@ -78,35 +80,30 @@ class Transport:
         self, seconds: float, parts: int, velocity: Any, opening: Any, *, held: NDArray[np.float32], room: NDArray[np.float32]
     ) -> None:
         """A step in parts, in which solids change the room of cells from `held` to `room`; else as `standing`."""
-        wp, run, names = warp(), self.run, ("left", "amount", "volume")
+        wp, run = warp(), self.run
         start = run.upload("gas/held", held.ravel(), wp.float32)
-        run(kernels.start, self.elements, [start, self._array("state"), *map(self._array, names[1:])])
+        run(kernels.start, self.elements, [start, self._array("state"), *map(self._array, ("amount", "volume", "share"))])
         many = -(-self.elements // run.block)
         most = run.array("fastest", many, wp.float64)
         for part in range(parts):
             run(kernels.ask, self.elements, [seconds / parts / self.cell, velocity, opening, self._array("left")])
             for _ in range(ROUNDS):
                 for axis in (0, 1, 2) if part % 2 == 0 else (2, 1, 0):
-                    inputs = [
-                        self.box,
-                        axis,
-                        opening,
-                        *(self._array(n) for n in names),
-                        *(self._array(f"{n}/next") for n in names),
-                    ]
-                    run(kernels.sweep_limited, self.elements, inputs, grain=1024)
-                    passed = [self._array("left"), self._array("left/next"), self._array("left/passed")]
-                    run(kernels.passed, self.elements, passed)
-                    flow = [self.box, axis, 1.0, passed[2], self._whole]
-                    self.border.count(axis, flow, [self._array(n) for n in names[1:]])
-                    for name in names:
-                        run.swap(name, f"{name}/next")
+                    through = self._array("through")
+                    limits = [self._array("left"), self._array("volume"), self._array("left/next"), through]
+                    run(kernels.limit, self.elements, [self.box, axis, *limits])
+                    run.swap("left", "left/next")
+                    self._sweep(axis, through, opening)
                 run(kernels.fastest, many, [self.elements, run.block, self._array("left"), most], grain=16)
                 if float(run.read(most, many).max()) < SPENT:
                     break
         self._balance(room)
         end = run.upload("gas/held", room.ravel(), wp.float32)
-        run(kernels.finish, self.elements, [self.box, self.expands, end, *map(self._array, names[1:]), self._array("state")])
+        run(
+            kernels.finish,
+            self.elements,
+            [self.box, self.expands, end, *map(self._array, ("amount", "volume")), self._array("state")],
+        )
 
     def _balance(self, after: NDArray[np.float32]) -> None:
         """Count what is left in cells without room, and what `finish` gives to cells that no air has reached."""

@@ -9,7 +9,7 @@ concentration stays uniform (as Weymouth and Yue 2010, doi:10.1016/j.jcp.2009.12
 
 import warp as wp
 
-from .box_kernels import Box, beside, has_face, is_cell, place_of, upper
+from .box_kernels import Box, beside, count_of, has_face, is_cell, place_of, upper
 
 wp.set_module_options({"enable_backward": False})
 
@@ -24,11 +24,11 @@ __all__ = [
     "fastest",
     "finish",
     "finish_standing",
+    "fluxes",
     "inject",
-    "passed",
+    "limit",
+    "settle",
     "start",
-    "sweep",
-    "sweep_limited",
 ]
 
 
@@ -48,15 +48,9 @@ def slope_of(a: wp.vec4, b: wp.vec4):
 
 
 @wp.func
-def part_of(amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), c: wp.int32):
-    """Concentrations in an element."""
-    return amount[c] / wp.max(volume[c], 1.0e-9)
-
-
-@wp.func
 def flux(
     box: Box, axis: wp.int32, below: wp.int32, above: wp.int32, below_at: wp.vec3i, above_at: wp.vec3i, through: float,
-    amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
+    share: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """Amounts that a volume takes along from a cell to the one above it, or back where it is negative; elements are -1 outside."""
     moved = wp.vec4(0.0, 0.0, 0.0, 0.0)
@@ -68,13 +62,13 @@ def flux(
         at = below_at
         side = 1.0
     if donor >= 0:
-        here = part_of(amount, volume, donor)
+        here = share[donor]
         lower = beside(box, at, axis, -1)
         higher = beside(box, at, axis, 1)
         if lower >= 0 and higher >= 0:
             up = upper(box, at, axis)
             if opening[donor][axis] > 0.0 and opening[up][axis] > 0.0:
-                s = slope_of(here - part_of(amount, volume, lower), part_of(amount, volume, higher) - here)
+                s = slope_of(here - share[lower], share[higher] - here)
                 edge = here + 0.5 * side * (1.0 - wp.min(wp.abs(through) / wp.max(volume[donor], 1.0e-9), 1.0)) * s
                 # What is neither fuel nor product is air: slopes that are limited one by one could take more than there is.
                 if box.density == 0.0 or box.density * (1.0 - edge[0]) >= edge[2] + edge[3]:
@@ -84,49 +78,60 @@ def flux(
 
 
 @wp.func
-def gained(
-    box: Box, axis: int, c: wp.int32, at: wp.vec3i, low_through: float, high_through: float, amount: wp.array(dtype=wp.vec4),
-    volume: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
-):  # fmt: skip
-    """Amounts that a cell gains through its faces along an axis, by the volumes that pass the lower and the upper one."""
-    below = beside(box, at, axis, -1)
-    above = beside(box, at, axis, 1)
-    below_at = at
-    if below >= 0:
-        below_at = place_of(box, below)
-    above_at = at
-    if above >= 0:
-        above_at = place_of(box, above)
-    came = flux(box, axis, below, c, below_at, at, low_through, amount, volume, opening)
-    return came - flux(box, axis, c, above, at, above_at, high_through, amount, volume, opening)
+def held_share(amount: wp.vec4, volume: float):
+    """Concentrations of amounts in a volume."""
+    return amount / wp.max(volume, 1.0e-9)
 
 
 @wp.kernel
 def start(
     first: wp.int32, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4), amount: wp.array(dtype=wp.vec4),
-    volume: wp.array(dtype=float),
+    volume: wp.array(dtype=float), share: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
-    """Amounts and volume of each cell before the sweeps."""
+    """Amounts, volume and concentrations of each cell before the sweeps."""
     c = first + wp.tid()
     volume[c] = room[c]
     amount[c] = state[c] * room[c]
+    share[c] = held_share(amount[c], volume[c])
 
 
 @wp.kernel
-def sweep(
-    first: wp.int32, box: Box, axis: int, cells: float, velocity: wp.array(dtype=wp.vec3), opening: wp.array(dtype=wp.vec3),
-    amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), amount_after: wp.array(dtype=wp.vec4),
-    volume_after: wp.array(dtype=float),
+def fluxes(
+    first: wp.int32, box: Box, axis: int, through: wp.array(dtype=wp.vec3), share: wp.array(dtype=wp.vec4),
+    volume: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3), moved: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
-    """Move amounts along one axis; `cells` is time over cell size."""
+    """Amounts that pass the lower faces of all elements along one axis with the volumes that do, each once for the cells on both sides."""
+    c = first + wp.tid()
+    at = place_of(box, c)
+    if has_face(box, at, axis):
+        volume_through = through[c][axis]
+        found = wp.vec4(0.0, 0.0, 0.0, 0.0)
+        if volume_through != 0.0:
+            above = int(-1)
+            if is_cell(box, at):
+                above = c
+            below = beside(box, at, axis, -1)
+            below_at = at
+            below_at[axis] = at[axis] - 1
+            if below_at[axis] < 0:
+                below_at[axis] = count_of(box, axis) - 1
+            found = flux(box, axis, below, above, below_at, at, volume_through, share, volume, opening)
+        moved[c] = found
+
+
+@wp.kernel
+def settle(
+    first: wp.int32, box: Box, axis: int, through: wp.array(dtype=wp.vec3), moved: wp.array(dtype=wp.vec4),
+    amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), share: wp.array(dtype=wp.vec4),
+):  # fmt: skip
+    """Amounts, volume and concentrations of each cell after what passed its two faces along one axis."""
     c = first + wp.tid()
     at = place_of(box, c)
     if is_cell(box, at):
         up = upper(box, at, axis)
-        low_through = cells * velocity[c][axis] * opening[c][axis]
-        high_through = cells * velocity[up][axis] * opening[up][axis]
-        amount_after[c] = amount[c] + gained(box, axis, c, at, low_through, high_through, amount, volume, opening)
-        volume_after[c] = volume[c] + low_through - high_through
+        volume[c] = volume[c] + through[c][axis] - through[up][axis]
+        amount[c] = amount[c] + (moved[c] - moved[up])
+        share[c] = held_share(amount[c], volume[c])
 
 
 @wp.kernel
@@ -139,14 +144,7 @@ def ask(
 ):
     """Volumes that are to pass through lower faces, in cells."""
     c = first + wp.tid()
-    left[c] = cells * wp.cw_mul(velocity[c], opening[c])
-
-
-@wp.kernel
-def passed(first: wp.int32, left: wp.array(dtype=wp.vec3), after: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3)):
-    """Volumes that have passed through lower faces in a sweep."""
-    c = first + wp.tid()
-    out[c] = left[c] - after[c]
+    left[c] = wp.cw_mul(cells * velocity[c], opening[c])
 
 
 @wp.func
@@ -169,31 +167,24 @@ def allowed(
 
 
 @wp.kernel
-def sweep_limited(
-    first: wp.int32, box: Box, axis: int, opening: wp.array(dtype=wp.vec3), left: wp.array(dtype=wp.vec3),
-    amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), left_after: wp.array(dtype=wp.vec3),
-    amount_after: wp.array(dtype=wp.vec4), volume_after: wp.array(dtype=float),
+def limit(
+    first: wp.int32, box: Box, axis: int, left: wp.array(dtype=wp.vec3), volume: wp.array(dtype=float),
+    left_after: wp.array(dtype=wp.vec3), through: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Move amounts along one axis as far as cells have what is asked of them, and note what is left to pass: cells that solids are about
-    to fill give all they have."""
+    """Volumes that pass along one axis as far as cells have what is asked of them, and what is left to pass: cells that solids are about to
+    fill give all they have."""
     c = first + wp.tid()
     at = place_of(box, c)
     rest = left[c]
-    below = beside(box, at, axis, -1)
-    low_through = float(0.0)
+    now = wp.vec3(0.0, 0.0, 0.0)
     if has_face(box, at, axis):
         here = int(-1)
         if is_cell(box, at):
             here = c
-        low_through = allowed(box, axis, c, below, here, left, volume)
-        rest[axis] = rest[axis] - low_through
+        now[axis] = allowed(box, axis, c, beside(box, at, axis, -1), here, left, volume)
+        rest[axis] = rest[axis] - now[axis]
     left_after[c] = rest
-    if is_cell(box, at):
-        up = upper(box, at, axis)
-        above = beside(box, at, axis, 1)
-        high_through = allowed(box, axis, up, c, above, left, volume)
-        amount_after[c] = amount[c] + gained(box, axis, c, at, low_through, high_through, amount, volume, opening)
-        volume_after[c] = volume[c] + low_through - high_through
+    through[c] = now
 
 
 @wp.kernel

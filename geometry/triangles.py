@@ -129,8 +129,8 @@ def ray_hits(triangles: F64, origin: F64, direction: F64) -> F64:
     inverse = 1.0 / np.where(usable, determinant, 1.0)
     s = origin[:, None] - a
     q, p = cross(s, np.broadcast_to(e1, s.shape)), cross(direction[:, None], e2[None])
-    u = np.einsum("rni,rni->rn", s, p) * inverse
-    v = np.einsum("rni,ri->rn", q, direction) * inverse
-    t = np.einsum("rni,ni->rn", q, e2) * inverse
+    u = dot(s, p) * inverse
+    v = dot(q, direction[:, None]) * inverse
+    t = dot(q, e2) * inverse
     hit = usable & (u >= -1e-12) & (v >= -1e-12) & (u + v <= 1.0 + 1e-12) & (t > 0.0)
     return np.asarray(np.where(hit, t, np.inf))

@@ -121,6 +121,7 @@ def _filled(builder: ModelBuilder) -> dict[tuple[str, str], float]:
             builder.entity(name)
     add_links(builder)
     builder.drag()
+    builder.room()
     return add_pairs(builder)
 
 

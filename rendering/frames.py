@@ -114,7 +114,7 @@ class FrameRenderer:
         features = self._scene.features(view)
         # Denoised first: the mean logarithm of noisy pixels is too low.
         stops = look.exposure + (NIGHT_STOPS if look.sky == "night" else 0.0)
-        return meter(denoise(radiance, features), features.normals) * math.pow(2.0, stops)
+        return meter(denoise(radiance, features), features.normals, self._scene.panes(view)) * math.pow(2.0, stops)
 
     def render(
         self,

@@ -16,6 +16,8 @@ from ...worlds.arrays import F32, U8
 from ...worlds.errors import EngineError
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from .scene import Features
 
 __all__ = ["KEY", "denoise", "meter", "tonemap"]
@@ -46,13 +48,21 @@ def denoise(radiance: F32, features: Features) -> F32:
     return np.asarray(clean, dtype=np.float32)
 
 
-def meter(radiance: F32, normals: F32) -> float:
+def meter(radiance: F32, normals: F32, panes: NDArray[np.bool_] | None = None) -> float:
     """Gain that exposes the surfaces in view: log-mean luminance to `KEY`, highlights below `BRIGHTEST`.
 
-    Pixels without a surface (sky) do not count, unless there is nothing else.
+    Pixels without a surface (sky) do not count, unless there is nothing else; nor does what is seen through panes (the day before the
+    windows of a room), unless panes take more than half of the surfaces.
+
+    Args:
+        radiance: of the picture, shape (height, width, 3).
+        normals: of the first hits, zero where there is none, shape (height, width, 3).
+        panes: where a pane is the first hit, shape (height, width).
     """
     luminance = radiance @ LUMINANCE
-    seen = luminance[np.abs(normals).sum(-1) > 0.1]
+    surface = np.abs(normals).sum(-1) > 0.1
+    solid = surface if panes is None else surface & ~panes
+    seen = luminance[solid if 2 * solid.sum() >= surface.sum() else surface]
     if seen.size == 0:
         seen = luminance.ravel()
     level = float(np.exp(np.mean(np.log(np.maximum(seen, 1e-6)))))

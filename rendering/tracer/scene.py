@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry.camera import Camera
 from ...worlds.arrays import F32, F64
@@ -230,6 +231,23 @@ class SceneRenderer:
     def depth(self, camera: Camera) -> F32:
         """Distance of the first hit [m], 0 where there is none; shape (height, width)."""
         return np.ascontiguousarray(self._first_hit(self._depth, camera)[..., -1])
+
+    def panes(self, camera: Camera) -> NDArray[np.bool_] | None:
+        """Where a pane is the first hit, shape (height, width); None in a world without panes."""
+        if not self._panes:
+            return None
+        mi, scene = self.mi, self.mi.load_dict(self._firm) if self._fogs else self.scene
+        origin, ways = camera.rays()
+        across = ways.reshape(-1, 3)
+        if self._scalar:
+            hits = (scene.ray_intersect(mi.Ray3f(mi.Point3f(*origin), mi.Vector3f(*way))) for way in across)
+            found = np.array([hit.is_valid() and hit.shape.id() in self._panes for hit in hits])
+        else:
+            ray = mi.Ray3f(mi.Point3f(*map(float, origin)), mi.Vector3f(*across.T.astype(np.float32)))
+            hit = scene.ray_intersect_preliminary(ray).shape
+            own = [np.array(hit == mi.ShapePtr(shape)) for shape in scene.shapes() if shape.id() in self._panes]
+            found = np.any(own, axis=0)
+        return np.asarray(found.reshape(ways.shape[:2]))
 
     def _first_hit(self, integrator: Any, camera: Camera) -> F32:
         """Channels of the first hit.

@@ -88,6 +88,21 @@ def test_tone_curve_is_monotone_and_meter_brings_a_grey_card_to_the_middle():
     assert 110 < tonemap(card, gain=meter(card, up)).mean() < 160
 
 
+def test_the_day_before_a_window_does_not_darken_its_room():
+    """A tenth of the picture is a pane with a day of a thousand times the room's light behind it."""
+    room = np.full((10, 10, 3), 0.5, dtype=np.float32)
+    up = np.zeros((10, 10, 3), dtype=np.float32)
+    up[..., 2] = 1
+    panes = np.zeros((10, 10), dtype=bool)
+    panes[0] = True
+    seen = np.where(panes[..., None], np.float32(500.0), room)
+    assert meter(seen, up, panes) == meter(room, up)
+    assert meter(seen, up) < 0.01 * meter(room, up)
+    # A tank that takes most of the picture is what one looks at.
+    panes[:6] = True
+    assert meter(seen, up, panes) == meter(seen, up)
+
+
 def _two_shots(data):
     """A grey block between a white and a black panel, seen by one shot with each."""
     look = {"roughness": 0.9}

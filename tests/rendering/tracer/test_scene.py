@@ -186,3 +186,16 @@ def test_a_whole_wall_shows_its_bricks_and_a_pot_no_cracks(tmp_path, kind, tones
     assert len(np.unique(albedo.round(3), axis=0)) == tones, "three of the four tones lie in this window"
     # Previews shade by the light as well, the same all over a wall's front, and draw no lines within an entity.
     assert len(np.unique(image // 8, axis=0)) >= tones if tones > 1 else np.ptp(image.astype(int), axis=0).max() < 8
+
+
+def test_panes_are_where_glass_is_the_first_hit(make_candidate):
+    def glass(data):
+        data["materials"]["red"]["appearance"] = {"color": (0.9, 0.9, 0.9), "roughness": 0.05, "transmission": 1.0}
+
+    camera = Camera(np.array([-0.5, -2.0, 0.1]), np.array([-0.5, -0.1, 0.1]), 20.0, 40, 24)
+    scene = SceneRenderer(_only(make_candidate(change=glass), "ball"), lights={})
+    seen = scene.depth(camera) > 0
+    panes = scene.panes(camera)
+    assert 0.02 < seen.mean() < 0.9
+    assert (panes != seen).mean() < 0.06  # rims: a sample within the pixel, and its middle
+    assert SceneRenderer(_only(make_candidate(), "ball"), lights={}).panes(camera) is None

@@ -95,6 +95,10 @@ class CoupledSolver(ABC):
     def max_stable_dt(self) -> float:
         """Longest exchange in the present state [s]."""
 
+    def squeeze(self) -> float:
+        """Share of a vessel's width by which a wall may come in before the engine knows of it; infinite where that presses nothing together."""
+        return math.inf
+
     @abstractmethod
     def step(self, limit: float, bodies: BodyState, time: float) -> StepReport:
         """One exchange of at most `limit` seconds from `time`, counted into the frame."""

@@ -28,6 +28,7 @@ from .coupled_solver import CoupledSolver
 from .protocol import SHORTEST, Within, stepping
 from .rigid.coupled import RigidBodies
 from .rigid.solver import SolverRigid
+from .struck import Struck
 
 __all__ = ["CoupledRun"]
 
@@ -74,6 +75,7 @@ class CoupledRun:
         self._rest = [resting(other.surround) for other in self.others]
         self._rows = [self._moving_rows(other) for other in self.others]
         self._soft = [self._soft_rows(other) for other in self.others]
+        self._struck = Struck(self.rigid, self.others)
         preroll = self.rigid.spec.simulation.preroll
         if preroll > 0 and not resumed:
             self.rigid.begin_attempt(0)
@@ -133,7 +135,7 @@ class CoupledRun:
                     other.load({n: j / taken for n, j in given_to.get(number, {}).items()})
                 given = self._bodies_of(number, bodies, surfaces)
                 if number == 0:
-                    report = other.step(end - time, given, time)
+                    report = other.step(self._struck.span(end - time, other.max_stable_dt()), given, time)
                     taken, impulse, at_vertices = report.dt, report.impulse, dict(report.vertex_impulse)
                 else:
                     impulse, at_vertices = _steps(other, given, time, taken)

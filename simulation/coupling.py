@@ -66,8 +66,8 @@ class CoupledRun:
         self.frame = 0
         self._frame_time = 1.0 / rigid.spec.simulation.fps
 
-    def prepare(self, *, resumed: bool = False) -> None:
-        """Set all up and run the preroll together: the state at frame 0."""
+    def prepare(self, *, resumed: bool = False, tell: Within | None = None) -> None:
+        """Set all up and run the preroll together: the state at frame 0. `tell` takes how far the preroll is."""
         self.rigid.compile()
         for other in self.others:
             other.begin_run()
@@ -80,7 +80,7 @@ class CoupledRun:
         if preroll > 0 and not resumed:
             self.rigid.begin_attempt(0)
             self.rigid.time = -preroll
-            self._exchange(-preroll, 0.0)
+            self._exchange(-preroll, 0.0, tell=tell)
         self.rigid.start_frames()
         for other in self.others:
             other.start_frames()

@@ -28,7 +28,7 @@ from .coupled_solver import CoupledSolver
 from .protocol import SHORTEST, Within, stepping
 from .rigid.coupled import RigidBodies
 from .rigid.solver import SolverRigid
-from .struck import Struck
+from .rigid.struck import Struck
 
 __all__ = ["CoupledRun"]
 

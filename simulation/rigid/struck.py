@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64
-from .rigid.records import velocities
+from ...worlds.arrays import F64
+from .records import velocities
 
 if TYPE_CHECKING:
-    from .coupled_solver import CoupledSolver
-    from .rigid.solver import SolverRigid
+    from ..coupled_solver import CoupledSolver
+    from .solver import SolverRigid
 
 __all__ = ["Struck"]
 

@@ -95,6 +95,10 @@ class CoupledSolver(ABC):
     def max_stable_dt(self) -> float:
         """Longest exchange in the present state [s]."""
 
+    def squeeze(self) -> float:
+        """Share of a vessel's width by which a wall may come in before the engine knows of it; infinite where that presses nothing together."""
+        return math.inf
+
     @abstractmethod
     def step(self, limit: float, bodies: BodyState, time: float) -> StepReport:
         """One exchange of at most `limit` seconds from `time`, counted into the frame."""
@@ -141,8 +145,8 @@ class CoupledSolver(ABC):
 
     # ------------------------------------------------------------------ runs
 
-    def prepare(self, *, resumed: bool = False) -> None:
-        """Set up, and let it settle during the preroll around bodies at their places.
+    def prepare(self, *, resumed: bool = False, tell: Within | None = None) -> None:
+        """Set up, and let it settle during the preroll around bodies at their places; `tell` takes how far that is.
 
         Raises:
             InputError: the instance cannot be set up.
@@ -152,7 +156,10 @@ class CoupledSolver(ABC):
             seconds, still = self.spec.simulation.preroll, self.still()
             done = 0.0
             while done < seconds - SHORTEST:
-                done += self.step(seconds - done, still, done - seconds).dt
+                taken = self.step(seconds - done, still, done - seconds).dt
+                done += taken
+                if tell is not None:
+                    tell(done / seconds, stepping(taken))
         self.start_frames()
 
     def begin_run(self) -> None:

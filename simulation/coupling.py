@@ -28,6 +28,7 @@ from .coupled_solver import CoupledSolver
 from .protocol import SHORTEST, Within, stepping
 from .rigid.coupled import RigidBodies
 from .rigid.solver import SolverRigid
+from .rigid.struck import Struck
 
 __all__ = ["CoupledRun"]
 
@@ -65,8 +66,8 @@ class CoupledRun:
         self.frame = 0
         self._frame_time = 1.0 / rigid.spec.simulation.fps
 
-    def prepare(self, *, resumed: bool = False) -> None:
-        """Set all up and run the preroll together: the state at frame 0."""
+    def prepare(self, *, resumed: bool = False, tell: Within | None = None) -> None:
+        """Set all up and run the preroll together: the state at frame 0. `tell` takes how far the preroll is."""
         self.rigid.compile()
         for other in self.others:
             other.begin_run()
@@ -74,11 +75,12 @@ class CoupledRun:
         self._rest = [resting(other.surround) for other in self.others]
         self._rows = [self._moving_rows(other) for other in self.others]
         self._soft = [self._soft_rows(other) for other in self.others]
+        self._struck = Struck(self.rigid, self.others)
         preroll = self.rigid.spec.simulation.preroll
         if preroll > 0 and not resumed:
             self.rigid.begin_attempt(0)
             self.rigid.time = -preroll
-            self._exchange(-preroll, 0.0)
+            self._exchange(-preroll, 0.0, tell=tell)
         self.rigid.start_frames()
         for other in self.others:
             other.start_frames()
@@ -133,7 +135,7 @@ class CoupledRun:
                     other.load({n: j / taken for n, j in given_to.get(number, {}).items()})
                 given = self._bodies_of(number, bodies, surfaces)
                 if number == 0:
-                    report = other.step(end - time, given, time)
+                    report = other.step(self._struck.span(end - time, other.max_stable_dt()), given, time)
                     taken, impulse, at_vertices = report.dt, report.impulse, dict(report.vertex_impulse)
                 else:
                     impulse, at_vertices = _steps(other, given, time, taken)

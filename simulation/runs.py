@@ -10,6 +10,7 @@ from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.instances import cloth_of, coupled_groups, membership_problems
 from ..worlds.shapes import Pose
+from .coupled_solver import CoupledSolver
 from .engines import solver_class
 from .protocol import Intervention, Solver, Within
 from .recipes import coupled_recipe
@@ -36,13 +37,16 @@ class Run:
     def __init__(self, solvers: Mapping[str, Solver], coupled: CoupledRun | None = None) -> None:
         self.solvers, self._coupled = solvers, coupled
 
-    def prepare(self, *, resumed: bool = False) -> None:
-        """The state at frame 0; `resumed` leaves out what a checkpoint restored next replaces."""
+    def prepare(self, *, resumed: bool = False, tell: Within | None = None) -> None:
+        """The state at frame 0; `resumed` leaves out what a checkpoint restored next replaces. `tell` takes how far the preroll is."""
         if self._coupled is not None:
-            self._coupled.prepare(resumed=resumed)
+            self._coupled.prepare(resumed=resumed, tell=tell)
             return
         for solver in self.solvers.values():
-            solver.prepare(resumed=resumed)
+            if isinstance(solver, CoupledSolver):
+                solver.prepare(resumed=resumed, tell=tell)
+            else:
+                solver.prepare(resumed=resumed)
 
     def advance(self, frame: int, *, tell: Within | None = None) -> None:
         """Advance all from frame - 1 to `frame`; `tell` takes how far that is."""

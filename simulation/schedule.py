@@ -182,8 +182,12 @@ class _Frames:
         self._say(frame + 1, f"frame {frame + 1} of {self._count}")
         self._since = time.monotonic()
 
+    def preroll(self, share: float, doing: str) -> None:
+        """The preroll goes on, which comes before the frames."""
+        self.before(share, f"{share:.0%} of the preroll, {doing}")
+
     def before(self, share: float, doing: str) -> None:
-        """The settle run goes on, which comes before the frames."""
+        """The settle run, or what else comes before the frames, goes on."""
         self._say(0.0, doing)
         self._since = time.monotonic()
 
@@ -219,11 +223,12 @@ def _run_group(
     trusted = min(trusted_frames(c, frames) for c in caches.values())
     offers = [] if origins is None or trusted >= frames else origins.offers(names, done, frames, trusted)
     read = {n: done[n] for n in reads(spec, names[0])}
+    say.before(0.0, "setting up the engines")
     settled = settle(spec, built, names, read=read, into=caches, reuse=bool(reuse), tell=say.before)
     run = make_run(spec, built, names, caches=done, settled=settled.states)
     # A checkpoint replaces the preroll.
     resumed = bool(trusted or offers)
-    run.prepare(resumed=resumed)
+    run.prepare(resumed=resumed, tell=say.preroll)
     indices = {n: dataclasses.replace(run.solvers[n].index(), frames=frames) for n in names}
     trusted = _taken(caches, indices, offers, trusted, reuse)
     for name, cache in caches.items():
@@ -240,7 +245,7 @@ def _run_group(
         origins.keep_to(names, start + 1)
     if start < 0 and resumed:
         run = make_run(spec, built, names, caches=done, settled=settled.states)
-        run.prepare()
+        run.prepare(tell=say.preroll)
     writers = {name: writers_of(spec, name) for name in names}
     for cache in caches.values():
         cache.begin_digests(cache.digests()[: start + 1] if start >= 0 else [])

@@ -164,7 +164,7 @@ def _answer(session: Any, outcome: dict[str, Any], before: Any = None) -> ToolRe
         "created" if outcome.get("created") else "restored" if outcome.get("restored") else f"at revision {outcome['revision']}"
     )
     warnings = weaker_told(outcome)
-    warnings += report.told
+    warnings += report.told_after(before)
     warnings += _where_told(told.get("prompt_judged", {}).get("warnings", []))
     moved = bool({"probe", "full"} & set(session.ledger.stages().values()))
     then = _next(session, report.passed, set(outcome.get("groups", ("shape",))) if moved else {"shape"})

@@ -24,6 +24,7 @@ from .land import terrain
 from .routes import navigability
 from .rows.corrections import without_again
 from .rows.seen import only_seen, unmended_till_seen
+from .rows.telling import telling
 from .scene import interpenetration, relations, scale
 from .shots import check as shots
 from .shots import seen
@@ -190,7 +191,8 @@ def _judged(
         if second is not None and CHECKS.index(binding) in second.checks:
             found = second.rows[CHECKS.index(binding)]
         elif binding.reruns is None:
-            found = binding.function(candidate)
+            with telling(told, f"checking {binding.name}"):
+                found = binding.function(candidate)
         else:
             found = binding.function(candidate, told, _keeps(binding, rows))
         found_by[k] = diagnosed(candidate, found)

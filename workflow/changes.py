@@ -17,6 +17,7 @@ from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 from ..worlds.weakened import told_by_motion
 from .additions import only_builds_on
+from .answers import call
 from .earlier import has_motion
 from .joint_repairs import Joint, grouped, joint_objections
 from .opened import OpenedWorld
@@ -171,7 +172,10 @@ class Change:
             told.append(
                 f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
                 "test it with place_object / run_checks / probe_sim, then the next; or say with repairs=[{row, group, expect, hypothesis}] "
-                "which failing row each answers, where these rows have nothing to do with each other"
+                "which failing row each answers, where these rows have nothing to do with each other: nothing links what moves in them by "
+                "contact, joint, relation or exchange up to their first failing frames, or one is about what is drawn or said; or make all "
+                f"of it in a world beside this one: {call('edit_spec', world='NEW', copy_of=self.world.folder.id)} with this patch, which "
+                "is printed with its acceptance, as all that it asks less"
             )
         if not failing:
             return told

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import statistics
 import time
 from collections.abc import Callable
@@ -49,16 +50,20 @@ class Pace:
     def __init__(self, report: Callable[[float, float, str], None]) -> None:
         self._report = report
         self._first: tuple[float, float] | None = None
+        self._whole = 0
         self.reports = 0
-        """Number of reports: fewer than steps where some were done before."""
+        """Number of whole steps that were reported: fewer than all where some were done before."""
         self.seconds_per_step: float | None = None
         """Mean over the steps seen; None before the second report."""
 
     def __call__(self, done: float, total: float, message: str) -> None:
         """Pass a report on."""
         now = time.monotonic()
-        self.reports += 1
-        if self._first is None:
+        if done >= self._whole + 1:
+            self._whole = math.floor(done)
+            self.reports += 1
+        # What comes before the first step, as a preroll, says nothing of the pace of the steps.
+        if self._first is None or (done <= self._first[0] and self.seconds_per_step is None):
             self._first = (done, now)
         elif done > self._first[0]:
             self.seconds_per_step = (now - self._first[1]) / (done - self._first[0])

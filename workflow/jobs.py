@@ -85,6 +85,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from .measurements import refuted
     from .promises import promise_row
 
+    context.progress(0.0, 1.0, "opening the world and its geometry")
     work = open_work(payload)
     session, freeze, built = work
     record = require_probe(session, freeze)

@@ -60,15 +60,21 @@ class _Attended:
         self._running = Running(work, "probe", judged)
         self.failing: dict[str, Row] = {}
         self._began: tuple[float, float] | None = None
+        self._watched = False
         self._left = 0.0
 
     def progress(self, report: Pace, done: float, total: int, message: str) -> None:
         """Pass on how far the run is, and what fails so far."""
         now = time.monotonic()
-        if self._began is None:  # not before: frames of a probe with other settings may have stood there
+        if done > 0 and not self._watched:  # not before: frames of a probe with other settings may have stood there
             self._judge.watch(self._work.freeze)
+            self._watched = True
         self._running.note()
-        first, since = self._began = self._began or (done, now)
+        if self._began is None or (
+            done <= self._began[0] and self._left <= 0.0
+        ):  # the preroll says nothing of the pace of the frames
+            self._began = (done, now)
+        first, since = self._began
         pace = (now - since) / (done - first) if done > first else 0.0
         self._left = (total - done) * pace
         more = f" and {len(self.failing) - NAMED} more" if len(self.failing) > NAMED else ""
@@ -138,6 +144,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..worlds.probe_length import probe_frames
 
     judge = LiveJudge(Path(payload["folder"]))
+    context.progress(0.0, 1.0, "opening the world and its geometry")
     work = open_work(payload)
     session, freeze, built = work
     total = probe_frames(session.spec)

@@ -54,6 +54,7 @@ def sketch(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     from ..worlds.bake_plan import groups_of
     from ..worlds.coarsening import Factors, sketched, write_factors
 
+    context.progress(0.0, 1.0, "opening the world and its geometry")
     work = open_work(payload)
     session, freeze = work.session, work.freeze
     asked = Sketch.model_validate(payload["sketch"])

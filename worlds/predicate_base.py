@@ -22,6 +22,7 @@ __all__ = [
     "atoms_of",
     "describe_predicate",
     "entities_of",
+    "predicates_in",
     "some_bound",
 ]
 
@@ -122,6 +123,11 @@ def atoms_of(predicate: SpecModel) -> list[SpecModel]:
     """The predicates that it is made of and that hold no others; itself where it holds none."""
     inner = _children(predicate)
     return [a for child in inner for a in atoms_of(child)] if inner else [predicate]
+
+
+def predicates_in(predicate: SpecModel) -> list[SpecModel]:
+    """The predicate and all that it holds, at any depth."""
+    return [predicate, *(p for child in _children(predicate) for p in predicates_in(child))]
 
 
 def entities_of(predicate: SpecModel) -> tuple[str, ...]:

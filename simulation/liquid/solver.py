@@ -34,6 +34,8 @@ DRIVEN = ("driver_impulse_x", "driver_impulse_y", "driver_impulse_z", "driver_wo
 BLOWN = ("field_impulse_x", "field_impulse_y", "field_impulse_z", "field_work")
 """Records of what zones of waves gave."""
 
+SQUEEZE = {"dfsph": 0.006}
+"""[1] Mean compression by a wall that moves before the engine knows, by engine; a grid corrects the volume of its cells."""
 SPEEDS = ("v", "velocity", "affine")
 """Arrays of the engines' states that hold how fast particles are."""
 CLOCKS = ("time", "speed", "steps", "layers", "travel", "inflows", "stage")
@@ -96,6 +98,10 @@ class SolverLiquid(CoupledSolver):
     def max_stable_dt(self) -> float:
         """Largest stable step of the engine [s]."""
         return min(self.engine.stable_dt(), float(self.instance.settings.max_step))
+
+    def squeeze(self) -> float:
+        """Mean compression that a wall which was struck may leave [1]."""
+        return SQUEEZE.get(self.instance.engine, np.inf)
 
     # ------------------------------------------------------------------ stepping
 

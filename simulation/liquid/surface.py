@@ -32,6 +32,9 @@ SMALLEST = 8.0
 ROUGH = 0.15
 """Spacings by which a surface of particles at rest may lie off where their volume has it: a lattice's face is flat, that of flowed
 liquid is not, and the colour field sees the difference (measured 0.11 in still water, whose centre of mass stays within 0.2 %)."""
+THICK = 0.5
+"""Spacings by which it is drawn further in where it holds more than its particles: sheets a particle or two thick, and what is swung off
+the wall of a vessel that it is still laid onto. Never further out: what was pressed together is shown as it is."""
 NEARLY = 1e-3
 """Share of the volume that one step may miss."""
 AHEAD = 3
@@ -121,22 +124,22 @@ def _pieces(mesh: surface_mesh.SurfaceMesh, least: float) -> tuple[surface_mesh.
 def _filled(
     mesh: surface_mesh.SurfaceMesh, held: float, settings: SurfaceSettings, walls: Sequence[TriangleMesh], origin: F64
 ) -> F64:
-    """Vertices of a surface laid onto walls, whose free part is moved by so much that it holds `held` [m^3], up to `ROUGH`."""
+    """Vertices of a surface laid onto walls, whose free part is moved out by up to `ROUGH`, or in by up to `THICK`, to hold `held` [m^3]."""
     normals, share = surface_mesh.vertex_normals(mesh.vertices, mesh.faces)
     laid = _laid(mesh.vertices, normals, settings, walls, origin)
     open_air = (laid == mesh.vertices).all(axis=1)
     free = float(share[open_air].sum())
     volume = surface_mesh.closed_volume(laid, mesh.faces)
-    lacking, rough = held - volume, ROUGH * settings.spacing
+    lacking, inmost, outmost = held - volume, -THICK * settings.spacing, ROUGH * settings.spacing
     known = bool(walls) or any(settings.closed)
     if not known or free <= 0.0 or lacking == 0.0:
         return laid
     # What lies on walls stays there, or a gap of air would show below the liquid.
     out = open_air[:, None] * normals
-    way = float(np.clip(lacking / free, -rough, rough))
+    way = float(np.clip(lacking / free, inmost, outmost))
     gained = surface_mesh.closed_volume(laid + way * out, mesh.faces) - volume
     if abs(gained - lacking) >= NEARLY * held and gained * lacking > 0.0:
-        way = float(np.clip(way * lacking / gained, -rough, rough))
+        way = float(np.clip(way * lacking / gained, inmost, outmost))
     return np.asarray(laid + way * out)
 
 

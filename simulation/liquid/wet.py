@@ -34,6 +34,10 @@ GAP = 2.5
 """[spacings] of air that end a column of liquid."""
 
 
+SHIFTS = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5))
+"""[spacings] Grids of columns, one against another."""
+
+
 class WetPart(NamedTuple):
     """One part of a solid."""
 
@@ -264,20 +268,30 @@ def _beside(position: F64, points: F64, reach: float) -> NDArray[np.bool_]:
 
 
 def _tops(position: F64, up: F64, spacing: float) -> F64:
-    """Height of the top of the column of liquid that every particle is in [m], shape (n,): columns end at gaps of air."""
+    """Height of the top of the column of liquid that every particle is in [m], shape (n,): columns end at gaps of air.
+
+    The highest of four columns, a spacing wide and half of one apart: of a column that a wall cuts only a sliver may hold liquid, whose
+    particles stand farther above each other than air is told from liquid.
+    """
     side = np.eye(3)[int(np.argmin(np.abs(up)))]
     first = np.cross(up, side)
     first /= np.linalg.norm(first)
-    cell = np.floor(position @ np.stack([first, np.cross(up, first)]).T / spacing).astype(np.int64)
-    cell -= cell.min(axis=0)
-    column = cell[:, 0] * (int(cell[:, 1].max()) + 1) + cell[:, 1]
+    place = position @ np.stack([first, np.cross(up, first)]).T / spacing
     height = position @ up
+    tops = [_column_tops(np.floor(place + shift).astype(np.int64), height, spacing) for shift in SHIFTS]
+    return np.asarray(np.maximum.reduce(tops))
+
+
+def _column_tops(cell: NDArray[np.int64], height: F64, spacing: float) -> F64:
+    """Tops of the columns of one grid [m], shape (n,); cells (n, 2)."""
+    cell = cell - cell.min(axis=0)
+    column = cell[:, 0] * (int(cell[:, 1].max()) + 1) + cell[:, 1]
     # One key for column and height: sorted at once, as finely as single precision tells heights.
     level = (height - height.min()) / max(float(np.ptp(height)), 1e-9) * (2**24 - 1)
     order = np.argsort((column << 24) | level.astype(np.int64), kind="stable")
     column, sorted_height = column[order], height[order]
     ends = np.append((np.diff(column) != 0) | (np.diff(sorted_height) > GAP * spacing), True)
     run = np.cumsum(ends) - ends
-    result = np.empty(len(position))
+    result = np.empty(len(height))
     result[order] = sorted_height[np.flatnonzero(ends)][run]
     return result

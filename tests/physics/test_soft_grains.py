@@ -72,3 +72,16 @@ def test_the_audit_tells_of_grains_too_soft_for_a_ball() -> None:
     assert "'ball' presses with up to 5.01 N" in told
     assert "young_modulus of about 7.8e+06 Pa" in told
     assert warned(8e6) == []
+    assert warned(7.8e6) == []
+
+
+def test_a_warning_that_stood_before_an_edit_is_counted_and_not_told_again() -> None:
+    before = parse_spec({**sand_spec(radius=RADIUS, young=6e6), "prompt": "A ball falls into sand."})
+    report = audit(before.model_copy(update={"title": "Sand"}))
+    place = "/entities/sand/physics/young_modulus"
+    assert any(w.startswith(f"{place}: ") for w in report.told_after(None))
+    softer = parse_spec({**sand_spec(radius=RADIUS, young=5e6), "prompt": "A ball falls into sand."})
+    assert any(w.startswith(f"{place}: ") for w in report.told_after(softer))
+    again = report.told_after(before)
+    assert not any(w.startswith(place) for w in again)
+    assert any("stand as the revision before had them" in w and place in w for w in again)

@@ -39,6 +39,8 @@ def test_two_causal_groups_at_once_are_refused_after_a_failure(failed: Any, patc
     assert "2 causal parameter groups" in text
     assert "initial_state" in text
     assert "step" in text
+    for way in ("repairs=[{row, group, expect, hypothesis}]", "nothing links what moves", "edit_spec(world='NEW', copy_of='w')"):
+        assert way in text
 
 
 def test_a_new_thing_comes_with_the_relations_that_say_how_it_stands(failed: Any, patch: Patch) -> None:

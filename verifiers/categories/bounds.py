@@ -11,6 +11,8 @@ ENCLOSED = 0.75
 beside a wall half are open."""
 UPRIGHT = 0.26
 """[rad] Own choice: 15 degrees; a vessel that leans no more than this from how it was built stands upright."""
+LIES = 1.3
+"""[rad] Own choice: 75 degrees; the lip of a vessel that leans more lies about on what bears it, and what runs out has nowhere to fall."""
 RIM_CELLS = 1.5
 """[cells] Own choice: what leaves so near to the rim leaves over it; two particles where that is more."""
 POUR_SHARE = 0.05

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
-from .bounds import BRIMFUL, POUR_FALL, RIM_CELLS, UPRIGHT
+from .bounds import BRIMFUL, LIES, POUR_FALL, RIM_CELLS, UPRIGHT
 
 if TYPE_CHECKING:
     from .granules import Granules, Matter
@@ -28,7 +28,7 @@ class Passage:
 
     content: F64
     poured: F64
-    """Left over the rim while the vessel leaned, and fell."""
+    """Left over the rim while the vessel leaned, and fell, or got away from the mouth of one that lies."""
     overflowed: F64
     """Left over the rim of the full, upright vessel."""
     leaked: F64
@@ -42,10 +42,12 @@ class Passage:
 
 
 class _Out:
-    """Particles that are outside after they were inside: how each left, and at which height."""
+    """Particles that are outside after they were inside: how each left, and where."""
 
     def __init__(self) -> None:
-        self.left: dict[str, dict[int, float]] = {how: {} for how in ("poured", "over", "low", "spilled")}
+        self.left: dict[str, dict[int, F64]] = {how: {} for how in ("poured", "over", "low", "spilled")}
+        self.vanished = dict.fromkeys(self.left, 0.0)
+        """Volume of those that left so and then the domain, or by an outflow [m^3]."""
 
     def forget(self, identity: Ids) -> None:
         """Those that are inside again."""
@@ -53,15 +55,29 @@ class _Out:
             for n in left.keys() & set(identity.tolist()):
                 del left[n]
 
+    def lose(self, before: Granules, now: Granules) -> None:
+        """Keep count of those that are no more."""
+        gone = ~np.isin(before.identity, now.identity)
+        for how, left in self.left.items() if gone.any() else ():
+            rows = np.flatnonzero(gone & np.isin(before.identity, list(left)))
+            self.vanished[how] += float(before.volume[rows].sum())
+            for n in before.identity[rows].tolist():
+                del left[n]
+
     def volume(self, now: Granules, how: str) -> float:
         """Volume of those that left in one way [m^3]."""
-        return float(now.volume[np.isin(now.identity, list(self.left[how]))].sum())
+        return self.vanished[how] + float(now.volume[np.isin(now.identity, list(self.left[how]))].sum())
 
-    def fallen(self, now: Granules, how: str, least: float, up: F64) -> float:
-        """Volume of those that are at least so far [m] below where they left [m^3]."""
+    def fallen(self, now: Granules, how: str, least: float, up: F64, *, lies: bool) -> float:
+        """Volume of those that are at least so far [m] below where they left, or, out of a vessel that lies, away from there [m^3]."""
         rows = np.flatnonzero(np.isin(now.identity, list(self.left[how])))
-        place = np.array([self.left[how][n] for n in now.identity[rows].tolist()])
-        return float(now.volume[rows][place - now.position[rows] @ up >= least].sum())
+        if not len(rows):
+            return self.vanished[how]
+        way = np.array([self.left[how][n] for n in now.identity[rows].tolist()]) - now.position[rows]
+        far = way @ up >= least
+        if lies:
+            far |= np.linalg.norm(way, axis=1) >= least
+        return self.vanished[how] + float(now.volume[rows][far].sum())
 
 
 def passage(matter: Matter, vessel: Vessel, frames: tuple[int, int]) -> Passage:
@@ -77,12 +93,13 @@ def passage(matter: Matter, vessel: Vessel, frames: tuple[int, int]) -> Passage:
         local = vessel.local(now.position, index)
         inside = vessel.inside(local)
         if before is not None:
+            out.lose(before, now)
             full = table[5, i - 1] >= BRIMFUL
             _leave(out, matter, vessel, (before, held, now, inside), index, full=full)
         level = float(np.quantile(vessel.level(local[inside]), 0.99)) if inside.any() else 0.0
         table[:, i] = (
             float(now.volume[inside].sum()),
-            out.fallen(now, "poured", fall, matter.up),
+            out.fallen(now, "poured", fall, matter.up, lies=vessel.tilt(index) >= LIES),
             out.volume(now, "over"),
             out.volume(now, "low"),
             out.volume(now, "spilled"),
@@ -120,8 +137,7 @@ def _leave(
         a, b = (x @ vessel.axes @ vessel.lead.turn[index].T + vessel.lead.position[index] for x in (start, end))
         walled |= piece.between(a, b, index)
     for k, n in enumerate(now.identity[here].tolist()):
-        place = float(places[k] @ matter.up)
         if over[k]:
-            out.left["poured" if leans else "over" if full else "spilled"][n] = place
-        elif place < surface - matter.pitch and not walled[k]:
-            out.left["low"][n] = place
+            out.left["poured" if leans else "over" if full else "spilled"][n] = places[k]
+        elif float(places[k] @ matter.up) < surface - matter.pitch and not walled[k]:
+            out.left["low"][n] = places[k]

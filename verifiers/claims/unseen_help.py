@@ -4,7 +4,8 @@ A film shows what its prompt says only where what makes it so can be seen, or is
 
 - a body of a material that lets light through and that no claim names pushes no body that a claim names, in any frame;
 - the parts of a body that can be seen hold together without its clear parts, unless a claim names these;
-- a spring that pulls at a body that a claim names is named by a claim, a beat or a requirement, or something is drawn at its middle.
+- a spring that pulls at a body that a claim names is named by a claim, a beat or a requirement, or something is drawn at its middle,
+  or the story tells that it lets go: a body at one of its ends `comes_loose` when a driver opens it, or a beat is owned by that driver.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from ...geometry import distance_to_surface, signed_clearance
 from ...worlds.arrays import RigidPose
 from ...worlds.references import references
-from ...worlds.spec import SpringJoint
+from ...worlds.spec import DetachDriver, SpringJoint
 from ..contact.flights import ContactLog
 from ..rows.answers import row_of
 from ..rows.corrections import correction, pointer
@@ -159,12 +160,22 @@ def _springs(candidate: Candidate, named: set[str]) -> list[_Help]:
             continue
         path = pointer("simulation", "joints", name)
         pulled = [n for n in (joint.child, joint.parent) if n in named and spec.entities[n].motion == "dynamic"]
-        if not pulled or name in asked or any(p == path or p.startswith(path + "/") for p in told):
+        if not pulled or name in asked or _lets_go(spec, name, joint) or any(p == path or p.startswith(path + "/") for p in told):
             continue
         if not _drawn(candidate, joint):
             text = f"spring {name!r} pulls at {pulled[0]!r}; nothing is drawn at its middle, and no claim, beat or requirement names it"
             found.append(_Help(pulled[0], text, (path,)))
     return found
+
+
+def _lets_go(spec: WorldSpec, name: str, joint: SpringJoint) -> bool:
+    """True where the story tells of the opening of a spring: a screw that gives way, a hook that slips."""
+    openers = {n for n, d in spec.simulation.drivers.items() if isinstance(d, DetachDriver) and d.joint == name}
+    if not openers:
+        return False
+    beats, ends = [b for b in spec.story.beats.values() if b.mandatory], {joint.child, joint.parent} - {None}
+    loose = {p.entity for b in beats if (p := b.predicate).kind == "comes_loose" and (p.other is None or p.other in ends)}
+    return bool(loose & ends) or any(b.owner in openers for b in beats)
 
 
 def _drawn(candidate: Candidate, joint: SpringJoint) -> bool:

@@ -14,6 +14,7 @@ from ...worlds.errors import EvidenceError
 from ...worlds.requirements import Row, fail_closed
 from .findings import Finding, judged, lacking
 from .seen import only_seen
+from .telling import tell
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -64,6 +65,8 @@ def row_of(
         recipe_entities: entities that the verdict depends on; default those concerned.
         artifact: what was inspected; default the candidate's caches.
     """
+    if not isinstance(found, Finding):
+        tell(question.row_id(subject))
     found = _answer(question, found)
     frames = (0, candidate.last_frame) if found.frames is None else found.frames
     measured, bound = _finite(found.measured), _finite(found.bound)

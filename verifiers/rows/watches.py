@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 from ...worlds.errors import EvidenceError
 from .findings import Finding
 from .instance_rows import instance_answer
+from .telling import tell
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -88,7 +89,8 @@ class Watching:
                     watches[kind] = kind(whole)
                 except EvidenceError as error:
                     failed[kind] = error
-            for seen in self.frames(whole):
+            for number, seen in enumerate(self.frames(whole), 1):
+                tell(f"{solver}: frame", number, candidate.frame_count)
                 for kind, watch in watches.items():
                     if kind not in failed:
                         try:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...geometry import Care, Meetings, aabb_of, clearance_batch, meetings, signed_clearance, turned_boxes
 from ...worlds.arrays import F64, RigidPose
+from ..rows.telling import tell
 from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
 
@@ -72,7 +73,8 @@ class Surfaces(Parts):
         found: dict[Pair, F64] = {}
         group: list[tuple[int, int, NDArray[np.int32]]] = []
         held = 0
-        for start, stop in zip(starts, stops, strict=False):
+        for number, (start, stop) in enumerate(zip(starts, stops, strict=False), 1):
+            tell("distances of parts: pair", number, len(starts))
             group.append((int(met.first[start]), int(met.second[start]), met.frame[start:stop]))
             held += stop - start
             if held >= QUERIES or stop == len(met.first):

@@ -13,6 +13,7 @@ from ..predicates.evaluators import beat_times
 from ..rows.corrections import correction
 from ..rows.findings import Finding
 from .bounds import MOMENT
+from .counted import unseen_members
 from .plan import outcome_frames, shots_at, subjects_of
 from .reframing import reframe
 
@@ -151,6 +152,11 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: 
         text += (
             f"; within {MOMENT:g} s of frame {first}, where the beat comes true, at most {shown:.0%} of it is unoccluded{behind}"
         )
+    unseen = {} if first is None or first > sight.candidate.last_frame else unseen_members(sight, beat, first)
+    if unseen:
+        text += f"; of the others that it counts not seen at frame {first}: " + ", ".join(
+            f"{n} ({why})" for n, why in unseen.items()
+        )
     looked = view if missed == [3] and view is not None else best
     bad_frames = sorted({s.frame for s in looks.seen if s not in good} | set(looks.blind))
     return Finding(
@@ -167,6 +173,7 @@ def _judged(sight: Sight, beat: Beat, looks: _Looks, first: int | None, moment: 
             "best_unoccluded": best.unoccluded,
             "seen_share": seen_share,
             "moment": {"frame": first, "unoccluded": shown, "hidden_by": None if view is None else view.hidden_by},
+            **({"unseen_members": unseen} if unseen else {}),
             "samples": [[s.frame, s.shot, s.share, s.unoccluded, s.hidden_by] for s in looks.seen[:SAMPLES]],
             "pixels": [sight.width, sight.height],
         },

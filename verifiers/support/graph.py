@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...worlds.arrays import F64, rotation_matrix
 from ...worlds.spec import ReleaseDriver
 from ..ledgers import motion
+from ..rows.telling import tell
 from .afloat import afloat
 from .bounds import MISSING, OUTSIDE, SAME_PLACE
 from .equilibrium import Balance, Group, solve
@@ -168,7 +169,8 @@ class SupportGraph:
                 open_frames &= ~self.surfaces.carries(other, entity, until=self.until)
             open_frames &= ~self.held(entity)
             self._gripped[entity] = np.zeros_like(open_frames)
-            for frame in np.flatnonzero(open_frames):
+            for number, frame in enumerate(np.flatnonzero(open_frames), 1):
+                tell(f"balance of {entity}: frame", number, int(open_frames.sum()))
                 self._gripped[entity][frame] = self.rests(entity, int(frame))
         return self._gripped[entity]
 

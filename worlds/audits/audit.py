@@ -7,7 +7,7 @@ contact pairs, camera coverage.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..canonical import digest_of
@@ -70,6 +70,20 @@ class AuditReport:
         more = len(self.warnings) - MOST_WARNINGS
         rest = (f"{more} more warnings of the audit of this kind: mend these first",) if more > 0 else ()
         return (*self.lacking, *self.warnings[:MOST_WARNINGS], *rest)
+
+    def told_after(self, before: WorldSpec | None) -> tuple[str, ...]:
+        """As `told`, of a revision after `before`: what that was warned of already is counted in one line."""
+        if before is None or not self.warnings:
+            return self.told
+        known = set(_warnings(before)) & set(self.warnings)
+        if not known:
+            return self.told
+        fresh = replace(self, warnings=tuple(w for w in self.warnings if w not in known)).told
+        places = ", ".join(sorted({w.split(": ", 1)[0] for w in known})[:MOST_WARNINGS])
+        return (
+            *fresh,
+            f"{len(known)} warnings stand as the revision before had them (run_checks(scope='audit') tells them): {places}",
+        )
 
 
 class _Audit:
@@ -292,5 +306,9 @@ def audit(spec: WorldSpec) -> AuditReport:
     )
     lacking = uncaused(spec)
     lacks = () if lacking is None else (lacking,)
-    warnings = tuple(f"{p.pointer}: {p.text}" for p in foreseen(spec))
-    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, lacks, warnings)
+    return AuditReport(tuple(work.rows), bake_order(spec), tuple((a, b) for a, b in pairs), coverage, lacks, _warnings(spec))
+
+
+def _warnings(spec: WorldSpec) -> tuple[str, ...]:
+    """Things that will probably fail once they are simulated: where, and why."""
+    return tuple(f"{p.pointer}: {p.text}" for p in foreseen(spec))

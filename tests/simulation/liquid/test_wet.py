@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from worldagent.simulation.liquid.wet import WetPart, _spread
+from worldagent.simulation.liquid.wet import WetPart, _spread, _tops
 from worldagent.simulation.surfaces import map_wet_solids
 from worldagent.testing.defects import _liquid_scenes as scenes
 from worldagent.testing.worlds.liquid_worlds import Flow, pool_in_tank
@@ -129,6 +129,19 @@ def test_what_was_wet_can_be_asked_for(tmp_path: Path) -> None:
     assert tank["deepest_m"] == pytest.approx(SIZE[2], abs=0.01)
     assert tank["ever_wet_m2"] == tank["wet_now_m2"] == pytest.approx(tank["film_m2"])
     assert (tank["first_wet_s"], tank["last_wet_s"]) == (0.0, 0.125)
+
+
+def test_water_in_a_narrow_glass_is_as_deep_everywhere_however_its_columns_lie() -> None:
+    """Law: depth under a level. Columns cut by the wall held slivers, which called up to half of the floor of a glass shallow."""
+    rng = np.random.default_rng(0)
+    axes = [np.arange(-6, 7) * S, np.arange(-6, 7) * S, (np.arange(14) + 0.5) * S]
+    stack = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    glass = stack[np.hypot(stack[:, 0], stack[:, 1]) < 3.7 * S]
+    glass = glass + rng.normal(0, 0.1 * S, glass.shape)
+    floor = glass[:, 2] < 0.7 * S
+    for _ in range(20):
+        tops = _tops(glass + np.append(rng.uniform(0, S, 2), 0.0), np.array([0.0, 0.0, 1.0]), S)[floor]
+        assert (tops < 12.0 * S).mean() < 0.1
 
 
 def test_places_on_slender_triangles_leave_no_gaps() -> None:

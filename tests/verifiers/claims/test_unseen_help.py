@@ -57,6 +57,33 @@ def test_what_is_clear_and_not_named_may_not_push_or_pull_what_is_named(
     assert (found.status, bool(found.corrections)) == (status, status == "fail")
 
 
+LOOSE = {
+    "text": "the box comes loose", "owner": "rigid", "subject": "box", "frames": [0, 10], "predicate": {"kind": "comes_loose", "entity": "box"},
+}  # fmt: skip
+CUT = {"kind": "detach", "joint": "s", "time": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("beat", "drivers", "status"),
+    [
+        (LOOSE, {"cut": CUT}, "pass"),
+        ({**LOOSE, "owner": "cut", "predicate": {"kind": "falls", "entity": "box"}}, {"cut": CUT}, "pass"),
+        (LOOSE, {}, "fail"),
+        ({**LOOSE, "mandatory": False}, {"cut": CUT}, "fail"),
+        ({**LOOSE, "predicate": {"kind": "falls", "entity": "box"}}, {"cut": CUT}, "fail"),
+        ({**LOOSE, "predicate": {"kind": "comes_loose", "entity": "box", "other": "floor"}}, {"cut": CUT}, "fail"),
+    ],
+)
+def test_a_spring_is_no_unseen_help_where_the_story_tells_that_it_lets_go(
+    tmp_path: Path, beat: dict[str, Any], drivers: dict[str, Any], status: str
+) -> None:
+    """Choice: a spring that stands for a screw or a hook is told of by `comes_loose` of what it holds, or by the beat of its opening."""
+    operations = [("/simulation/joints", {"s": SPRING}), ("/simulation/drivers", drivers), ("/story/beats", {"loose": beat})]
+    found = row(tmp_path, *operations)
+    assert found is not None
+    assert found.status == status
+
+
 @pytest.mark.parametrize(("leg", "status"), [(CLEAR, "fail"), (SEEN, "pass")])
 def test_a_clear_leg_that_holds_a_body_up_is_no_hovering(tmp_path: Path, leg: dict[str, Any], status: str) -> None:
     size = event_world("hit").entities["box"].dimensions.size[2]

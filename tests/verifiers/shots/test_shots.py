@@ -13,7 +13,7 @@ from worldagent.testing.worlds.small_worlds import IDENTITY, ball, box, ground, 
 from worldagent.verifiers.register.assemble import approximations
 from worldagent.verifiers.shots.check import check
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.predicates import Displacement
+from worldagent.worlds.predicates import Count, Displacement
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, CameraKey, Shot, WorldSpec
 
@@ -116,6 +116,22 @@ def test_a_hidden_subject_fails_names_what_hides_it_and_gets_a_clear_view(tmp_pa
     assert "wall" in row.evidence["explanation"]
     index = next(i for i, c in enumerate(row.corrections) if "wall stands in the way" in c.cause)
     assert rows_of(patched(candidate, row, index))["visible:roll"].evidence["best_unoccluded"] > 0.9
+
+
+def test_a_count_tells_which_of_its_members_are_not_seen_when_it_comes_true(tmp_path: Path) -> None:
+    """The row is about the subject; the others are told of, and nothing of them changes the verdict."""
+    others = {
+        "seen": ball(0.1, motion="dynamic", at=(1.2, 0, 0.1)),
+        "hidden": ball(0.1, motion="dynamic", at=(0.0, 2, 0.1)),
+        "away": ball(0.1, motion="dynamic", at=(9, 0, 0.1)),
+        "wall": box(0.8, 0.1, 1.0, at=(0.1, 1.5, 0.5)),
+    }
+    moved = Count(entities=["ball", "seen", "hidden", "away"], predicate=Displacement(entity="each", min=0.3), min=1)
+    beats = {"roll": Beat(text="", owner="rigid", subject="ball", frames=(4, 20), predicate=moved)}
+    row = rows_of(rolling(tmp_path, {"s": shot(covers=["roll"])}, walls=others, beats=beats))["visible:roll"]
+    assert row.status == "pass"
+    assert row.evidence["unseen_members"] == {"hidden": "behind wall", "away": "outside the picture"}
+    assert "hidden (behind wall)" in row.evidence["explanation"]
 
 
 def test_half_hidden_is_measured(tmp_path: Path) -> None:

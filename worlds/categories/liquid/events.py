@@ -92,8 +92,8 @@ EVENTS = (
     ),
     _vessel(
         "pours",
-        "It leaves `other` over its rim while that leans by more than 0.26 rad, and falls by 0.1 of its height: at least 0.05 of the most that "
-        "was in it.",
+        "It leaves `other` over its rim while that leans by more than 0.26 rad, and falls by 0.1 of its height, or gets as far from the mouth of one "
+        "that lies (1.3 rad): at least 0.05 of the most that was in it.",
         "own choice: what leaves a vessel by its tilt is poured, what leaves an upright one is not",
     ),
     _vessel(

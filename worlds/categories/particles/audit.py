@@ -123,7 +123,7 @@ def _too_soft(spec: WorldSpec, member: str, solver: str) -> Iterator[Problem]:
     for name in bodies:
         wheels = sum(p.shape.kind in ROUND for p in spec.entities[name].parts.values() if p.collides)
         weight = told_mass(spec, name) * gravity / max(wheels, 1)
-        least = softest_under(weight, physics.radius)
+        least = float(f"{softest_under(weight, physics.radius):.2g}")  # as it is told, so that who takes it is not warned again
         if wheels and least > physics.young_modulus:
             yield Problem(
                 f"/entities/{member}/physics/young_modulus",

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from worldagent.testing.worlds.small_liquids import PROMPT, tank_spec
 from worldagent.worlds.audits.audit import audit
-from worldagent.worlds.categories.liquid.facts import liquid_estimate
+from worldagent.worlds.categories.liquid.facts import liquid_estimate, liquid_seconds
 from worldagent.worlds.errors import LimitError, SpecError
 from worldagent.worlds.extents import shape_volume
 from worldagent.worlds.limits import check_limits, estimate_counts
@@ -163,6 +163,15 @@ def test_particles_are_counted_from_volume_and_inflow() -> None:
     grid = liquid_estimate(base(engine="flip"), "water")
     assert grid.cells == pytest.approx(0.6**3 / 0.025**3)
     assert grid.particles == pytest.approx(8 * still.particles)
+
+
+@pytest.mark.parametrize(("engine", "least"), [("dfsph", 0.009), ("flip", 0.035)])
+def test_a_step_takes_its_time_however_few_particles_there_are(engine: str, least: float) -> None:
+    """A glass of 900 particles took 17 ms a step, of which its particles were 6: probes were passed three to five times."""
+    spec = apply_patch(base(engine=engine), [{"op": "add", "path": "/entities/water/physics/resolution", "value": 0.05}])
+    found, seconds = liquid_estimate(spec, "water"), liquid_seconds(spec)
+    assert seconds is not None
+    assert seconds == pytest.approx(found.steps * (least + found.particles / {"dfsph": 1.5e5, "flip": 1e6}[engine]))
 
 
 def test_too_many_particles_are_refused_with_the_knob() -> None:

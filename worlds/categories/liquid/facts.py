@@ -43,7 +43,7 @@ WALL_SLACK = 0.01
 PARTICLE_STEPS = {"dfsph": 1.5e5, "flip": 1.0e6}
 """Per second on two cores of the development machine, by engine; told as an estimate before anything was measured."""
 STEP_SECONDS = {"dfsph": 0.009, "flip": 0.035}
-"""What a step takes besides, however few its particles [s]: measured as processor time of 150 to 5,300 particles, and of 8,400 to 32,000."""
+"""Time that a step takes besides, however few its particles [s]: measured as processor time of 150 to 5,300 particles, and of 8,400 to 32,000."""
 USUAL_TEMPERATURE = 293.15
 
 

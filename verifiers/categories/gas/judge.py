@@ -9,7 +9,8 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
-from ....worlds.categories.gas.facts import dusts_of, flammable_parts
+from ....worlds.categories.gas.burning import flammable_parts
+from ....worlds.categories.gas.facts import dusts_of
 from ..judge import Push
 from ..loose import Loose, Sample
 from .bounds import CUT, STILL

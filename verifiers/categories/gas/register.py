@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ....worlds.categories.gas.facts import dusts_of, emissions_of, flammable_parts
+from ....worlds.categories.gas.burning import flammable_parts
+from ....worlds.categories.gas.facts import dusts_of, emissions_of
 
 if TYPE_CHECKING:
     from ....worlds.spec import Entity, GasInstance, WorldSpec

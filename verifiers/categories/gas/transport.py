@@ -105,7 +105,9 @@ class Transport:
         box, mass = self.box, surfaces.giving(now.index)
         light = surfaces.of("ignition") / air_density(1.0) - 1.0 / box.air
         amount = mass if n == 0 else mass * light * box.joule
-        return np.tensordot(amount, surfaces.point - middle, axes=1), float(np.abs(amount).sum()) * BESIDE * box.cell
+        ways = surfaces.along(now.index, box.cell)
+        off = BESIDE * box.cell + 0.5 * np.linalg.norm(ways[-1] - ways[0], axis=1)
+        return np.tensordot(amount, 0.5 * (ways[0] + ways[-1]) - middle, axes=1), float(np.abs(amount) @ off)
 
     def _heated(self, now: GasFrame, before: GasFrame) -> tuple[F64, float]:
         """Moment of the heat that fire gave over a frame by its power at both ends [J m], and how far that may be off."""
@@ -165,7 +167,8 @@ def _beside(box: GasBox, now: GasFrame, surfaces: KindledSurfaces) -> Mask:
     from scipy.ndimage import binary_dilation
 
     found = np.zeros(box.shape, dtype=bool)
-    at = np.floor((surfaces.point[surfaces.giving(now.index) > 0.0] - now.corner) / box.cell).astype(np.int64)
+    gives = surfaces.giving(now.index) > 0.0
+    at = np.floor((np.concatenate([p[gives] for p in surfaces.along(now.index, box.cell)]) - now.corner) / box.cell).astype(np.int64)
     at = at[((at >= 0) & (at < np.array(box.shape))).all(axis=1)]
     found[tuple(at.T)] = True
     return np.asarray(binary_dilation(found, np.ones((3, 3, 3)), iterations=int(BESIDE)))

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from ...channel import Channel, quantity
 from ..shared_channels import MOTION
-from .facts import flammable_parts, gas_of
+from .burning import flammable_parts
+from .facts import gas_of
 
 if TYPE_CHECKING:
     from ...spec import WorldSpec

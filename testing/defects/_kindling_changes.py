@@ -9,8 +9,6 @@ import numpy as np
 from ...worlds.cache import Cache
 from ._gas_changes import FIRST
 
-AMBIENT = 293.15
-"""[K]"""
 
 
 def _given(data: dict[str, Any], cache: Cache) -> Any:
@@ -89,10 +87,10 @@ def shuffle(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.G
 
 
 def sear(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
-    """Pieces that were consumed take heat on, by a share of all heat in each frame, and say that it was light."""
-    if frame >= FIRST:
-        gone = cache.read(FIRST - 1, ("burning_left",))["burning_left"] <= 0.0
-        more = magnitude * float((data["burning_heat"] * data["burning_area"]).sum()) * (frame - FIRST + 1)
+    """At the last frame pieces that were consumed take a share of all heat more, and say that it was light."""
+    if frame == cache.index.frames - 1:
+        gone = cache.read(frame - 1, ("burning_left",))["burning_left"] <= 0.0
+        more = magnitude * float((data["burning_heat"] * data["burning_area"]).sum())
         data["burning_heat"][gone] += more / float(data["burning_area"][gone].sum())
         for name in ("surface_heat", "taken_light"):
             data[f"record/{name}"] = data[f"record/{name}"] + more

@@ -63,22 +63,15 @@ class SolidFire(Fire):
 
     def _power(self, index: int) -> float:
         """Heat of the gas that it gave off over the frame before, as far as flames at its surface give as much."""
-        from scipy.ndimage import binary_dilation
-
         box, surfaces = self.box, self.surfaces
         if index == 0 or box.combustion is None:
             return 0.0
         mine = np.array([p.entity == self.entity for p in surfaces.parts])[surfaces.part]
         given = np.where(mine, surfaces.giving(index), 0.0)
         frame = box.read(index)
-        where = np.concatenate([p[given > 0.0] for p in surfaces.along(index, box.cell)])
-        at = np.floor((where - frame.corner) / box.cell).astype(np.int64)
-        at = at[((at >= 0) & (at < np.array(box.shape))).all(axis=1)]
-        if len(at) == 0 or frame.fire is None:
+        if frame.fire is None or not given.any():
             return 0.0
-        about = np.zeros(box.shape, dtype=bool)
-        about[tuple(at.T)] = True
-        about = binary_dilation(about, np.ones((3, 3, 3)), iterations=BESIDE)
+        about = surfaces.beside(frame, given > 0.0, BESIDE)
         flames = box.volume * float(np.sum((frame.fire.released * frame.room)[about], dtype=np.float64))
         return min(flames, box.combustion.fuel.heat * float(given.sum()) / box.duration)
 

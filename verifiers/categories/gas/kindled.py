@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
     from ....worlds.categories.gas.models import Flammable
+    from .cells import GasFrame, Mask
 
 __all__ = ["KindledFrame", "KindledPart", "KindledSurfaces", "surfaces_of_box"]
 
@@ -139,6 +140,18 @@ class KindledSurfaces:
         start, end = self.state[max(now - 1, 0)].point, self.state[now].point
         count = int(np.ceil(float(np.linalg.norm(end - start, axis=1).max(initial=0.0)) / cell - 1e-9))
         return [end] if count == 0 else [start + t * (end - start) for t in np.linspace(0.0, 1.0, count + 1)]
+
+    def beside(self, frame: GasFrame, which: NDArray[np.bool_], reach: int) -> Mask:
+        """Cells within so many of the places of some pieces over the frame before one, (n,) -> (nx, ny, nz)."""
+        from scipy.ndimage import binary_dilation
+
+        found = np.zeros(frame.room.shape, dtype=bool)
+        if which.any():
+            ways = np.concatenate([p[which] for p in self.along(frame.index, frame.cell)])
+            at = np.floor((ways - frame.corner) / frame.cell).astype(np.int64)
+            at = at[((at >= 0) & (at < np.array(found.shape))).all(axis=1)]
+            found[tuple(at.T)] = True
+        return np.asarray(binary_dilation(found, np.ones((3, 3, 3)), iterations=reach))
 
     def giving(self, now: int) -> F64:
         """Mass that each piece gave over the frame before one [kg], shape (n,)."""

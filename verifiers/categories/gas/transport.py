@@ -154,24 +154,13 @@ class Transport:
 def _emitting(box: GasBox, now: GasFrame) -> list[tuple[Mask, float]]:
     """Cells about every source that let gas out over the frame, with its soot."""
     end = box.duration * now.index
-    surfaces = [] if box.surfaces is None else [(_beside(box, now, box.surfaces), 1.0)]
-    return surfaces + [
+    burning = box.surfaces
+    given = [] if burning is None else [(burning.beside(now, burning.giving(now.index) > 0.0, int(BESIDE)), 1.0)]
+    return given + [
         (source.cells(now, box.cell, box.duration), box.source_concentration(source.entity))
         for source in box.sources
         if source.emitted(end) > source.emitted(end - box.duration)
     ]
-
-
-def _beside(box: GasBox, now: GasFrame, surfaces: KindledSurfaces) -> Mask:
-    """Cells about the pieces of surface that gave gas over the frame."""
-    from scipy.ndimage import binary_dilation
-
-    found = np.zeros(box.shape, dtype=bool)
-    gives = surfaces.giving(now.index) > 0.0
-    at = np.floor((np.concatenate([p[gives] for p in surfaces.along(now.index, box.cell)]) - now.corner) / box.cell).astype(np.int64)
-    at = at[((at >= 0) & (at < np.array(box.shape))).all(axis=1)]
-    found[tuple(at.T)] = True
-    return np.asarray(binary_dilation(found, np.ones((3, 3, 3)), iterations=int(BESIDE)))
 
 
 def _about(flow: Outflow, n: int, middle: F64) -> F64:

@@ -84,9 +84,7 @@ def pieces_of(spec: WorldSpec, name: str, built: Mapping[str, BuiltEntity], grid
     )
 
 
-def _solids(
-    spec: WorldSpec, entity: str, built: BuiltEntity, parts: Mapping[str, Flammable], surround: Surround
-) -> list[_Held]:
+def _solids(spec: WorldSpec, entity: str, built: BuiltEntity, parts: Mapping[str, Flammable], surround: Surround) -> list[_Held]:
     """Parts of a rigid entity."""
     stands, rows = spec.entities[entity].motion == "static", {b.name: k for k, b in enumerate(surround.boundaries)}
     found = []
@@ -105,9 +103,7 @@ def _solids(
     return found
 
 
-def _sheets(
-    spec: WorldSpec, entity: str, built: BuiltEntity, parts: Mapping[str, Flammable], surround: Surround
-) -> list[_Held]:
+def _sheets(spec: WorldSpec, entity: str, built: BuiltEntity, parts: Mapping[str, Flammable], surround: Surround) -> list[_Held]:
     """Parts of cloth, whose triangles a boundary of the surround has one part after the other."""
     physics: Any = spec.entities[entity].physics
     row = next(k for k, soft in surround.soft.items() if soft.entity == entity)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from .obstacles import body_place
@@ -47,7 +48,7 @@ class Places:
             self.point[own] = self.pieces.point[own] @ place.rotation.T + place.position
             self.normal[own] = self.pieces.normal[own] @ place.rotation.T
 
-    def _lay(self, own: np.ndarray, vertices: F64) -> None:  # type: ignore[type-arg]
+    def _lay(self, own: NDArray[np.intp], vertices: F64) -> None:
         """Lay pieces of cloth on its triangles."""
         corner = vertices[self.pieces.corner[own]]
         across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])

@@ -157,7 +157,7 @@ class Surfaces:
     def _sides(self, met: NDArray[np.bool_]) -> F64:
         """Share of a piece's gas that leaves by each face, (f,): by those that meet gas alike."""
         share, count = np.ones(len(self._face)), len(self.pieces.area)
-        front, back = met[: count][self._backs], met[count:]
+        front, back = met[:count][self._backs], met[count:]
         both = front.astype(np.float64) + back
         share[self._backs] = np.where(both > 0.0, front / np.maximum(both, 1.0), 1.0)
         share[count:] = 1.0 - share[self._backs]

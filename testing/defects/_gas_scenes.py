@@ -70,7 +70,14 @@ MAKE: dict[str, Any] = {"kindled": kindled_spec, "spared": kindled_spec, "torch"
 def _kindled(kind: str) -> dict[str, Any]:
     """A sheet of tissue beside a fire, which gives off gas soon and much of it."""
     far = 0.25 if kind == "spared" else 0.03
-    spec = MAKE[kind](frames=FRAMES, resolution=CELL, power=5.0e4, thick=4e-5, gap=far, **({"area_density": 0.005, "swing": 1.0} if kind == "hung" else {}))
+    spec: dict[str, Any] = MAKE[kind](
+        frames=FRAMES,
+        resolution=CELL,
+        power=5.0e4,
+        thick=4e-5,
+        gap=far,
+        **({"area_density": 0.005, "swing": 1.0} if kind == "hung" else {}),
+    )
     spec["materials"]["paper"]["flammable"] = {"ignition": 420.0, "gasification": 2.0e5, "char": 0.1}
     spec["simulation"]["solvers"][SOLVER]["settings"]["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
     sheet = spec["entities"]["sheet"]

@@ -10,7 +10,6 @@ from ...worlds.cache import Cache
 from ._gas_changes import FIRST
 
 
-
 def _given(data: dict[str, Any], cache: Cache) -> Any:
     """Mass that each piece has given since frame 0 [kg/m^2]."""
     return cache.read(0, ("burning_left",))["burning_left"] - data["burning_left"]

@@ -91,7 +91,8 @@ class KindledSurfaces:
             raise EvidenceError(f"surfaces that may burn have no place of each piece at frame {index}; bake again")
         if not all(np.isfinite(s).all() for s in (*state, point)):
             raise NotFiniteError(f"state of surfaces that may burn is not finite at frame {index}; see numerical:finite")
-        return KindledFrame(*state, point)
+        left, temperature, heat = state
+        return KindledFrame(left, temperature, heat, point)
 
     def of(self, name: str) -> F64:
         """Burning of each piece: a field of its material, shape (n,)."""

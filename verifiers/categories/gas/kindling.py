@@ -89,7 +89,9 @@ class Kindling:
         places = [np.floor((p - now.corner) / box.cell).astype(np.int64) for p in surfaces.along(now.index, box.cell)]
         inside = [((at >= 0) & (at < np.array(box.shape))).all(axis=1) for at in places]
         last = np.array(box.shape) - 1
-        about = np.max([np.where(i, gas[tuple(np.clip(at, 0, last).T)], 0.0) for at, i in zip(places, inside, strict=True)], axis=0)
+        about = np.max(
+            [np.where(i, gas[tuple(np.clip(at, 0, last).T)], 0.0) for at, i in zip(places, inside, strict=True)], axis=0
+        )
         rise = np.maximum(about - np.minimum(new.temperature, old.temperature), 0.0)
         sides = np.where(surfaces.thin, 2.0, 1.0)
         offered = box.duration * (sides * CONVECTED * rise ** (4.0 / 3.0) + ABSORBED * self._light(old.point, before))

@@ -112,7 +112,9 @@ def _twice(spec: WorldSpec, name: str) -> Iterator[Problem]:
     """Entities that move and would burn in two gases, each of which would take all of their mass."""
     names = list(spec.simulation.gas)
     for other in names[: names.index(name)]:
-        both = {k for k in flammable_parts(spec, other) if spec.entities[k].motion != "static"} & flammable_parts(spec, name).keys()
+        both = {k for k in flammable_parts(spec, other) if spec.entities[k].motion != "static"} & flammable_parts(
+            spec, name
+        ).keys()
         for entity in sorted(both):
             text = (
                 f"{entity!r} moves and may burn in the gases of {other!r} and {name!r}, whose books would both count its mass; give one of them "

@@ -7,8 +7,8 @@ from ..caps import GAS_CAPS
 from ..category import Audit, CategorySpec
 from ..shared import DOMAIN, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import gas_problems
-from .channels import CHANNELS, DIMENSIONS, writers
 from .burning import flammable_parts
+from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import gas_counts, gas_seconds
 from .models import DustDriver, EmissionDriver, GasInstance, GasPhysics, IgnitionDriver
 from .predicates import PREDICATES

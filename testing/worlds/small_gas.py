@@ -219,7 +219,6 @@ def torch_spec(*, frames: int = 37, motion: str = "kinematic", **changes: Any) -
     sheet = spec["entities"]["sheet"]
     sheet["motion"] = motion
     if motion == "dynamic":
-        sheet["afloat"] = "it falls"
         spec["simulation"]["drivers"]["drop"] = {"kind": "release", "entity": "sheet", "time": 0.0}
         return spec
     x, y, z = sheet["pose"]["position"]

@@ -58,10 +58,10 @@ def burning_sheets(spec: WorldSpec, name: str) -> frozenset[str]:
     return frozenset(m for c in cloth_of(spec, name) for m in cloth[c].members if m in spec.entities)
 
 
-def _reaches(spec: WorldSpec, name: str, entity: Entity) -> bool:
-    """True if an entity is in the box of an instance at frame 0."""
+def _reaches(spec: WorldSpec, name: str, entity: Entity, *, unknown: bool = False) -> bool:
+    """True if an entity is in the box of an instance at frame 0; `unknown` of one whose shape does not tell."""
     (low, high), box = domain_box(spec.simulation.gas[name]), initial_box(entity)
-    return box is not None and not ((box[0] > high).any() or (box[1] < low).any())
+    return unknown if box is None else not ((box[0] > high).any() or (box[1] < low).any())
 
 
 def burning_problems(spec: WorldSpec, name: str) -> Iterator[Problem]:
@@ -79,7 +79,7 @@ def burning_problems(spec: WorldSpec, name: str) -> Iterator[Problem]:
                 continue
             if member in joined:
                 yield from _sheet(entity, kind, ambient)
-            elif _reaches(spec, name, entity):
+            elif _reaches(spec, name, entity, unknown=True):
                 text = (
                     f"the cloth {member!r} may burn and hangs in the box of the gas {name!r}, which does not know how it moves: add a one_way "
                     f"coupling from {cloth!r} to {name!r}, so that the gas is baked after it, or take flammable out of its material"

@@ -12,7 +12,7 @@ from ..geometry.idcast import IdCaster, IdImage
 from ..worlds.arrays import F32, F64, U8, compose
 from ..worlds.built import TriangleMesh
 from ..worlds.candidate import Candidate
-from .categories.gas.char import CHAR, Charring
+from .categories.charring import CHAR, Charring
 from .categories.layer import Daylight, LooseLayer, VolumeLayer, over
 from .categories.registry import layers_of
 from .drawing import caption, distinct_color, label_regions, region_edges

@@ -11,7 +11,7 @@ import numpy as np
 from ...worlds.arrays import F32, F64, rotation_matrix
 from ...worlds.built import BuiltPart
 from ...worlds.candidate import Candidate
-from ..categories.gas.char import Charring
+from ..categories.charring import Charring
 from ..categories.layer import PartsLayer
 from ..categories.liquid.wet_look import Link, Wetness, film_at
 from ..categories.registry import Layers
@@ -72,7 +72,7 @@ class Batch:
     """Parts that burn."""
 
     def char(self, frame: int) -> F32:
-        """How black every vertex is, shape (v,)."""
+        """Blackness of every vertex, shape (v,)."""
         return np.concatenate([part.char(frame) for part in self.burnt]).astype(np.float32)
 
     def film(self, wetness: Wetness, frame: int, known: dict[str, F64]) -> F32:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.arrays import F64, I64
-from ..categories.gas.char import Charred, blackened
+from ..categories.charring import Charred, blackened
 from ..categories.liquid.wet_look import finely
 from .surfaces import Surface
 
@@ -30,12 +30,12 @@ class BurntPart:
     rows: slice
     """Rows of the batch."""
     face: I64
-    """Of cloth: visible triangle that each row is a corner of; of solids empty."""
+    """Visible triangle that each row is a corner of, of cloth; of solids empty."""
     near: tuple[I64, F64]
-    """Of solids: pieces about each row, and their weights; of cloth empty."""
+    """Pieces about each row of solids, and their weights; of cloth empty."""
 
     def char(self, frame: int) -> F64:
-        """How black each of its rows is at a frame."""
+        """Blackness of each of its rows at a frame."""
         if self.charred.sheet:
             return blackened(self.charred.by_face(frame))[self.face]
         at, weight = self.near

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...worlds.spec import Appearance
-from ..categories.gas.char import CHAR
+from ..categories.charring import CHAR
 from ..categories.liquid.wet_look import darkened
 from .meshes import rgb
 from .textures import Tile

@@ -10,7 +10,7 @@ import numpy as np
 from ...geometry.camera import Camera
 from ...worlds.arrays import F32, F64
 from ...worlds.candidate import Candidate
-from ..categories.gas.char import Charring
+from ..categories.charring import Charring
 from ..categories.layer import GLOWS, Fog, VolumeLayer
 from ..categories.liquid.wet_look import Wetness
 from ..categories.registry import layers_of

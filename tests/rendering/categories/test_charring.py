@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from worldagent.geometry.camera import Camera
-from worldagent.rendering.categories.gas.char import CHAR, Charring
+from worldagent.rendering.categories.charring import CHAR, Charring
 from worldagent.rendering.preview import PreviewRenderer
 from worldagent.testing.defects._gas_scenes import FRAMES, SOLVER, scene
 

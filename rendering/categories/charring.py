@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....geometry.inside import nearest_faces
-from ....geometry.solids import Solid
-from ....worlds.arrays import F64, I64
-from ....worlds.built import TriangleMesh
-from ....worlds.cache import Cache
-from ....worlds.candidate import Candidate
-from ....worlds.categories.gas.burning import burning_sheets, flammable_parts
+from ...geometry.inside import nearest_faces
+from ...geometry.solids import Solid
+from ...worlds.arrays import F64, I64
+from ...worlds.built import TriangleMesh
+from ...worlds.cache import Cache
+from ...worlds.candidate import Candidate
+from ...worlds.categories.gas.burning import burning_sheets, flammable_parts
 
 __all__ = ["CHAR", "Charred", "Charring", "blackened"]
 
@@ -33,7 +33,7 @@ ALIKE = 0.5
 
 
 def blackened(share: F64) -> F64:
-    """How black surfaces look, 0..1, by the share of what can become gas that has."""
+    """Blackness of surfaces, 0..1, by the share of what can become gas that has."""
     return np.clip(share / BLACK, 0.0, 1.0)
 
 
@@ -122,7 +122,7 @@ class Charred:
         return at.astype(np.int64), np.where(total > 0.0, weight / np.maximum(total, 1e-300), 0.0)
 
     def at(self, points: F64, frame: int) -> F64:
-        """How black points (v, 3) of its surface look at a frame, where that is then, shape (v,)."""
+        """Blackness of points (v, 3) of its surface at a frame, where that is then, shape (v,)."""
         from scipy.spatial import cKDTree
 
         index = min(frame, self.cache.index.frames - 1)
@@ -151,5 +151,5 @@ class Charring:
                     self.parts.setdefault((entity, part), Charred(candidate, cache, entity, part, rows, entity in sheets))
 
     def of(self, entity: str, part: str) -> Charred | None:
-        """What burns of a part; None where nothing does."""
+        """The char of a part; None where nothing of it burns."""
         return self.parts.get((entity, part))

@@ -41,9 +41,9 @@ class Pieces:
     carrier: NDArray[np.int64]
     """Row of what carries it among the boundaries of the surround, `STANDS` of what stands, shape (n,)."""
     corner: NDArray[np.int64]
-    """Of cloth: vertices of the triangle that it is cut from, shape (n, 3)."""
+    """Vertices of the triangle that a piece of cloth is cut from, shape (n, 3)."""
     weight: F64
-    """Of cloth: their shares in its middle, shape (n, 3)."""
+    """Shares of these vertices in its middle, shape (n, 3)."""
     thin: NDArray[np.bool_]
     """True of cloth, which gas and flames meet from both sides, shape (n,)."""
 

@@ -1,4 +1,4 @@
-"""What burns in pictures: black as far as its gas has left it, gone where cloth is consumed, and whole at frame 0."""
+"""Char in pictures: solids and cloth that burn are black as far as their gas has left them, gone where cloth is consumed, and whole at frame 0."""
 
 from __future__ import annotations
 

@@ -16,8 +16,9 @@ from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ....worlds.candidate import Candidate
-    from .kindled import KindledSurfaces
 
 __all__ = ["Carried"]
 
@@ -37,26 +38,29 @@ class Carried:
 
     Args:
         candidate: whose bodies and cloth carry them.
-        surfaces: the pieces.
+        parts: entity and part that each number stands for.
+        part: number of the part of each piece, shape (n,).
+        points: where they are at each frame [m], each (n, 3).
     """
 
-    def __init__(self, candidate: Candidate, surfaces: KindledSurfaces) -> None:
-        self.candidate, self.surfaces = candidate, surfaces
-        self.off = np.zeros(len(surfaces.area))
+    def __init__(
+        self, candidate: Candidate, parts: Sequence[tuple[str, str]], part: NDArray[np.int64], points: Sequence[F64]
+    ) -> None:
+        self.candidate, self.parts, self.part, self.points = candidate, parts, part, points
+        self.off = np.zeros(len(part))
         """Distance of each piece from the surface of its part at frame 0 [m], shape (n,)."""
-        self._bound = [self._bind(k) for k in range(len(surfaces.parts))]
+        self._bound = [self._bind(k) for k in range(len(parts))]
 
     def _bind(self, number: int) -> _Bound:
-        part = self.surfaces.parts[number]
-        own = next(p for p in self.candidate.entity(part.entity).parts if p.part == part.part)
-        place = self.candidate.surface(part.entity, part.part, 0)
-        rows = np.flatnonzero(self.surfaces.part == number)
+        entity, part = self.parts[number]
+        own = next(p for p in self.candidate.entity(entity).parts if p.part == part)
+        place, rows = self.candidate.surface(entity, part, 0), np.flatnonzero(self.part == number)
         if not len(rows):
             return _Bound(rows, np.zeros((0, 3), dtype=np.int64), np.zeros((0, 3)))
         corner = np.asarray(own.render.faces, dtype=np.int64)
         corner = corner[_areas(place[corner]) > 0.0]  # A solid leaves out the others.
         solid = Solid.from_mesh(TriangleMesh(place, corner.astype(np.int32)), closed=own.closed)
-        self.off[rows], point, face = nearest_faces(solid, self.surfaces.state[0].point[rows])
+        self.off[rows], point, face = nearest_faces(solid, self.points[0][rows])
         return _Bound(rows, corner[face], _shares(place[corner[face]], point))
 
     def astray(self, frame: int) -> F64:
@@ -64,10 +68,9 @@ class Carried:
         if frame == 0:
             return self.off
         found = np.zeros(len(self.off))
-        for bound, part in zip(self._bound, self.surfaces.parts, strict=True):
-            place = self.candidate.surface(part.entity, part.part, frame)
-            wanted = np.einsum("nk,nkx->nx", bound.weight, place[bound.corner])
-            found[bound.rows] = np.linalg.norm(self.surfaces.state[frame].point[bound.rows] - wanted, axis=1)
+        for bound, (entity, part) in zip(self._bound, self.parts, strict=True):
+            wanted = np.einsum("nk,nkx->nx", bound.weight, self.candidate.surface(entity, part, frame)[bound.corner])
+            found[bound.rows] = np.linalg.norm(self.points[frame][bound.rows] - wanted, axis=1)
         return found
 
 

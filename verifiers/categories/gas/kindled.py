@@ -106,7 +106,8 @@ class KindledSurfaces:
     @cached_property
     def carried(self) -> Carried:
         """Places at which pieces have to be, on their bodies and cloth."""
-        return Carried(self.candidate, self)
+        names = [(p.entity, p.part) for p in self.parts]
+        return Carried(self.candidate, names, self.part, [s.point for s in self.state])
 
     def share(self, entity: str) -> F64:
         """Share of the mass of an entity that can become gas which has, shape (frames,)."""

@@ -1,4 +1,4 @@
-"""What moves and what is of cloth burns: its pieces go along, its books are kept, and what nothing lights does not burn."""
+"""Bodies that move, and cloth, burn: their pieces go along, their books are kept, and what nothing lights does not burn."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from ...worlds.built import BuiltPart
 from ...worlds.candidate import Candidate
 from ..categories.charring import Charring
 from ..categories.layer import PartsLayer
-from ..categories.liquid.wet_look import Link, Wetness, film_at
+from ..categories.liquid.wet_look import Link, Wetness, film_at, finely
 from ..categories.registry import Layers
 from ..categories.soft_part import SoftPart
 from ..land.scenery import cut_from, landscapes_of
@@ -161,7 +161,7 @@ def _pieces(
         for side, surface in surfaces.items():
             fine = wetness.refined(entity, part.body, part.part, surface) if wets else surface
             if charred is not None:
-                fine = burnt_surface(candidate, charred, surface)
+                fine = burnt_surface(candidate, charred, surface, finely)
             yield Kind(part.material, side, changing, wets, tone, lamp, charred is not None), _Piece(layer, entity, part, fine)
 
 

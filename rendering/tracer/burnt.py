@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, I64
 from ..categories.charring import Charred, blackened
-from ..categories.liquid.wet_look import finely
 from .surfaces import Surface
 
 if TYPE_CHECKING:
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["BurntPart", "burnt_part", "burnt_surface"]
 
+Cut = Callable[[Surface, NDArray[np.bool_], float], Surface]
+"""Halves the chosen triangles of a surface until none is longer than a length [m]."""
 FINE = 1.0
 """[cells of the gas] Widest triangle on which char is drawn."""
 
@@ -49,8 +52,8 @@ class BurntPart:
             own[gone] = np.repeat(own[::3], 3, axis=0)[gone]
 
 
-def burnt_surface(candidate: Candidate, charred: Charred, surface: Surface) -> Surface:
-    """The surface of a part so that its char can be drawn: cloth with corners of its own for each triangle, a solid cut finely."""
+def burnt_surface(candidate: Candidate, charred: Charred, surface: Surface, finely: Cut) -> Surface:
+    """The surface of a part so that its char can be drawn: cloth with corners of its own for each triangle, a solid cut by `finely`."""
     if charred.sheet:
         at = surface.faces.reshape(-1)
         faces = np.arange(len(at), dtype=np.int32).reshape(-1, 3)

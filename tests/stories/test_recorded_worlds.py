@@ -48,7 +48,10 @@ JUDGED: dict[str, tuple[str, ...]] = {
     "gas/banner": (
         *(f"causal:{a}:{b}" for a, b in (("lit", "burns"), ("burns", "catches"), ("burns", "eaten"), ("blows", "over"))),
         *(f"causal:without:{a}:{b}" for a, b in (("lit", "burns"), ("burns", "catches"), ("blows", "over"))),
-        *(f"category:gas:{n}:air" for n in ("fuel", "burnt", "surfaces", "carried_along", "gasified", "kindled", "stored", "heated")),
+        *(
+            f"category:gas:{n}:air"
+            for n in ("fuel", "burnt", "surfaces", "carried_along", "gasified", "kindled", "stored", "heated")
+        ),
         *(row for row in GAS if ":cut:" not in row),
     ),
     "gas/bowl": (

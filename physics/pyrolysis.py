@@ -19,7 +19,9 @@ import numpy as np
 from .arrays import F64
 from .combustion import STEFAN_BOLTZMANN
 
-__all__ = ["EMISSIVITY", "FIRST_LAYER", "LAYERS", "STEFAN_BOLTZMANN", "Slab", "Solid", "convection", "layers", "surface_rise"]
+__all__ = [
+    "EMISSIVITY", "FIRST_LAYER", "LAYERS", "STEFAN_BOLTZMANN", "Film", "Slab", "Solid", "convection", "layers", "surface_rise",
+]  # fmt: skip
 
 EMISSIVITY = 0.9
 """Emissivity of wood, paper, fabric and char (Holman, table A-10: 0.8 to 0.95)."""
@@ -139,6 +141,55 @@ class Slab:
         gas = np.minimum(spare / self.gasification, self.left)
         self.temperature[:, 0] -= gas * self.gasification / self.store[:, 0]
         self.left = self.left - gas
+        return np.asarray(gas)
+
+
+class Film:
+    """Sheets so thin that they are as hot inside as at both faces (Quintiere 2006, 7.3), and are consumed.
+
+    What becomes gas takes its heat along: `gasification` counts from the temperature at the start, as Tewarson measures it, and has to exceed
+    the heat that warms the material to `ignition`. What stays is char.
+
+    Args:
+        solid: the material.
+        start: temperature at first [K].
+    """
+
+    def __init__(self, solid: Solid, start: float) -> None:
+        self.capacity, self.ignition, self.gasification, self.start = solid.capacity, solid.ignition, solid.gasification, start
+        self.ash = solid.char * solid.density * solid.depth
+        """Mass that stays [kg/m^2], shape (n,)."""
+        self.left = solid.fuel
+        """Mass that can still become gas [kg/m^2], shape (n,)."""
+        self.temperature = np.full_like(self.left, start)
+        """[K], shape (n,)."""
+
+    @property
+    def store(self) -> F64:
+        """Heat that warms it by 1 K [J/(m^2 K)], shape (n,)."""
+        return np.asarray(self.capacity * (self.ash + self.left))
+
+    @property
+    def heat(self) -> F64:
+        """Heat in it above that at the start [J/m^2], shape (n,)."""
+        return np.asarray(self.store * (self.temperature - self.start))
+
+    def step(self, seconds: float, flux: F64) -> F64:
+        """Take up heat for a time; what warms it beyond its ignition makes gas instead.
+
+        Args:
+            seconds: how long.
+            flux: heat that comes to both faces together [W/m^2], shape (n,).
+
+        Returns:
+            Gas that each gives off [kg/m^2], shape (n,).
+        """
+        held = self.heat + seconds * flux
+        sensible = self.capacity * (self.ignition - self.start)
+        spare = np.maximum(held - (self.ash + self.left) * sensible, 0.0)
+        gas = np.minimum(spare / (self.gasification - sensible), self.left)
+        self.left = self.left - gas
+        self.temperature = self.start + (held - gas * self.gasification) / self.store
         return np.asarray(gas)
 
 

@@ -10,7 +10,9 @@ import numpy as np
 from ..geometry.camera import Camera
 from ..geometry.idcast import IdCaster, IdImage
 from ..worlds.arrays import F32, F64, U8, compose
+from ..worlds.built import TriangleMesh
 from ..worlds.candidate import Candidate
+from .categories.charring import CHAR, Charring
 from .categories.layer import Daylight, LooseLayer, VolumeLayer, over
 from .categories.registry import layers_of
 from .drawing import caption, distinct_color, label_regions, region_edges
@@ -55,7 +57,13 @@ class PreviewRenderer:
                 self._grounds.setdefault(land, []).append(k)
         owners = [*(name for name, _ in self.parts), *(name for layer in loose for name in layer.entities)]
         self.entities = sorted(set(owners))
-        self._caster = IdCaster([part.render for _, part in self.parts])
+        self._charring = Charring(candidate)
+        self._burning = {
+            k: c for k, (name, part) in enumerate(self.parts) if (c := self._charring.of(name, part.part)) is not None
+        }
+        # Triangles of cloth that burns have corners of their own, so that each can be gone.
+        own = {k for k, charred in self._burning.items() if charred.sheet}
+        self._caster = IdCaster([_loosened(part.render) if k in own else part.render for k, (_, part) in enumerate(self.parts)])
         self._soft = [k for k, (layer, name, _) in enumerate(self._bodies) if layer.bends(name)]
         index = {name: k for k, name in enumerate(self.entities)}
         self._entity_of = np.array([index[name] for name in owners], dtype=np.int32)
@@ -79,7 +87,14 @@ class PreviewRenderer:
     def _shaped(self, frame: int) -> IdCaster:
         """The caster with deforming parts in the shape of a frame."""
         parts = self.parts
-        return self._caster.reshaped({k: self.candidate.shape(parts[k][0], parts[k][1].part, frame) for k in self._soft})
+        shapes = {k: self.candidate.shape(parts[k][0], parts[k][1].part, frame) for k in self._soft}
+        for k, charred in self._burning.items():
+            if charred.sheet and k in shapes:
+                corner = shapes[k][charred.faces]
+                gone = charred.gone(frame)
+                corner[gone] = corner[gone][:, :1]
+                shapes[k] = corner.reshape(-1, 3)
+        return self._caster.reshaped(shapes)
 
     def cast(self, frame: int, camera: Camera) -> IdImage:
         """Ids of parts and after them of loose matter, depth and normals; entities that do not exist at the frame are left out."""
@@ -182,7 +197,9 @@ class PreviewRenderer:
         gloss = 0.10 * np.maximum((normals * half).sum(1), 0.0) ** 40 * (lambert > 0)
         light = direct + _mix(UNDER, ABOVE, sky[:, None])
         shade = self._shade(frame, image.ids[hit], points, normals)
-        picture[hit] = self._colors[image.ids[hit]] * shade[:, None] * light + gloss[:, None]
+        picture[hit] = (
+            self._burnt(frame, image.ids[hit], points, self._colors[image.ids[hit]] * shade[:, None]) * light + gloss[:, None]
+        )
         if self.candidate.spec.terrains:
             image = self._paint_land(image, picture, camera, sun)
         seen = np.ones(hit.shape)
@@ -236,6 +253,15 @@ class PreviewRenderer:
             image = over(image, pane, 0, before & (pane.depth < image.depth))
         return image
 
+    def _burnt(self, frame: int, ids: Any, points: F64, colors: F64) -> F64:
+        """Colours (n, 3) at points of parts, black where they have burnt."""
+        for k, charred in self._burning.items():
+            own = ids == k
+            if own.any():
+                share = charred.at(points[own], frame)[:, None]
+                colors[own] = colors[own] * (1.0 - share) + np.array(CHAR) * share
+        return colors
+
     def _shade(self, frame: int, ids: Any, points: F64, normals: F64) -> F64:
         """Share of the material's colour at points of parts, by their patterns; shape (n,)."""
         found = np.ones(len(points))
@@ -268,6 +294,12 @@ class PreviewRenderer:
 
     def _label(self, frame: int) -> str:
         return f"frame {frame}  t = {frame / self.candidate.spec.simulation.fps:.3f} s{self._layers.note}"
+
+
+def _loosened(mesh: TriangleMesh) -> TriangleMesh:
+    """The mesh with corners of its own for each triangle."""
+    count = len(mesh.faces)
+    return TriangleMesh(mesh.vertices[mesh.faces].reshape(-1, 3), np.arange(3 * count, dtype=np.int32).reshape(count, 3))
 
 
 def _mix(low: tuple[float, ...], high: tuple[float, ...], share: Any) -> Any:

@@ -11,12 +11,14 @@ import numpy as np
 from ...worlds.arrays import F32, F64, rotation_matrix
 from ...worlds.built import BuiltPart
 from ...worlds.candidate import Candidate
+from ..categories.charring import Charring
 from ..categories.layer import PartsLayer
-from ..categories.liquid.wet_look import Link, Wetness, film_at
+from ..categories.liquid.wet_look import Link, Wetness, film_at, finely
 from ..categories.registry import Layers
 from ..categories.soft_part import SoftPart
 from ..land.scenery import cut_from, landscapes_of
 from ..views import active, pattern_frame
+from .burnt import BurntPart, burnt_part, burnt_surface
 from .materials import PANE
 from .surfaces import Surface, textured_surfaces
 from .textures import Tile
@@ -40,13 +42,15 @@ class Kind(NamedTuple):
     """Factor by which they are lighter than the material."""
     lamp: str = ""
     """Lamp of the look that they are; empty for all that does not shine."""
+    burns: bool = False
+    """They may burn beside a gas."""
 
     @property
     def name(self) -> str:
         """Name of the mesh in the scene."""
         tone = f"-{round(100 * self.tone)}" if self.tone != 1.0 else ""
         lamp = f"-lamp-{self.lamp}" if self.lamp else ""
-        return f"{'moving' if self.moving else 'static'}-{self.material}-{self.layer}{'-wet' if self.wets else ''}{tone}{lamp}"
+        return f"{'moving' if self.moving else 'static'}-{self.material}-{self.layer}{'-wet' if self.wets else ''}{tone}{lamp}{'-burns' if self.burns else ''}"
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,12 @@ class Batch:
     soft: tuple[SoftPart, ...] = ()
     """Parts that deform."""
     shines: bool = False
+    burnt: tuple[BurntPart, ...] = ()
+    """Parts that burn."""
+
+    def char(self, frame: int) -> F32:
+        """Blackness of every vertex, shape (v,)."""
+        return np.concatenate([part.char(frame) for part in self.burnt]).astype(np.float32)
 
     def film(self, wetness: Wetness, frame: int, known: dict[str, F64]) -> F32:
         """Share of the film of a liquid at every vertex, shape (v,)."""
@@ -92,6 +102,8 @@ class Batch:
         for part in self.soft:
             if there[part.entity]:
                 positions[part.rows], normals[part.rows] = part.placed(candidate, frame)
+        for burnt in self.burnt:
+            burnt.hole(frame, positions)
         return positions.astype(np.float32), normals.astype(np.float32)
 
 
@@ -105,6 +117,13 @@ def _joined(surfaces: list[Surface]) -> Surface:
     )
 
 
+class _Shown(NamedTuple):
+    """Changes of surfaces by other matter."""
+
+    wetness: Wetness
+    charring: Charring
+
+
 class _Piece(NamedTuple):
     """Surface of one part that goes into a batch."""
 
@@ -115,9 +134,10 @@ class _Piece(NamedTuple):
 
 
 def _pieces(
-    candidate: Candidate, layers: Layers, tiles: dict[str, dict[str, Tile]], wetness: Wetness
+    candidate: Candidate, layers: Layers, tiles: dict[str, dict[str, Tile]], shown: _Shown
 ) -> Iterator[tuple[Kind, _Piece]]:
     """Surfaces of all bodies but the grounds of landscapes, which are drawn with their land."""
+    wetness = shown.wetness
     wet, scenery = wetness.entities(), landscapes_of(candidate)
     lamps = {(lamp.entity, lamp.part): name for name, lamp in sorted(candidate.spec.look.lamps.items())}
     for layer, entity, part in layers.parts:
@@ -135,22 +155,29 @@ def _pieces(
             key=f"{entity}/{part.part}",
         )
         lamp = lamps.get((entity, part.part), "")
-        wets = entity in wet and look.transmission < PANE and not layer.bends(entity) and not lamp
+        charred = None if lamp else shown.charring.of(entity, part.part)
+        wets = entity in wet and look.transmission < PANE and not layer.bends(entity) and not lamp and charred is None
         tone = layer.tone(entity, part.part)
         for side, surface in surfaces.items():
             fine = wetness.refined(entity, part.body, part.part, surface) if wets else surface
-            yield Kind(part.material, side, changing, wets, tone, lamp), _Piece(layer, entity, part, fine)
+            if charred is not None:
+                fine = burnt_surface(candidate, charred, surface, finely)
+            yield Kind(part.material, side, changing, wets, tone, lamp, charred is not None), _Piece(layer, entity, part, fine)
 
 
-def batches_of(candidate: Candidate, layers: Layers, tiles: dict[str, dict[str, Tile]], wetness: Wetness) -> dict[Kind, Batch]:
+def batches_of(
+    candidate: Candidate, layers: Layers, tiles: dict[str, dict[str, Tile]], wetness: Wetness, charring: Charring
+) -> dict[Kind, Batch]:
     """Batches of all bodies by what their parts have in common; tiles by material and texture layer."""
     found: dict[Kind, list[_Piece]] = {}
-    for kind, piece in _pieces(candidate, layers, tiles, wetness):
+    shown = _Shown(wetness, charring)
+    for kind, piece in _pieces(candidate, layers, tiles, shown):
         found.setdefault(kind, []).append(piece)
-    return {kind: _batch(kind, pieces, wetness) for kind, pieces in sorted(found.items())}
+    return {kind: _batch(candidate, kind, pieces, shown) for kind, pieces in sorted(found.items())}
 
 
-def _batch(kind: Kind, pieces: list[_Piece], wetness: Wetness) -> Batch:
+def _batch(candidate: Candidate, kind: Kind, pieces: list[_Piece], shown: _Shown) -> Batch:
+    wetness = shown.wetness
     bodies = tuple(dict.fromkeys((p.entity, p.part.body) for p in pieces))
     index = {name: k for k, name in enumerate(bodies)}
     counts = [len(p.surface.positions) for p in pieces]
@@ -166,4 +193,11 @@ def _batch(kind: Kind, pieces: list[_Piece], wetness: Wetness) -> Batch:
         tuple(zip(counts, links, strict=False)),
         tuple(s for s in soft if s is not None),
         bool(kind.lamp),
+        tuple(_burnt(candidate, p, shown, k) for p, k in zip(pieces, starts, strict=False)) if kind.burns else (),
     )
+
+
+def _burnt(candidate: Candidate, piece: _Piece, shown: _Shown, start: int) -> BurntPart:
+    charred = shown.charring.of(piece.entity, piece.part.part)
+    assert charred is not None
+    return burnt_part(candidate, charred, piece.part, piece.surface, start)

@@ -8,14 +8,17 @@ from typing import Any
 import numpy as np
 
 from ...worlds.spec import Appearance
+from ..categories.charring import CHAR
 from ..categories.liquid.wet_look import darkened
 from .meshes import rgb
 from .textures import Tile
 
-__all__ = ["FILM", "PANE", "bsdf_of", "toned"]
+__all__ = ["BURNT", "FILM", "PANE", "bsdf_of", "toned"]
 
 FILM = "vertex_film"
 """Attribute of meshes: share of a liquid's film that is left on them."""
+BURNT = "vertex_char"
+"""The same: how black they are."""
 FILM_ROUGHNESS = 0.12
 """Most that a surface under a film has; own choice."""
 PANE = 0.5
@@ -30,12 +33,15 @@ def toned(look: Appearance, tile: Tile | None, tone: float) -> tuple[Appearance,
     return lit, None if tile is None else replace(tile, image=np.minimum(tone * tile.image, 1.0).astype(np.float32))
 
 
-def bsdf_of(mi: Any, look: Appearance, tile: Tile | None, *, open_surface: bool, wets: bool = False) -> Any:
-    """Principled BSDF of an appearance; open surfaces show both sides, those that get wet blend to their wet look by their film."""
+def bsdf_of(mi: Any, look: Appearance, tile: Tile | None, *, open_surface: bool, wets: bool = False, burns: bool = False) -> Any:
+    """Principled BSDF of an appearance; open surfaces show both sides, those that get wet or burn blend to their wet look or to char."""
     described = _described(mi, look, tile, wet=False)
     if wets:
         weight = {"type": "mesh_attribute", "name": FILM}
         described = {"type": "blendbsdf", "weight": weight, "dry": described, "wet": _described(mi, look, tile, wet=True)}
+    if burns:
+        char = {"type": "principled", "base_color": rgb(CHAR), "roughness": 1.0, "specular": 0.2}
+        described = {"type": "blendbsdf", "weight": {"type": "mesh_attribute", "name": BURNT}, "whole": described, "char": char}
     if open_surface and look.transmission == 0:
         return mi.load_dict({"type": "twosided", "bsdf": described})
     return mi.load_dict(described)

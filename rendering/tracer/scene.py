@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...geometry.camera import Camera
 from ...worlds.arrays import F32, F64
 from ...worlds.candidate import Candidate
+from ..categories.charring import Charring
 from ..categories.layer import GLOWS, Fog, VolumeLayer
 from ..categories.liquid.wet_look import Wetness
 from ..categories.registry import layers_of
@@ -18,7 +19,7 @@ from ..land.scenery import scenery_shapes
 from .batches import batches_of
 from .clear_path import clear_path
 from .lights import lamp_shape, light_dicts
-from .materials import FILM, PANE, bsdf_of, toned
+from .materials import BURNT, FILM, PANE, bsdf_of, toned
 from .meshes import mesh_of
 from .textures import pattern_tiles
 from .variant import load_mitsuba
@@ -62,10 +63,11 @@ class SceneRenderer:
         looks = {name: candidate.spec.materials[name].appearance for name in sorted(materials)}
         tiles = {name: pattern_tiles(look.pattern, look.color, seed=k) for k, (name, look) in enumerate(looks.items())}
         self._wetness, known = Wetness(candidate), dict[str, F64]()
-        batches = batches_of(candidate, layers, tiles, self._wetness)
+        batches = batches_of(candidate, layers, tiles, self._wetness, Charring(candidate))
         self._moving = [batch for kind, batch in batches.items() if kind.moving]
         self._still = [batch for kind, batch in batches.items() if not kind.moving]
         self._wet = [batch for kind, batch in batches.items() if kind.wets]
+        self._burning = [batch for kind, batch in batches.items() if kind.burns]
         panes = {
             batch.name: kind.moving
             for kind, batch in batches.items()
@@ -73,19 +75,22 @@ class SceneRenderer:
         }
         self._panes, self._windows = list(panes), not all(panes.values())
         scene: dict[str, Any] = {"type": "scene", **(light_dicts(mi, candidate) if lights is None else lights)}
-        bsdfs: dict[tuple[str, str, bool, float], Any] = {}
+        bsdfs: dict[tuple[str, str, bool, float, bool], Any] = {}
         for kind, batch in batches.items():
             if kind.lamp:
                 scene[batch.name] = lamp_shape(
                     mi, candidate.spec.look.lamps[kind.lamp], batch.name, batch.surface, batch.placed(candidate, frame)
                 )
                 continue
-            key = (kind.material, kind.layer, kind.wets, kind.tone)
+            key = (kind.material, kind.layer, kind.wets, kind.tone, kind.burns)
             if key not in bsdfs:
                 look, tile = toned(looks[kind.material], tiles[kind.material].get(kind.layer), kind.tone)
-                bsdfs[key] = bsdf_of(mi, look, tile, open_surface=kind.material in open_materials, wets=kind.wets)
+                bsdfs[key] = bsdf_of(
+                    mi, look, tile, open_surface=kind.material in open_materials, wets=kind.wets, burns=kind.burns
+                )
             positions, normals = batch.placed(candidate, frame)
             film = {FILM: batch.film(self._wetness, frame, known)} if kind.wets else None
+            film = {BURNT: batch.char(frame)} if kind.burns else film
             surface = batch.surface
             corners = (positions, surface.faces)
             scene[batch.name] = mesh_of(mi, batch.name, corners, bsdfs[key], normals=normals, uv=surface.uv, attributes=film)
@@ -136,7 +141,9 @@ class SceneRenderer:
         known: dict[str, F64] = {}
         for batch in self._wet:
             self._parameters[f"{batch.name}.{FILM}"] = batch.film(self._wetness, frame, known)
-        if self._wet:
+        for batch in self._burning:
+            self._parameters[f"{batch.name}.{BURNT}"] = batch.char(frame)
+        if self._wet or self._burning:
             self._parameters.update()
         changed = {self._without, without} if without != self._without else set()
         moved = [*self._moving, *(b for b in self._still if b.entities & changed)]

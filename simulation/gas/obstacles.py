@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from ..boundaries import BodyState, Surround
     from .solids import Solids
 
-__all__ = ["Obstacles"]
+__all__ = ["BodyPlace", "Obstacles", "body_place"]
 
 REACH = 2.0
 """Cells from a surface within which distances are known; farther away only the side counts."""
 HERE = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
 
-class _Place(NamedTuple):
+class BodyPlace(NamedTuple):
     """A rigid body's frame and motion."""
 
     position: F64
@@ -55,7 +55,7 @@ class Obstacles:
         rest = resting(surround)
         for row, solid in solids:
             if surround.boundaries[row].motion == "static":
-                self._add(solid, _place(rest, row, 0.0), self._distance, self._thin)
+                self._add(solid, body_place(rest, row, 0.0), self._distance, self._thin)
         self._standing = cut(self._distance)
         self._standing.opening[...] *= self._thin
         self.start = self.at(rest, 0.0)
@@ -75,7 +75,7 @@ class Obstacles:
         found = type(still)(still.room.copy(), still.opening.copy(), still.velocity.copy())
         regions = []
         for row, solid in self._moving:
-            place = _place(bodies, row, ahead)
+            place = body_place(bodies, row, ahead)
             region, nearest = self._add(solid, place, distance, thin)
             if region is None:
                 continue
@@ -87,7 +87,7 @@ class Obstacles:
         return found
 
     def _add(
-        self, solid: PlacedSolid, place: _Place, distance: F64, thin: NDArray[np.float32]
+        self, solid: PlacedSolid, place: BodyPlace, distance: F64, thin: NDArray[np.float32]
     ) -> tuple[tuple[slice, ...] | None, NDArray[np.bool_]]:
         """Take a body into distances and thin walls; the corners that it can reach, and where it is nearest of all."""
         reach = REACH * self.grid.cell
@@ -119,15 +119,15 @@ class Obstacles:
             into.opening[faces][..., axis] = part.opening[own][..., axis] * thin[faces][..., axis]
 
 
-def _place(bodies: BodyState, row: int, ahead: float) -> _Place:
-    """Where a body is some seconds after a state."""
+def body_place(bodies: BodyState, row: int, ahead: float) -> BodyPlace:
+    """Place and motion of a body some seconds after a state, going on as it does in it."""
     from scipy.spatial.transform import Rotation
 
     spin, velocity = bodies.angular_velocity[row], bodies.velocity[row]
     turn = Rotation.from_rotvec(spin * ahead).as_matrix()
     center = bodies.center[row] + ahead * velocity
     position = center - turn @ (bodies.center[row] - bodies.position[row])
-    return _Place(position, turn @ bodies.rotation[row], center, velocity, spin)
+    return BodyPlace(position, turn @ bodies.rotation[row], center, velocity, spin)
 
 
 def _signed(solid: PlacedSolid, points: F64, reach: float) -> F64:

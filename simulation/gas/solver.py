@@ -23,6 +23,7 @@ from ...worlds.categories.gas.facts import (
 from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
 from ...worlds.fields import fields_of
+from ...worlds.instances import soft_met
 from ..boundaries import BodyState, Surround, surround_of
 from ..coupled_solver import CoupledSolver, motion_records
 from ..recipes import coupled_recipe, reader_recipe
@@ -35,7 +36,7 @@ from .obstacles import Obstacles
 from .settings import GasSettings
 from .solids import corners_of
 from .source import cover, share_of
-from .surfaces import Surfaces
+from .surfaces import SURFACE_SUMS, Surfaces
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -62,8 +63,6 @@ FIRE_SUMS = (
     "made_soot",
 )
 """Sums of a gas that burns."""
-SURFACE_SUMS = ("gasified_fuel", "taken_heat", "taken_light")
-"""Sums of surfaces that may burn."""
 
 
 class SolverGas(CoupledSolver):
@@ -97,7 +96,9 @@ class SolverGas(CoupledSolver):
         self.grid = grid_of(instance, self.physics.resolution)
         middles = corners_of(self.grid.shape, self.grid.cell, self.grid.corner)[:-1, :-1, :-1] + 0.5 * self.grid.cell
         self._middles = middles.reshape(-1, 3)
-        self._surround = surround_of(spec, self.built, domain_box(instance), REACH * self.grid.cell)
+        self._surround = surround_of(
+            spec, self.built, domain_box(instance), REACH * self.grid.cell, soft=soft_met(spec, self.name)
+        )
         self.obstacles = Obstacles(self._surround, self.grid)
         settings = instance.settings
         self.fuel = fuel_of(self.physics)
@@ -128,9 +129,9 @@ class SolverGas(CoupledSolver):
             self._start_wind()
         self._covered = cover(entity, self.built[member], self.grid)
         self._fill(self.engine.room)
-        pieces = pieces_of(spec, self.name, self.built, self.grid)
+        pieces = pieces_of(spec, self.name, self.built, self.grid, self._surround)
         self.surfaces = None if pieces is None else Surfaces(pieces, self.grid, self.engine.room, ambient)
-        """Surfaces of solids that may burn."""
+        """Surfaces of solids and cloth that may burn."""
         if not self.share.any():
             raise InputError(
                 f"the source {member!r} lies in solids, or in no cell of its box; move it with /entities/{member}/pose, or make its parts larger"
@@ -176,9 +177,13 @@ class SolverGas(CoupledSolver):
             self._blow(time + 0.5 * limit)
         self._ignite(time + 0.5 * limit)
         solids = self._move(bodies, limit)
+        if self.surfaces is not None:
+            self.surfaces.place(bodies, 0.0, self._making)
         made, volume = self._make(time, limit)
         self._feed(made, limit)
         report = self.engine.step(limit, solids)
+        if self.surfaces is not None:
+            self.surfaces.place(bodies, limit, self.engine.room)
         tally, ledger, cell = self._tally, self._ledger, self.grid.cell**3
         tally["steps"] += 1
         tally["time"] += limit
@@ -269,6 +274,13 @@ class SolverGas(CoupledSolver):
         self._making = room
         self.share = share_of(self._covered, room, self.grid.cell)
 
+    def start_frames(self) -> None:
+        """Frame 0, with what burns where its caches have it then."""
+        if self.surfaces is not None:
+            bodies = self.still() if self.motion is None else self.motion.state(0.0, 0.0)
+            self.surfaces.place(bodies, 0.0, self.engine.room)
+        super().start_frames()
+
     def open_ledger(self) -> dict[str, Any]:
         """Sums since frame 0."""
         sums = ("emitted_soot", "escaped_soot", "emitted_heat", "escaped_heat", "lost_heat", "volume_emitted", "volume_escaped")
@@ -346,28 +358,12 @@ class SolverGas(CoupledSolver):
             # For the next frame: checkpoints hold it, and not the power.
             self.surfaces.shine(radiated * self.engine.room * self.grid.cell**3)
         return {
-            **self._kindled(),
+            **({} if self.surfaces is None else self.surfaces.measured()),
             "gas_fuel": state[..., FUEL].copy(),
             "gas_product": state[..., PRODUCT].copy(),
             "gas_released": released.copy(),
             "gas_radiated": radiated.copy(),
             "record/fuel_mass": np.float64(fuel),
-        }
-
-    def _kindled(self) -> dict[str, Any]:
-        """Channels and records of surfaces that may burn at the end of a frame."""
-        if self.surfaces is None:
-            return {}
-        pieces, slab = self.surfaces.pieces, self.surfaces.slab
-        return {
-            "burning_part": pieces.part,
-            "burning_point": pieces.point,
-            "burning_area": pieces.area,
-            "burning_left": slab.left.copy(),
-            "burning_temperature": slab.surface.copy(),
-            "burning_heat": slab.heat,
-            "record/surface_heat": np.float64(self.surfaces.heat),
-            "record/gasification_heat": np.float64(self.surfaces.gasification_heat),
         }
 
     def driver_names(self) -> tuple[str, ...]:

@@ -1,7 +1,8 @@
 """Surfaces of solids in a gas that take heat from it and from its flames, and give off gas that burns (R100).
 
 A surface is cut into pieces no wider than a cell. Each has layers below it (`physics/pyrolysis.py`), gets heat from the gas of the cell before it
-and from the light of all flames, and gives its gas to that cell.
+and from the light of all flames, and gives its gas to that cell. Pieces of cloth have two faces, one temperature, and are consumed. Pieces
+go along with the bodies and the cloth that carry them.
 """
 
 from __future__ import annotations
@@ -12,20 +13,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...physics.pyrolysis import EMISSIVITY, STEFAN_BOLTZMANN, Slab, Solid, convection
+from ...physics.pyrolysis import EMISSIVITY, STEFAN_BOLTZMANN, convection
 from ...physics.substances import air_density
 from ...worlds.arrays import F64
+from .places import Places
+from .stock import Stock
 
 if TYPE_CHECKING:
-    from ...worlds.built import TriangleMesh
     from ...worlds.categories.gas.facts import Grid
-    from ...worlds.categories.gas.models import Flammable
+    from ..boundaries import BodyState
+    from .pieces import Pieces
 
-__all__ = ["Given", "Pieces", "Surfaces", "cut_into_pieces"]
+__all__ = ["SURFACE_SUMS", "Given", "Surfaces"]
 
-MOST_PIECES = 20_000
-"""Own choice: of all surfaces; more are cut coarser."""
-COARSER = 1.3
+SURFACE_SUMS = ("gasified_fuel", "taken_heat", "taken_light")
+"""Sums of surfaces that may burn."""
 BEFORE = (0.5, 1.0, 1.5)
 """[cells] How far before a piece its gas is looked for: the first cell that is open enough."""
 LEAST_ROOM = 0.25
@@ -34,30 +36,6 @@ BLOCK = 4
 """[cells] Side of the blocks whose light comes from one place."""
 DARK = 1e-4
 """Own choice: of the power of the brightest block, below which its light counts for nothing."""
-
-
-@dataclass(frozen=True)
-class Pieces:
-    """Pieces of surface of solids that may burn."""
-
-    part: NDArray[np.int32]
-    """Number of the part of each, shape (n,)."""
-    point: F64
-    """Middle [m], shape (n, 3)."""
-    normal: F64
-    """Outward, shape (n, 3)."""
-    area: F64
-    """[m^2], shape (n,)."""
-    depth: F64
-    """Material below it [m], shape (n,): volume over area of its part."""
-    density: F64
-    """[kg/m^3], shape (n,)."""
-    kind: tuple[Flammable, ...]
-    """Flammability of each part."""
-
-    def of(self, name: str) -> F64:
-        """Burning of each piece: a field of `Flammable`, shape (n,)."""
-        return np.array([getattr(k, name) for k in self.kind], dtype=np.float64)[self.part]
 
 
 @dataclass(frozen=True)
@@ -78,29 +56,8 @@ class Given:
     """Taken of the flames' light, less what the surfaces radiate beyond their surroundings [J]."""
 
 
-def cut_into_pieces(mesh: TriangleMesh, widest: float) -> tuple[F64, F64, F64]:
-    """Middles (n, 3), outward normals (n, 3) and areas (n,) of the triangles of a surface, halved until no edge is longer than `widest` [m]."""
-    corner = np.asarray(mesh.vertices, dtype=np.float64)[mesh.faces]
-    done: list[F64] = []
-    while len(corner):
-        edge = np.linalg.norm(np.roll(corner, -1, axis=1) - corner, axis=2)
-        longest = edge.argmax(axis=1)
-        fine = edge.max(axis=1) <= widest
-        done.append(corner[fine])
-        some, k = corner[~fine], longest[~fine]
-        row = np.arange(len(some))
-        a, b, c = some[row, k], some[row, (k + 1) % 3], some[row, (k + 2) % 3]
-        middle = 0.5 * (a + b)
-        corner = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
-    corner = np.concatenate(done)
-    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    size = np.linalg.norm(across, axis=1)
-    kept = size > 0.0
-    return corner[kept].mean(axis=1), across[kept] / size[kept, None], 0.5 * size[kept]
-
-
 class Surfaces:
-    """Surfaces of solids that may burn, in the box of a gas.
+    """Surfaces of solids and cloth that may burn, in the box of a gas.
 
     Args:
         pieces: of them.
@@ -110,44 +67,62 @@ class Surfaces:
     """
 
     def __init__(self, pieces: Pieces, grid: Grid, room: NDArray[np.floating[Any]], ambient: float) -> None:
-        self.pieces, self.grid, self.room, self.ambient = pieces, grid, np.asarray(room, dtype=np.float64), ambient
-        self.cell = _cells_before(pieces, grid, self.room)
-        """Flat number of the cell that each meets; -1 of one that meets none, shape (n,)."""
-        self.met = self.cell >= 0
-        solid = Solid(
-            pieces.depth, pieces.density, pieces.of("conductivity"), pieces.of("heat_capacity"), pieces.of("ignition"),
-            pieces.of("gasification"), pieces.of("char"),
-        )  # fmt: skip
-        self.slab, self._fuel = Slab(solid, ambient), solid.fuel
-        self.light = np.zeros(len(pieces.area))
-        """Light of the flames on each piece [W/m^2], shape (n,)."""
-        self._gas = np.array([air_density(t) for t in pieces.of("ignition")])
-        """Density of what each gives off [kg/m^3]."""
-        self._upright = np.hypot(pieces.normal[:, 0], pieces.normal[:, 1])
+        self.pieces, self.grid, self.ambient = pieces, grid, ambient
+        self.places, self.stock = Places(pieces), Stock(pieces, ambient)
+        self._backs = np.flatnonzero(pieces.thin)
+        self._face = np.concatenate([np.arange(len(pieces.area)), self._backs])
+        """Piece of each face: the fronts of all, and the backs of cloth."""
+        self._area = pieces.area[self._face]
+        self._gas = np.array([air_density(t) for t in pieces.of("ignition")])[self._face]
+        """Density of what each face gives off [kg/m^3]."""
+        self.light = np.zeros(len(self._face))
+        """Light of the flames on each face [W/m^2], shape (f,)."""
+        self._look(room)
+
+    def place(self, bodies: BodyState, ahead: float, room: NDArray[np.floating[Any]]) -> None:
+        """Go to where they are some seconds after a state of the bodies that carry them, among the open shares of cells there."""
+        if self.places.move:
+            self.places.take(bodies, ahead)
+            self._look(room)
+
+    def _look(self, room: NDArray[np.floating[Any]]) -> None:
+        """Find the cell that each face meets."""
+        sign = np.ones(len(self._face))
+        sign[len(self.pieces.area) :] = -1.0
+        self.room = np.asarray(room, dtype=np.float64)
+        self.point, self.normal = self.places.point[self._face], sign[:, None] * self.places.normal[self._face]
+        self.cell = _cells_before(self.point, self.normal, self.grid, self.room)
+        """Flat number of the cell that each meets; -1 of one that meets none, shape (f,)."""
+        self._upright = np.hypot(self.normal[:, 0], self.normal[:, 1])
+
+    @property
+    def _met(self) -> NDArray[np.bool_]:
+        """Faces that meet gas: of what is consumed none does."""
+        return np.asarray((self.cell >= 0) & ~self.stock.consumed[self._face])
 
     @property
     def heat(self) -> float:
         """In all of them above that at the start [J]."""
-        return float(self.slab.heat @ self.pieces.area)
+        return float(self.stock.heat @ self.pieces.area)
 
     @property
     def gasification_heat(self) -> float:
         """Heat that has made gas of them so far [J]."""
-        return float(((self._fuel - self.slab.left) * self.slab.gasification) @ self.pieces.area)
+        return float(self.stock.gasification @ self.pieces.area)
 
     def shine(self, power: F64) -> None:
         """Take the light of flames from the power that each cell radiates [W], (nx, ny, nz): blocks of cells are points that shine evenly all
         around, through everything; together they light no more than they give."""
         place, strength = _lamps(power, self.grid)
-        self.light = np.zeros(len(self.pieces.area))
+        self.light = np.zeros(len(self._face))
         near = 0.5 * BLOCK * self.grid.cell
         for at, watts in zip(place, strength, strict=True):
-            way = at - self.pieces.point
+            way = at - self.point
             square = np.maximum(np.sum(way * way, axis=1), near * near)
-            facing = np.sum(way * self.pieces.normal, axis=1) / np.sqrt(square)
+            facing = np.sum(way * self.normal, axis=1) / np.sqrt(square)
             self.light += watts * np.maximum(facing, 0.0) / (4.0 * np.pi * square)
-        self.light *= self.met
-        taken, given = EMISSIVITY * float(self.light @ self.pieces.area), float(strength.sum())
+        self.light *= self._met
+        taken, given = EMISSIVITY * float(self.light @ self._area), float(strength.sum())
         if taken > given:
             self.light *= given / taken
 
@@ -158,37 +133,64 @@ class Surfaces:
             seconds: how long.
             temperature: of the gas [K], (nx, ny, nz).
         """
-        pieces, slab, count = self.pieces, self.slab, self.room.size
-        met, cell, surface = self.met, np.maximum(self.cell, 0), slab.surface
+        stock, count, met = self.stock, self.room.size, self._met
+        cell, surface = np.maximum(self.cell, 0), stock.surface[self._face]
         gas = temperature.reshape(-1)[cell]
         by_gas = np.where(met, convection(gas, surface, self._upright), 0.0)
         own = STEFAN_BOLTZMANN * (surface**4 - self.ambient**4)
         by_light = np.where(met, EMISSIVITY * (self.light - own), 0.0)
-        made = slab.step(seconds, by_gas + by_light) * pieces.area
-        taken = seconds * by_gas * pieces.area
+        made = stock.step(seconds, self._per_piece(by_gas + by_light))[self._face] * self._sides(met) * self._area
+        taken = seconds * by_gas * self._area
 
         def per_cell(values: F64) -> F64:
             return np.asarray(np.bincount(cell, values, minlength=count).reshape(self.room.shape), dtype=np.float64)
 
-        light = seconds * float(by_light @ pieces.area)
+        light = seconds * float(by_light @ self._area)
         return Given(per_cell(made), per_cell(made / self._gas), per_cell(taken), float(made.sum()), float(taken.sum()), light)
+
+    def _per_piece(self, values: F64) -> F64:
+        """Sums over the faces of each piece (f,) -> (n,)."""
+        found = values[: len(self.pieces.area)].copy()
+        found[self._backs] += values[len(found) :]
+        return found
+
+    def _sides(self, met: NDArray[np.bool_]) -> F64:
+        """Share of a piece's gas that leaves by each face, (f,): by those that meet gas alike."""
+        share, count = np.ones(len(self._face)), len(self.pieces.area)
+        front, back = met[:count][self._backs], met[count:]
+        both = front.astype(np.float64) + back
+        share[self._backs] = np.where(both > 0.0, front / np.maximum(both, 1.0), 1.0)
+        share[count:] = 1.0 - share[self._backs]
+        return share
 
     def pack(self) -> dict[str, F64]:
         """State that the next step depends on."""
-        return {"surfaces/temperature": self.slab.temperature, "surfaces/left": self.slab.left, "surfaces/light": self.light}
+        return {**self.stock.pack(), "surfaces/light": self.light}
 
     def unpack(self, found: dict[str, Any]) -> None:
         """Continue from such a state."""
-        self.slab.temperature = np.array(found["surfaces/temperature"], dtype=np.float64)
-        self.slab.left = np.array(found["surfaces/left"], dtype=np.float64)
+        self.stock.unpack(found)
         self.light = np.array(found["surfaces/light"], dtype=np.float64)
 
+    def measured(self) -> dict[str, Any]:
+        """Channels and records of the present state."""
+        return {
+            "burning_part": self.pieces.part,
+            "burning_point": self.places.point.copy(),
+            "burning_area": self.pieces.area,
+            "burning_left": self.stock.left,
+            "burning_temperature": self.stock.surface.copy(),
+            "burning_heat": self.stock.heat,
+            "record/surface_heat": np.float64(self.heat),
+            "record/gasification_heat": np.float64(self.gasification_heat),
+        }
 
-def _cells_before(pieces: Pieces, grid: Grid, room: F64) -> NDArray[np.int64]:
-    """Flat number of the first open cell before each piece; -1 where there is none."""
-    found = np.full(len(pieces.area), -1, dtype=np.int64)
+
+def _cells_before(point: F64, normal: F64, grid: Grid, room: F64) -> NDArray[np.int64]:
+    """Flat number of the first open cell before each piece, (n, 3) and (n, 3) -> (n,); -1 where there is none."""
+    found = np.full(len(point), -1, dtype=np.int64)
     for far in BEFORE:
-        at = np.floor((pieces.point + far * grid.cell * pieces.normal - grid.corner) / grid.cell).astype(np.int64)
+        at = np.floor((point + far * grid.cell * normal - grid.corner) / grid.cell).astype(np.int64)
         inside = ((at >= 0) & (at < np.array(grid.shape))).all(axis=1)
         at = np.clip(at, 0, np.array(grid.shape) - 1)
         fits = inside & (room[tuple(at.T)] >= LEAST_ROOM) & (found < 0)

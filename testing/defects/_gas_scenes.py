@@ -8,7 +8,7 @@ from typing import Any
 from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
 from ..worlds.simulated_worlds import simulate
-from ..worlds.small_gas import SMOKE_PROMPT, dust_spec, fire_spec, kindled_spec, smoke_spec
+from ..worlds.small_gas import SMOKE_PROMPT, dust_spec, fire_spec, hung_spec, kindled_spec, smoke_spec, torch_spec
 from ._kept import kept_folder
 
 __all__ = ["CELL", "FRAMES", "KINDS", "SOLVER", "SOOT", "scene", "scene_spec"]
@@ -50,27 +50,46 @@ KINDS = (
     "puffed",
     "kindled",
     "spared",
+    "torch",
+    "hung",
     "dust",
 )
 """A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
 fog; wind through the box; wind that begins later; a plate that is pulled through the smoke; wood gas that burns; methane that burns; propane hot enough to burn by itself; a fire
-whose fuel ends; a sheet beside a fire that catches it; one so far off that it does not; dust that a ball raises where it lands."""
+whose fuel ends; a sheet beside a fire that catches it; one so far off that it does not; one that is swept
+through the flames; cloth that swings beside them; dust that a ball raises where it lands."""
 
 FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propane", 3.0e4), "puffed": ("heptane", 6.0e4)}
 """Fuel and power [W] of the kinds that burn."""
 
 
+MAKE: dict[str, Any] = {"kindled": kindled_spec, "spared": kindled_spec, "torch": torch_spec, "hung": hung_spec}
+"""Makers of what may burn beside a fire."""
+
+
 def _kindled(kind: str) -> dict[str, Any]:
     """A sheet of tissue beside a fire, which gives off gas soon and much of it."""
-    far = {"kindled": 0.03, "spared": 0.25}[kind]
-    spec = kindled_spec(frames=FRAMES, resolution=CELL, power=5.0e4, thick=4e-5, gap=far)
+    far = 0.25 if kind == "spared" else 0.03
+    spec: dict[str, Any] = MAKE[kind](
+        frames=FRAMES,
+        resolution=CELL,
+        power=5.0e4,
+        thick=4e-5,
+        gap=far,
+        **({"area_density": 0.005, "swing": 1.0} if kind == "hung" else {}),
+    )
     spec["materials"]["paper"]["flammable"] = {"ignition": 420.0, "gasification": 2.0e5, "char": 0.1}
     spec["simulation"]["solvers"][SOLVER]["settings"]["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
-    size = [4e-5, 0.3, 0.3]
     sheet = spec["entities"]["sheet"]
+    if kind == "hung":
+        # Of a sheet the heat that warms it is part of that of gasification.
+        spec["materials"]["paper"]["flammable"]["gasification"] = 2.6e5
+        return spec
+    size = [4e-5, 0.3, 0.3]
     sheet.update(dimensions={"size": size}, afloat="it hangs from a rail, which is not shown")
     sheet["parts"]["sheet"]["shape"]["size"] = size
-    sheet["pose"]["position"][2] = 0.2
+    for pose in (sheet["pose"], *(k["pose"] for d in spec["simulation"]["drivers"].values() for k in d.get("keys", {}).values())):
+        pose["position"][2] -= 0.1
     return spec
 
 
@@ -96,7 +115,7 @@ def scene_spec(kind: str) -> dict[str, Any]:
         spec = dust_spec(frames=FRAMES, resolution=CELL, fall=0.06, per_energy=1e-4)
         spec["simulation"]["solvers"][SOLVER]["settings"]["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
         return spec
-    if kind in ("kindled", "spared"):
+    if kind in MAKE:
         return _kindled(kind)
     spec = smoke_spec(frames=FRAMES, resolution=CELL, rate=0.006)
     plate, driver = spec["entities"]["plate"], spec["simulation"]["drivers"]["fire"]

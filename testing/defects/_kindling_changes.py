@@ -7,13 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...worlds.cache import Cache
-from ...worlds.categories.gas.models import Flammable
 from ._gas_changes import FIRST
-from ._gas_scenes import scene_spec
-
-AMBIENT = 293.15
-"""[K]"""
-KIND = Flammable.model_validate(scene_spec("kindled")["materials"]["paper"]["flammable"])
 
 
 def _given(data: dict[str, Any], cache: Cache) -> Any:
@@ -26,7 +20,7 @@ def pilfer(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Ge
     if frame >= FIRST:
         more = magnitude * _given(data, cache)
         data["burning_left"] = data["burning_left"] - more
-        cost = float(np.sum(more * data["burning_area"])) * KIND.gasification
+        cost = magnitude * data["record/gasification_heat"]
         for name in ("gasification_heat", "taken_light"):
             data[f"record/{name}"] = data[f"record/{name}"] + cost
 
@@ -77,3 +71,25 @@ def hollow(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Ge
 def shrink(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
     """Pieces do not cover their part."""
     data["burning_area"] = data["burning_area"] * (1.0 - magnitude)
+
+
+def lag(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """Pieces stay behind their part by a share of its way."""
+    first = cache.read(0, ("burning_point",))["burning_point"]
+    data["burning_point"] = data["burning_point"] + magnitude * (first - data["burning_point"])
+
+
+def shuffle(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """From a frame on pieces stand aside by so many metres."""
+    if frame >= FIRST:
+        data["burning_point"] = data["burning_point"] + magnitude * np.array([0.6, 0.0, 0.8])
+
+
+def sear(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
+    """At the last frame pieces that were consumed take a share of all heat more, and say that it was light."""
+    if frame == cache.index.frames - 1:
+        gone = cache.read(frame - 1, ("burning_left",))["burning_left"] <= 0.0
+        more = magnitude * float((data["burning_heat"] * data["burning_area"]).sum())
+        data["burning_heat"][gone] += more / float(data["burning_area"][gone].sum())
+        for name in ("surface_heat", "taken_light"):
+            data[f"record/{name}"] = data[f"record/{name}"] + more

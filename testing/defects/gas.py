@@ -125,7 +125,7 @@ def _looks(kinds: tuple[str, ...], change: Change = changes.still) -> Build:
 
 
 BURNING = ("fire", "burner")
-KINDLED = ("kindled",)
+KINDLED = ("kindled", "torch", "hung")
 BROKEN = (
     Mechanism("fade", "soot is lost from a frame on", True, _breaks(changes.fade, "soot"), 2e-4, 0.9, "1"),
     Mechanism("grow", "soot comes from nowhere", True, _breaks(changes.grow, "soot"), 2e-4, 0.9, "1"),
@@ -186,6 +186,9 @@ BROKEN = (
     Mechanism("gift", "surfaces took more than they hold", True, _breaks(kindling.gift, "stored", kinds=KINDLED), 1e-3, 1.0, "1", 1e-4),
     Mechanism("hollow", "less of a part can burn than it has", True, _breaks(kindling.hollow, "surfaces", kinds=KINDLED), 0.01, 0.5, "1", 1e-3),
     Mechanism("shrink", "pieces do not cover their part", True, _breaks(kindling.shrink, "surfaces", kinds=KINDLED), 0.01, 0.5, "1", 1e-3),
+    Mechanism("lag", "pieces stay behind what carries them", True, _breaks(kindling.lag, "carried_along", kinds=("torch", "hung")), 0.01, 1.0, "1"),
+    Mechanism("shuffle", "pieces stand aside from their parts", True, _breaks(kindling.shuffle, "carried_along", kinds=KINDLED), 1e-3, 0.2, "m"),
+    Mechanism("sear", "cloth that is consumed takes heat", True, _breaks(kindling.sear, "heated", kinds=("hung",)), 0.1, 3.0, "1", 0.05),
     Mechanism("hellish", "gas hotter than any flame", True, _breaks(fires.forge, "temperature", kinds=BURNING), 1.0, 2000.0, "K"),
     Mechanism(
         "blank", "numbers that are none", True, _breaks(changes.blank, "numerical:finite"), 1.0, 500.0, "numbers", check="numerical"

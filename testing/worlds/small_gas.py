@@ -1,4 +1,4 @@
-"""Small worlds with gas: smoke or a fire under a plate in a room of a metre, dust that a ball raises there."""
+"""Small worlds with gas: smoke or a fire under a plate in a room of a metre, what catches fire there, dust that a ball raises."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ __all__ = [
     "SMOKE_PROMPT",
     "dust_spec",
     "fire_spec",
+    "hung_spec",
     "kindled_spec",
     "smoke_spec",
     "stirred_spec",
+    "torch_spec",
 ]
 
 DUST_PROMPT = "A steel ball drops on a dusty floor and raises a cloud of dust."
@@ -202,4 +204,65 @@ def kindled_spec(
     }
     del spec["entities"]["plate"]
     spec["simulation"]["solvers"]["bodies"]["members"] = ["floor", "sheet"]
+    return spec
+
+
+def torch_spec(*, frames: int = 37, motion: str = "kinematic", **changes: Any) -> dict[str, Any]:
+    """The same fire, and a sheet of paper that is swept through its flames, or falls past them.
+
+    Args:
+        frames: at 24 per second.
+        motion: kinematic: swept; dynamic: it falls.
+    """
+    spec = kindled_spec(frames=frames, **changes)
+    spec["title"] = "a sheet that is swept through a fire"
+    sheet = spec["entities"]["sheet"]
+    sheet["motion"] = motion
+    if motion == "dynamic":
+        spec["simulation"]["drivers"]["drop"] = {"kind": "release", "entity": "sheet", "time": 0.0}
+        return spec
+    x, y, z = sheet["pose"]["position"]
+    turned = {"position": [x + 0.05, y + 0.15, z + 0.03], "euler": [0.0, 0.15, 0.3]}
+    keys = {"a": {"time": 0.0, "pose": {"position": [x, y, z]}}, "b": {"time": (frames - 1) / 24, "pose": turned}}
+    spec["simulation"]["drivers"]["sweep"] = {"kind": "path", "entity": "sheet", "keys": keys}
+    return spec
+
+
+def hung_spec(
+    *, frames: int = 37, area_density: float = 0.15, thick: float = 6e-4, swing: float = 0.5, **changes: Any
+) -> dict[str, Any]:
+    """The same fire, and beside it cloth that hangs from its upper edge, swings and may burn.
+
+    Args:
+        frames: at 24 per second.
+        area_density: of the cloth [kg/m^2].
+        thick: of the cloth [m].
+        swing: speed with which it starts towards the fire [m/s].
+    """
+    spec = kindled_spec(frames=frames, thick=thick, **changes)
+    spec["title"] = "cloth that catches fire"
+    sheet, kept = spec["entities"]["sheet"], {"gasification": 1.8e6, "char": 0.1, "heat_capacity": 1300.0, "conductivity": 0.06}
+    spec["materials"]["paper"] |= {"density": 250.0, "flammable": kept}
+    sheet |= {
+        "role": "cloth that may burn",
+        "motion": "dynamic",
+        "physics": {
+            "category": "cloth",
+            "area_density": area_density,
+            "thickness": thick,
+            "stretch_stiffness": 500.0,
+            "bend_stiffness": 1e-6,
+            "max_stretch": 0.2,
+            "linear_velocity": [-swing, 0.2 * swing, 0.0],
+            "pins": {"top": {"edge": "-x"}},
+        },
+        "dimensions": {"size": [0.4, 0.4, thick]},
+        "parts": {"sheet": {"shape": {"kind": "sheet", "size": [0.4, 0.4], "resolution": 0.05}}},
+    }
+    # Its x points down, so that its edge -x is the upper one.
+    sheet["pose"] = {"position": [sheet["pose"]["position"][0], 0.0, 0.35], "euler": [0.0, 1.5707963267948966, 0.0]}
+    plan = spec["simulation"]
+    plan["solvers"]["bodies"]["members"] = ["floor"]
+    plan["solvers"]["sheets"] = {"engine": "shell", "members": ["sheet"]}
+    plan["couplings"] = {"burns": {"source": "sheets", "target": "air", "direction": "one_way", "variables": ["motion"]}}
     return spec

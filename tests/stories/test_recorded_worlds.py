@@ -1,7 +1,7 @@
 """The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, a ball pushes a
 glass off a table and it breaks, planks splinter, a flag flutters, a jelly wobbles, sand
 topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out, a
-banner beside a campfire catches fire, a boulder that rolls off a ledge raises dust, a block comes to rest on a laid table, a crate floats beside
+campfire lights a banner of cloth and a gust carries its smoke over a lake, a boulder that rolls off a ledge raises dust, a block comes to rest on a laid table, a crate floats beside
 a wall, a boulder rolls onto a scree."""
 
 from __future__ import annotations
@@ -46,8 +46,12 @@ JUDGED: dict[str, tuple[str, ...]] = {
         *(f"category:fracture:{n}:tumbler" for n in ("bonded", "events", "cause", "pieces")),
     ),
     "gas/banner": (
-        *("causal:lit:burns", "causal:burns:catches", "causal:without:lit:burns", "causal:without:burns:catches"),
-        *(f"category:gas:{n}:air" for n in ("fuel", "burnt", "surfaces", "gasified", "kindled", "stored", "heated")),
+        *(f"causal:{a}:{b}" for a, b in (("lit", "burns"), ("burns", "catches"), ("burns", "eaten"), ("blows", "over"))),
+        *(f"causal:without:{a}:{b}" for a, b in (("lit", "burns"), ("burns", "catches"), ("blows", "over"))),
+        *(
+            f"category:gas:{n}:air"
+            for n in ("fuel", "burnt", "surfaces", "carried_along", "gasified", "kindled", "stored", "heated")
+        ),
         *(row for row in GAS if ":cut:" not in row),
     ),
     "gas/bowl": (

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "c193cbdc32f91bca79b4a249f80b700cd2594ddccf00393d1e65eb575e812f8f"
+SCHEMA = "70eeedfce20a805a72f083aed501c00e784b3e5b4887a3995101f6e52bee07a2"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

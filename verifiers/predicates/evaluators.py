@@ -92,6 +92,7 @@ EVALUATORS: Mapping[str, Evaluator] = {
     "light_through": gas.light_through,
     "gas_clears": gas.gas_clears,
     "heat_release": flames.heat_release,
+    "burnt_share": flames.burnt_share,
     "burns": flames.burns,
     "goes_out": flames.goes_out,
     "broken": fracture.broken,

@@ -19,6 +19,7 @@ from ..categories.event import FlowEvent, SpreadEvent, VesselEvent
 from ..categories.fracture.events import FractureEvent
 from ..categories.fracture.predicates import Breach, Broken, Debris
 from ..categories.gas.predicates import (
+    BurntShare,
     FireEvent,
     GasArrives,
     GasClears,
@@ -351,6 +352,7 @@ Atom = (
     | LightThrough
     | GasClears
     | HeatRelease
+    | BurntShare
     | FireEvent
     | Broken
     | Breach

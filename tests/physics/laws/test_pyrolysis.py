@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worldagent.physics.pyrolysis import FIRST_LAYER, LAYERS, Slab, Solid, convection, layers, surface_rise
+from worldagent.physics.pyrolysis import FIRST_LAYER, LAYERS, Film, Slab, Solid, convection, layers, surface_rise
 
 WOOD = {"conductivity": 0.12, "density": 500.0, "capacity": 1600.0}
 
@@ -89,3 +89,32 @@ def test_layers_fill_their_slab_and_grow_from_the_surface() -> None:
     assert found.sum(axis=1) == pytest.approx([1e-4, 5e-3, 0.05])
     assert found[1:, 0] == pytest.approx(FIRST_LAYER, rel=1e-3)
     assert (np.diff(found, axis=1) >= -1e-18).all()
+
+
+def film(char: float = 0.1) -> Film:
+    """Cotton of 150 g/m^2."""
+    return Film(Solid(*(np.array([v]) for v in (6.0e-4, 250.0, 0.06, 1300.0, 623.0, 1.8e6, char))), 293.15)
+
+
+def test_a_film_ignites_when_the_law_of_thin_solids_says() -> None:
+    """t = rho c depth (T - T0) / q, whose q is what comes to both faces (Quintiere 2006, eq. 7.9)."""
+    found, time, step = film(), 0.0, 1e-3
+    while found.step(step, np.array([2.0e4]))[0] == 0.0:
+        time += step
+    assert time == pytest.approx(0.15 * 1300.0 * (623.0 - 293.15) / 2.0e4, abs=2 * step)
+
+
+def test_a_film_is_consumed_but_for_its_char_and_keeps_its_books() -> None:
+    """The heat that came is in what is left, or made gas at the heat of gasification; steady burning gives flux / (L - c (T - T0))."""
+    found, flux, given = film(), np.array([3.0e4]), []
+    for _ in range(20_000):
+        given.append(float(found.step(1e-3, flux)[0]))
+        took = flux[0] * 1e-3 * len(given)
+        assert float(found.heat[0]) + 1.8e6 * sum(given) == pytest.approx(took, rel=1e-9)
+        if found.left[0] == 0.0:
+            break
+    rates = np.array(given[:-1]) / 1e-3
+    burning = rates[rates > 0.0][1:]
+    assert burning == pytest.approx(3.0e4 / (1.8e6 - 1300.0 * (623.0 - 293.15)), rel=1e-9)
+    assert sum(given) == pytest.approx(0.9 * 0.15, rel=1e-12)
+    assert float(found.store[0]) == pytest.approx(1300.0 * 0.1 * 0.15)

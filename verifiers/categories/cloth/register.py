@@ -152,7 +152,8 @@ def _grains(spec: WorldSpec, name: str) -> Iterator[dict[str, str]]:
                 "what": f"the cloth {name!r} takes no room in the liquid of {other!r} and does not soak",
                 "effect": "drops hang on it only by its surface; its weight stays that of dry cloth",
             }
-        if name in cloth_of(spec, other) and not any({name, other} <= g for g in coupled_groups(spec)):
+        burns = other in plan.gas
+        if name in cloth_of(spec, other) and not burns and not any({name, other} <= g for g in coupled_groups(spec)):
             yield {
                 "what": f"the cloth {name!r} carries and pushes the {kind} of {other!r} and does not feel it",
                 "effect": "omitted reaction: the cloth does not sag under it",

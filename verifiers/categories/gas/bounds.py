@@ -49,6 +49,8 @@ RADIATED = 0.02
 HEATED = 0.05
 """[1] Own choice: of all heat that surfaces got, by which it may exceed what the gas and flames of the frames about them give at most: between
 frames gas may be hotter than at both ends."""
+CARRIED = 1e-3
+"""[cells] Own choice: how far a piece of surface may be from its place on its body or cloth; frames of these are read and moved in double precision."""
 CUT = 0.05
 """[1] Own choice: optical depth across the smoke at an open side from which on one sees it end there; an eye sees a contrast of 0.02 to 0.05."""
 CROPPED = 0.5

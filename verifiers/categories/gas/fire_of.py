@@ -1,4 +1,4 @@
-"""The fire of an entity: of a gas, all its flames; of a solid, those that the gas which it gives off feeds at its surface (R100)."""
+"""The fire of an entity: of a gas, all its flames; of a solid or of cloth, those that the gas which it gives off feeds at its surface (R100)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....worlds.arrays import F64
-from ....worlds.categories.gas.facts import flammable_parts
+from ....worlds.categories.gas.burning import flammable_parts
 from .frames import box_of
 from .predicates import moved_gas
 
@@ -63,21 +63,15 @@ class SolidFire(Fire):
 
     def _power(self, index: int) -> float:
         """Heat of the gas that it gave off over the frame before, as far as flames at its surface give as much."""
-        from scipy.ndimage import binary_dilation
-
         box, surfaces = self.box, self.surfaces
         if index == 0 or box.combustion is None:
             return 0.0
         mine = np.array([p.entity == self.entity for p in surfaces.parts])[surfaces.part]
         given = np.where(mine, surfaces.giving(index), 0.0)
         frame = box.read(index)
-        at = np.floor((surfaces.point[given > 0.0] - frame.corner) / box.cell).astype(np.int64)
-        at = at[((at >= 0) & (at < np.array(box.shape))).all(axis=1)]
-        if len(at) == 0 or frame.fire is None:
+        if frame.fire is None or not given.any():
             return 0.0
-        about = np.zeros(box.shape, dtype=bool)
-        about[tuple(at.T)] = True
-        about = binary_dilation(about, np.ones((3, 3, 3)), iterations=BESIDE)
+        about = surfaces.beside(frame, given > 0.0, BESIDE)
         flames = box.volume * float(np.sum((frame.fire.released * frame.room)[about], dtype=np.float64))
         return min(flames, box.combustion.fuel.heat * float(given.sum()) / box.duration)
 
@@ -96,8 +90,8 @@ def fire_of(candidate: Candidate, entity: str) -> Fire | str:
     known = candidate.spec.entities.get(entity)
     if known is not None and known.physics.category != "gas":
         return (
-            f"{entity!r} cannot burn: only static rigid solids do whose material is flammable, in the box of a gas with the same fuel; see "
-            f"/materials/{known.material}/flammable"
+            f"{entity!r} cannot burn: only rigid solids in one piece do, and cloth that a coupling joins to the gas, of a flammable material, in "
+            f"the box of a gas with the same fuel; see /materials/{known.material}/flammable"
         )
     found = moved_gas(candidate, entity)
     if not isinstance(found, str) and found.combustion is None:

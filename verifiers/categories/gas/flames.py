@@ -1,4 +1,4 @@
-"""Evaluators of predicates about fire: its power, that something burns, that it goes out (R28, R100)."""
+"""Evaluators of predicates about fire: its power, that something burns, how much of it, that it goes out (R28, R100)."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....worlds.arrays import F64
-from ....worlds.categories.gas.predicates import FireEvent, HeatRelease
+from ....worlds.categories.gas.predicates import BurntShare, FireEvent, HeatRelease
 from ...predicates.conditions import Condition, happens
-from ...predicates.outcome import Outcome
+from ...predicates.outcome import Outcome, Series, band, judge
 from .bounds import FIRE_OUT, FIRE_POWER, FIRE_TIME
-from .fire_of import fire_of
+from .fire_of import SolidFire, fire_of
 from .predicates import banded, inside, no_gas
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .cells import GasFrame
     from .frames import GasBox
 
-__all__ = ["burns", "goes_out", "heat_release"]
+__all__ = ["burns", "burnt_share", "goes_out", "heat_release"]
 
 
 def heat_release(scope: Scope, predicate: SpecModel) -> Outcome:
@@ -36,6 +36,24 @@ def heat_release(scope: Scope, predicate: SpecModel) -> Outcome:
         return box.volume * float(np.sum((frame.fire.released * frame.room)[there], dtype=np.float64))
 
     return banded(scope, p, "W", f"power of the flames of {p.entity}" + (f" in {p.region}" if p.region else ""), measure)
+
+
+def burnt_share(scope: Scope, predicate: SpecModel) -> Outcome:
+    """Measured: share of the mass that can become gas which has."""
+    assert isinstance(predicate, BurntShare)
+    p = predicate
+    fire = fire_of(scope.candidate, p.entity)
+    if not isinstance(fire, SolidFire):
+        text = fire if isinstance(fire, str) else f"{p.entity!r} is a gas, which is no body that burns away; ask for heat_release"
+        return no_gas(scope, p.entity, "1", text)
+    first, last = scope.frames
+    value = fire.surfaces.share(p.entity)[first : last + 1]
+    margin, side = band(value, p.min, p.max)
+
+    def tell(i: int) -> str:
+        return f"{value[i]:.2%} of what can burn of {p.entity} has by frame {first + i}, {value[-1]:.2%} by frame {last}"
+
+    return judge(Series(scope.frames, value, margin, "1", p.entity, side, tell, lambda i: {}), p.when)
 
 
 def burns(scope: Scope, p: FireEvent) -> Outcome:

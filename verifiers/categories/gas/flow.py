@@ -76,6 +76,10 @@ def _part(array: F64, axis: int, start: int) -> F64:
     return np.take(array, range(start, start + count), axis=axis)
 
 
+MET = 2
+"""[cells] How far from its middle a piece of cloth meets gas."""
+
+
 class Flow:
     """Velocities of every frame."""
 
@@ -99,7 +103,7 @@ class Flow:
 
         box = self.box
         net = net_outflow(mirrored(now.velocity, box.sides), box.cell) - self._asked(now)
-        free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf) & box.bodies.apart(now, box.sides)
+        free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf) & box.bodies.apart(now, box.sides) & ~self._burning(now)
         whole = minimum_filter(free, size=5, mode="nearest") & np.isfinite(net)
         calm = whole & ~np.any([s.cells(now, 2.0 * box.cell, box.duration) for s in box.sources], axis=0)
         if self._heats:
@@ -111,6 +115,13 @@ class Flow:
         self.where.append(now.place(tuple(int(i) for i in at)))
         self.short.append(max([0.0, *(self._outflow(now, net, whole, s) for s in box.sources)]))
         self._work(now)
+
+    def _burning(self, now: GasFrame) -> Mask:
+        """Cells that cloth meets which is not consumed: it takes heat from them, and gives gas; bodies that burn count as bodies."""
+        surfaces = self.box.surfaces
+        if surfaces is None or not surfaces.thin.any():
+            return np.zeros(now.room.shape, dtype=bool)
+        return surfaces.beside(now, surfaces.thin & (surfaces.state[max(now.index - 1, 0)].left > 0.0), MET)
 
     def _asked(self, now: GasFrame) -> F64:
         """Net outflow that the heat of fire asks for [1/s], weighted as `net_outflow` is."""

@@ -9,13 +9,15 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
-from ....worlds.categories.gas.facts import dusts_of, flammable_parts
+from ....worlds.categories.gas.burning import flammable_parts
+from ....worlds.categories.gas.facts import dusts_of
 from ..judge import Push
 from ..loose import Loose, Sample
 from .bounds import CUT, STILL
 from .check import category_rows, numerical_rows
 from .frames import box_of
 from .register import gas_lines
+from .register_of_fire import lost_lines
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -134,7 +136,7 @@ class GasJudge(Loose):
 
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""
-        return gas_lines(candidate.spec)
+        return [*gas_lines(candidate.spec), *lost_lines(candidate)]
 
 
 def _add_dust(found: list[list[Push]], box: GasBox) -> None:

@@ -1,7 +1,7 @@
-"""Solids that catch fire: what they give off is what they lose, where they are hot, by heat that gas and flames give them (R100).
+"""Solids and cloth that catch fire: what they give off is what they lose, where they are hot, by heat that gas and flames give them (R100).
 
 What heat a surface can get is bounded from the frames alone: natural convection from the hottest gas about it at both ends of a frame, and the
-light of all cells as if each piece faced them.
+light of all cells as if each piece faced them. Cloth gets that of both its sides, and none once no more than its char is left.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ...rows.findings import Finding
-from .bounds import BOOKS, BURNT, FLAMES, HEATED
+from .bounds import BOOKS, BURNT, CARRIED, FLAMES, HEATED
 from .fires import KEPT
 from .questions import KINDLING
 from .rows import kept_within, recomputed
@@ -51,12 +51,19 @@ class Kindling:
         """Heat beyond what can have come [J]."""
         self.gained: list[float] = [0.0]
         """Heat that pieces got [J]."""
+        self.astray: list[float] = []
+        """Farthest that a piece is from its place on its part [cells]."""
         self.where: dict[tuple[str, int], list[float]] = {}
 
     def see(self, now: GasFrame, before: GasFrame | None) -> None:
         """Look at one frame."""
         surfaces = self.box.surfaces
-        if surfaces is None or before is None:
+        if surfaces is None:
+            return
+        off = surfaces.carried.astray(now.index) / self.box.cell
+        self.astray.append(float(off.max()))
+        self.where["carried_along", now.index] = [round(float(c), 3) for c in surfaces.state[now.index].point[int(off.argmax())]]
+        if before is None:
             return
         old, new = surfaces.state[before.index], surfaces.state[now.index]
         ignition = surfaces.of("ignition")
@@ -67,7 +74,7 @@ class Kindling:
         for name, kept, values in (("kindled", self.unlit, cold), ("heated", self.over, excess)):
             kept.append(float(values.sum()))
             if kept[-1] > 0.0:
-                self.where[name, now.index] = [round(float(c), 3) for c in surfaces.point[int(values.argmax())]]
+                self.where[name, now.index] = [round(float(c), 3) for c in new.point[int(values.argmax())]]
         self.gained.append(float(np.maximum(gain, 0.0) @ surfaces.area))
 
     def _offered(self, surfaces: KindledSurfaces, now: GasFrame, before: GasFrame) -> F64:
@@ -77,16 +84,23 @@ class Kindling:
         box = self.box
         gas = np.maximum(*(np.where(f.open, f.temperature, 0.0) for f in (now, before)))
         gas = maximum_filter(gas, size=NEAR)
-        at = np.floor((surfaces.point - now.corner) / box.cell).astype(np.int64)
-        inside = ((at >= 0) & (at < np.array(box.shape))).all(axis=1)
-        about = gas[tuple(np.clip(at, 0, np.array(box.shape) - 1).T)]
-        surface = np.minimum(surfaces.state[now.index].temperature, surfaces.state[before.index].temperature)
-        rise = np.maximum(about - surface, 0.0)
-        return np.where(inside, box.duration * (CONVECTED * rise ** (4.0 / 3.0) + ABSORBED * self._light(surfaces, before)), 0.0)
+        old, new = surfaces.state[before.index], surfaces.state[now.index]
+        # What moves goes through all the gas between its places.
+        places = [np.floor((p - now.corner) / box.cell).astype(np.int64) for p in surfaces.along(now.index, box.cell)]
+        inside = [((at >= 0) & (at < np.array(box.shape))).all(axis=1) for at in places]
+        last = np.array(box.shape) - 1
+        about = np.max(
+            [np.where(i, gas[tuple(np.clip(at, 0, last).T)], 0.0) for at, i in zip(places, inside, strict=True)], axis=0
+        )
+        rise = np.maximum(about - np.minimum(new.temperature, old.temperature), 0.0)
+        sides = np.where(surfaces.thin, 2.0, 1.0)
+        offered = box.duration * (sides * CONVECTED * rise ** (4.0 / 3.0) + ABSORBED * self._light(old.point, before))
+        consumed = surfaces.thin & (old.left <= 0.0)
+        return np.where(np.any(inside, axis=0) & ~consumed, offered, 0.0)
 
-    def _light(self, surfaces: KindledSurfaces, frame: GasFrame) -> F64:
-        """Light of all flames on pieces that face them all [W/m^2]."""
-        box, found = self.box, np.zeros(len(surfaces.area))
+    def _light(self, points: F64, frame: GasFrame) -> F64:
+        """Light of all flames on pieces at points (n, 3) [m] that face them all [W/m^2]; as engines take it, that of the frame before."""
+        box, found = self.box, np.zeros(len(points))
         if frame.fire is None:
             return found
         watts = frame.fire.radiated.astype(np.float64) * frame.room * box.volume
@@ -95,18 +109,19 @@ class Kindling:
         power = np.bincount(member.reshape(-1), watts[tuple(at.T)], minlength=len(block))
         reach = 0.5 * np.sqrt(3.0) * LAMP * box.cell
         for place, strength in zip(frame.corner + box.cell * LAMP * (block + 0.5), power, strict=True):
-            far = np.maximum(np.linalg.norm(surfaces.point - place, axis=1) - reach, box.cell)
+            far = np.maximum(np.linalg.norm(points - place, axis=1) - reach, box.cell)
             found += strength / (4.0 * np.pi * far * far)
         return found
 
     def findings(self) -> dict[str, Finding]:
-        """Findings on the five questions by name."""
+        """Findings on the six questions by name."""
         surfaces = self.box.surfaces
         if surfaces is None:
-            return {name: Finding("not_applicable", "no solid in its box may burn") for name in KINDLING}
+            return {name: Finding("not_applicable", "nothing in its box may burn") for name in KINDLING}
         lost = surfaces.lost()
         return {
             "surfaces": self._surfaces(surfaces),
+            "carried_along": self._carried_along(),
             "gasified": self._gasified(surfaces, lost),
             "kindled": self._shares("kindled", self.unlit, max(float(lost[-1]), TINY), FLAMES, "was given off by surfaces that were not hot enough"),
             "stored": self._stored(surfaces),
@@ -127,6 +142,17 @@ class Kindling:
             f"{part.area:.4g} m^2 and {part.fuel:.4g} kg"
         )
         return kept_within(np.array([off[worst]]), BURNT, "1", lambda _: text, recomputed(self.box))
+
+    def _carried_along(self) -> Finding:
+        """Places of pieces against those of their parts."""
+        off = np.array(self.astray)
+
+        def told(frame: int | None) -> str:
+            if frame is None:
+                return f"pieces of surface stay on their parts to {off.max() * self.box.cell:.2g} m"
+            return f"a piece is {off[frame] * self.box.cell:.3g} m from its place on its part at frame {frame}, at {self.where['carried_along', frame]}"
+
+        return kept_within(off, CARRIED, "cells", told, recomputed(self.box))
 
     def _gasified(self, surfaces: KindledSurfaces, lost: F64) -> Finding:
         """Records of what was given off against the mass of the pieces, which only falls, to none at least."""

@@ -230,6 +230,13 @@ KINDLING = by_name(
         "BURNT",
     ),
     _asked(
+        "carried_along",
+        "pieces of surface that may burn keep their places on their bodies and their cloth",
+        "farthest that one is from its place",
+        "cells",
+        "CARRIED",
+    ),
+    _asked(
         "gasified",
         "what surfaces give off is the mass that they lose, which only falls",
         "largest difference over all that they gave",

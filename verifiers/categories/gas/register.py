@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ....worlds.categories.gas.facts import dusts_of, emissions_of, flammable_parts
+from ....worlds.categories.gas.facts import dusts_of, emissions_of
+from .register_of_fire import burning_lines
 
 if TYPE_CHECKING:
-    from ....worlds.spec import Entity, GasInstance, WorldSpec
+    from ....worlds.spec import GasInstance, WorldSpec
 
 __all__ = ["gas_lines"]
 
@@ -25,7 +26,7 @@ def gas_lines(spec: WorldSpec) -> list[dict[str, str]]:
                 found += _of_gas(member, physics.temperature, physics.resolution, instance)
                 found += _of_fire(member, physics.fuel, instance)
         found += _of_box(name, instance)
-        found += _of_surfaces(spec, name)
+        found += burning_lines(spec, name)
         found += _of_source(spec, name)
     return [{"what": what, "effect": effect} for what, effect in found]
 
@@ -94,7 +95,7 @@ def _of_fire(member: str, fuel: str | None, instance: GasInstance) -> list[tuple
         ),
         (
             f"light of the flames of {member!r} leaves the box at once",
-            "thick soot takes none of it up again, and it warms nothing but solids that may burn",
+            "thick soot takes none of it up again, and it warms nothing but solids and cloth that may burn",
         ),
         (
             f"all gas of {member!r} has the heat capacity and weight of air, and walls take no heat",
@@ -105,39 +106,6 @@ def _of_fire(member: str, fuel: str | None, instance: GasInstance) -> list[tuple
             "the energy of a spark or pilot flame is left out",
         ),
     ]
-
-
-def _of_surfaces(spec: WorldSpec, name: str) -> list[tuple[str, str]]:
-    """Simplification and effect of each line about solids that may burn."""
-    solids = sorted(flammable_parts(spec, name))
-    idle = sorted(k for k, e in spec.entities.items() if k not in solids and _of_flammable(spec, e))
-    found = []
-    if idle:
-        found.append(
-            (
-                f"{_listed(idle)} of a flammable material does not burn",
-                "only static rigid solids burn, in the box of a gas with their fuel",
-            )
-        )
-    if solids:
-        told = _listed(solids)
-        found += [
-            (f"{told} keeps its shape, strength and look while it burns", "nothing shrinks, falls apart or turns black; its mass is told apart"),
-            (f"flames shine on {told} through whatever stands between", "no shadow shields it from their heat"),
-            (f"gas warms {told} as still air does (natural convection)", "a strong wind would warm or cool it faster"),
-            (f"heat goes straight into {told} from each piece of its surface", "none goes along it or through to another face"),
-            (f"solids that cannot burn take no heat in {name!r}", "walls and floor neither warm nor cool the flames"),
-        ]  # fmt: skip
-    return found
-
-
-def _of_flammable(spec: WorldSpec, entity: Entity) -> bool:
-    names = {entity.material, *(p.material for p in entity.parts.values())}
-    return any(n is not None and n in spec.materials and spec.materials[n].flammable is not None for n in names)
-
-
-def _listed(names: list[str]) -> str:
-    return ", ".join(repr(n) for n in names)
 
 
 def _of_box(name: str, instance: GasInstance) -> list[tuple[str, str]]:

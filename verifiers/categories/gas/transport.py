@@ -105,7 +105,9 @@ class Transport:
         box, mass = self.box, surfaces.giving(now.index)
         light = surfaces.of("ignition") / air_density(1.0) - 1.0 / box.air
         amount = mass if n == 0 else mass * light * box.joule
-        return np.tensordot(amount, surfaces.point - middle, axes=1), float(np.abs(amount).sum()) * BESIDE * box.cell
+        ways = surfaces.along(now.index, box.cell)
+        off = BESIDE * box.cell + 0.5 * np.linalg.norm(ways[-1] - ways[0], axis=1)
+        return np.tensordot(amount, 0.5 * (ways[0] + ways[-1]) - middle, axes=1), float(np.abs(amount) @ off)
 
     def _heated(self, now: GasFrame, before: GasFrame) -> tuple[F64, float]:
         """Moment of the heat that fire gave over a frame by its power at both ends [J m], and how far that may be off."""
@@ -152,23 +154,13 @@ class Transport:
 def _emitting(box: GasBox, now: GasFrame) -> list[tuple[Mask, float]]:
     """Cells about every source that let gas out over the frame, with its soot."""
     end = box.duration * now.index
-    surfaces = [] if box.surfaces is None else [(_beside(box, now, box.surfaces), 1.0)]
-    return surfaces + [
+    burning = box.surfaces
+    given = [] if burning is None else [(burning.beside(now, burning.giving(now.index) > 0.0, int(BESIDE)), 1.0)]
+    return given + [
         (source.cells(now, box.cell, box.duration), box.source_concentration(source.entity))
         for source in box.sources
         if source.emitted(end) > source.emitted(end - box.duration)
     ]
-
-
-def _beside(box: GasBox, now: GasFrame, surfaces: KindledSurfaces) -> Mask:
-    """Cells about the pieces of surface that gave gas over the frame."""
-    from scipy.ndimage import binary_dilation
-
-    found = np.zeros(box.shape, dtype=bool)
-    at = np.floor((surfaces.point[surfaces.giving(now.index) > 0.0] - now.corner) / box.cell).astype(np.int64)
-    at = at[((at >= 0) & (at < np.array(box.shape))).all(axis=1)]
-    found[tuple(at.T)] = True
-    return np.asarray(binary_dilation(found, np.ones((3, 3, 3)), iterations=int(BESIDE)))
 
 
 def _about(flow: Outflow, n: int, middle: F64) -> F64:

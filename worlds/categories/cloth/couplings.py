@@ -19,7 +19,8 @@ def coupling_problems(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator
     """Cloth as a boundary of grains or of a particle liquid."""
     plan, place = spec.simulation, f"/simulation/couplings/{key}"
     other = coupling.target if coupling.source in plan.cloth else coupling.source
-    kind = "liquid" if other in plan.liquid else "grains"
+    burns = other in plan.gas
+    kind = "gas" if burns else "liquid" if other in plan.liquid else "grains"
     if plan.solvers[other].engine == "flip":
         where = f"/simulation/solvers/{other}/engine"
         text = f"coupling {key!r}: a grid does not resolve sheets; let {other!r} be of engine dfsph"
@@ -28,13 +29,13 @@ def coupling_problems(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator
     if "cloth" not in plan.solvers[other].meets or other in plan.cloth:
         text = (
             f"coupling {key!r} joins cloth and a {plan.solvers[other].engine} instance; this build couples cloth with rigid ones, "
-            "with dem and with dfsph"
+            "with dem, with dfsph and, to burn, with gas"
         )
         yield Problem(place, text, removed(place))
         return
     both = coupling.direction == "two_way"
     torn = [m for c in (coupling.source, coupling.target) if c in plan.cloth for m in plan.cloth[c].members if tears(spec, m)]
-    if torn:
+    if torn and not burns:  # Pieces of surface that burn keep to their triangles, which tears leave whole.
         text = (
             f"coupling {key!r}: {torn[0]!r} may tear, and {kind} know the triangles of its start only; take its tear strength out"
         )

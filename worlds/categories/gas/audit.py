@@ -11,6 +11,7 @@ from ...extents import box_extent, initial_box
 from ...fields import Fields, acting_on, field_drivers
 from ...problems import Problem, removed, replaced
 from ..loose import ROUNDED, domain_box, told_box
+from .burning import burning_problems
 from .dust import dust_problems
 from .facts import LEAST_CELLS, LEAST_SOURCE, dusts_of, emissions_of, fuel_of, gas_of, grid_of, ignitions_of
 
@@ -68,6 +69,7 @@ def _instance(spec: WorldSpec, name: str, instance: GasInstance) -> Iterator[Pro
     member, entity, physics = held
     yield from _source(spec, name, member, entity, physics)
     yield from _burning(spec, name, member, physics, instance)
+    yield from burning_problems(spec, name)
     yield from _blown(spec, member, instance)
     settings, hot = instance.settings, physics.temperature / instance.settings.ambient_temperature - 1.0
     if not settings.expands and abs(hot) > BOUSSINESQ:

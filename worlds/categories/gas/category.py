@@ -7,8 +7,9 @@ from ..caps import GAS_CAPS
 from ..category import Audit, CategorySpec
 from ..shared import DOMAIN, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import gas_problems
+from .burning import flammable_parts
 from .channels import CHANNELS, DIMENSIONS, writers
-from .facts import flammable_parts, gas_counts, gas_seconds
+from .facts import gas_counts, gas_seconds
 from .models import DustDriver, EmissionDriver, GasInstance, GasPhysics, IgnitionDriver
 from .predicates import PREDICATES
 
@@ -22,7 +23,7 @@ GAS = CategorySpec(
     instances=(GasInstance,),
     drivers=(EmissionDriver, IgnitionDriver, DustDriver),
     predicates=PREDICATES,
-    asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through, heat_release or gas_clears of it; it burns, rises, drifts, spreads, fills",
+    asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through, heat_release or gas_clears of it, burnt_share of what burns in it; it burns, rises, drifts, spreads, fills",
     meets=("rises", "drifts", "spreads", "fills"),
     groups=(GroupInfo("gas", "solver", "viscosity, conduction, confinement and ambient temperature of gases"),),
     parameters=(

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from ...channel import Channel, quantity
 from ..shared_channels import MOTION
-from .facts import flammable_parts, gas_of
+from .burning import flammable_parts
+from .facts import gas_of
 
 if TYPE_CHECKING:
     from ...spec import WorldSpec
@@ -57,9 +58,9 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
     ),
     "gas kindling": (
         Channel("burning_part", "i4", ("pieces",), "1", "number of its part among those that may burn, by the names of entities and parts", sign="+"),
-        Channel("burning_point", "f8", ("pieces", 3), "m", "middle, world", finite=True),
-        Channel("burning_area", "f8", ("pieces",), "m^2", "area", sign="+"),
-        Channel("burning_left", "f8", ("pieces",), "kg/m^2", "mass below it that can still become gas", sign="+"),
+        Channel("burning_point", "f8", ("pieces", 3), "m", "middle, world; it goes along with its body or its cloth", finite=True),
+        Channel("burning_area", "f8", ("pieces",), "m^2", "area; of cloth at rest, of one side", sign="+"),
+        Channel("burning_left", "f8", ("pieces",), "kg/m^2", "mass below it that can still become gas; 0 of cloth that is consumed", sign="+"),
         Channel("burning_temperature", "f8", ("pieces",), "K", "of the surface", sign="+"),
         Channel("burning_heat", "f8", ("pieces",), "J/m^2", "heat below it above that at frame 0"),
         quantity("gasified_fuel", "kg", "given off by surfaces since frame 0; part of what was emitted", sign="+"),
@@ -73,7 +74,7 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
 
 
 def writers(spec: WorldSpec, name: str) -> Iterator[str]:
-    """Further kinds of writer: a gas that burns, and solids that burn in it."""
+    """Further kinds of writer: a gas that burns, and solids and cloth that burn in it."""
     held = gas_of(spec, name) if name in spec.simulation.gas else None
     if held is not None and held[2].fuel is not None:
         yield "gas fire"

@@ -16,7 +16,6 @@ from ..loose import domain_box
 
 if TYPE_CHECKING:
     from ...spec import DustDriver, EmissionDriver, Entity, GasInstance, GasPhysics, IgnitionDriver, WorldSpec
-    from .models import Flammable
 
 __all__ = [
     "LEAST_CELLS",
@@ -26,7 +25,6 @@ __all__ = [
     "dusts_of",
     "dusty_box",
     "emissions_of",
-    "flammable_parts",
     "fuel_of",
     "gas_counts",
     "gas_of",
@@ -116,34 +114,6 @@ def yielding_mass(entity: Entity, bodies: Iterable[float]) -> float:
 def fuel_of(physics: GasPhysics) -> Fuel | None:
     """Fuel of a gas; None of one that does not burn."""
     return None if physics.fuel is None else FUELS[physics.fuel]
-
-
-def flammable_parts(spec: WorldSpec, name: str) -> dict[str, dict[str, Flammable]]:
-    """Parts of static rigid entities that burn in the box of an instance, by entity and part, in the order of their names: those of a material
-    with the fuel of its gas."""
-    held = gas_of(spec, name)
-    found: dict[str, dict[str, Flammable]] = {}
-    if held is None or held[2].fuel is None:
-        return found
-    low, high = domain_box(spec.simulation.gas[name])
-    for key, entity in sorted(spec.entities.items()):
-        box = initial_box(entity)
-        if entity.motion != "static" or not burnable(entity) or box is None or (box[0] > high).any() or (box[1] < low).any():
-            continue
-        for part, own in sorted(entity.parts.items()):
-            kind = (
-                spec.materials[own.material or entity.material].flammable
-                if (own.material or entity.material) in spec.materials
-                else None
-            )
-            if kind is not None and kind.fuel == held[2].fuel:
-                found.setdefault(key, {})[part] = kind
-    return found
-
-
-def burnable(entity: Entity) -> bool:
-    """True of rigid entities in one piece."""
-    return entity.physics.category == "rigid" and entity.breakable is None and entity.generator is None
 
 
 def lit(driver: IgnitionDriver, middles: F64) -> NDArray[np.bool_]:

@@ -16,7 +16,7 @@ Burns = Literal["methane", "propane", "methanol", "heptane", "wood"]
 
 
 class Flammable(SpecModel):
-    """How a solid burns in a gas with the same fuel: its surface heats, and from `ignition` on heat makes gas of it. Defaults: wood."""
+    """How a solid or cloth burns in a gas with the same fuel: its surface heats, and from `ignition` on heat makes gas of it. Defaults: wood."""
 
     # 1.8 MJ/kg: Douglas fir (Tewarson 2002); 623 K: 250 to 365 degrees C with a pilot (Babrauskas 2003).
     fuel: Burns = Field(default="wood", description="what it gives off")
@@ -83,9 +83,13 @@ class GasSettings(SpecModel):
 
 
 class GasInstance(Instance):
-    """A running gas and its one entity. Rigid bodies that reach into the domain are its obstacles; it does not push them."""
+    """A running gas and its one entity. Rigid bodies that reach into the domain are its obstacles; it does not push them.
+
+    A one_way coupling from an instance of cloth lets that cloth burn in it, where its material may.
+    """
 
     moves: ClassVar[tuple[str, ...]] = ("gas",)
+    meets: ClassVar[tuple[str, ...]] = ("cloth",)
     engine: Literal["gas"] = "gas"
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=16)] = Field(description="one gas")
     settings: GasSettings

@@ -13,6 +13,7 @@ from .noise import GAS_NOISE
 
 __all__ = [
     "PREDICATES",
+    "BurntShare",
     "FireEvent",
     "GasArrives",
     "GasClears",
@@ -97,8 +98,16 @@ class HeatRelease(Band):
     when: When = "eventually"
 
 
+class BurntShare(Band):
+    """Share of the mass of a solid or of cloth that can become gas which has burnt away, 0..1."""
+
+    kind: Literal["burnt_share"] = "burnt_share"
+    entity: Subject = Field(description="what may burn")
+    when: When = "eventually"
+
+
 class FireEvent(MatterEvent):
-    """A gas or a solid that may burn does, or its fire goes out."""
+    """A gas, or a solid or cloth that may burn, does, or its fire goes out."""
 
     kind: Literal["burns", "goes_out"]
 
@@ -141,6 +150,7 @@ PREDICATES = (
         source="own choice: what was never seen does not clear; Koschmieder's contrast of 0.02 to 0.05",
     ),
     PredicateInfo("heat_release", "W", (*_GAS, "gas_released"), BAND, noise=GAS_NOISE),
+    PredicateInfo("burnt_share", "1", ("burning_left", "burning_area"), BAND, matter="entity", least={"min": 1e-3}),
     PredicateInfo(
         "burns",
         "W",
@@ -149,7 +159,7 @@ PREDICATES = (
         frames="narrower",
         matter="entity",
         event=True,
-        gloss="Its flames give at least 10 W at every frame of 0.2 s; of a solid, what the gas that it gives off has, as far as flames at its surface give it.",
+        gloss="Its flames give at least 10 W at every frame of 0.2 s; of a solid or of cloth, what the gas that it gives off has, as far as flames at its surface give it.",
         source="own choice: a tenth of what a candle gives (80 W: Hamins, Bundy and Dillon 2005, Journal of Fire Protection Engineering 15, 265); a flash is no fire",
     ),
     PredicateInfo(

@@ -102,12 +102,12 @@ def test_what_is_not_flammable_cannot_burn(tmp_path: Path, change: Any, words: s
 
 def test_finer_pieces_burn_alike(tmp_path: Path) -> None:
     """Pieces as wide as a cell or half of it: the sheet takes the same heat."""
-    from worldagent.simulation.gas import kindling, surfaces
+    from worldagent.simulation.gas import kindling, pieces
 
     taken = []
     for share in (1.0, 0.5):
         with pytest.MonkeyPatch.context() as patch:
-            cut = surfaces.cut_into_pieces
+            cut = pieces.cut_into_pieces
             patch.setattr(kindling, "cut_into_pieces", lambda mesh, widest, cut=cut, share=share: cut(mesh, share * widest))
             spec = WorldSpec.model_validate({"prompt": KINDLED_PROMPT, **scene_spec("spared")})
             box = box_of(simulate(tmp_path / str(share), spec), SOLVER)

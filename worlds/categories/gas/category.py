@@ -9,7 +9,7 @@ from ..shared import DOMAIN, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import gas_problems
 from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import flammable_parts, gas_counts, gas_seconds
-from .models import DustDriver, EmissionDriver, GasInstance, GasPhysics, IgnitionDriver
+from .models import DustDriver, EmissionDriver, GasInstance, GasPhysics, IgnitionDriver, SteamDriver
 from .predicates import PREDICATES
 
 __all__ = ["GAS"]
@@ -20,7 +20,7 @@ GAS = CategorySpec(
     covers="smoke, steam, dust, hot air and fire on a grid, which solids stand in the way of and wind blows; it pushes nothing",
     physics=GasPhysics,
     instances=(GasInstance,),
-    drivers=(EmissionDriver, IgnitionDriver, DustDriver),
+    drivers=(EmissionDriver, IgnitionDriver, DustDriver, SteamDriver),
     predicates=PREDICATES,
     asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through, heat_release or gas_clears of it; it burns, rises, drifts, spreads, fills",
     meets=("rises", "drifts", "spreads", "fills"),
@@ -32,7 +32,7 @@ GAS = CategorySpec(
         *parameters(
             PHYSICS, "fuel fuel_share", "initial_state", "repair", "what burns, and how hot; rows hold its heat", physical=True
         ),
-        *parameters(DRIVER, "center radius per_energy bodies", "drivers", "repair", "drivers stand in the register"),
+        *parameters(DRIVER, "center radius per_energy bodies hot water temperature heat_capacity", "drivers", "repair", "drivers stand in the register"),
         *DOMAIN,
         *SIDES,
         *STEPS,

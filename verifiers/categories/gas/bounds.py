@@ -49,6 +49,8 @@ RADIATED = 0.02
 HEATED = 0.05
 """[1] Own choice: of all heat that surfaces got, by which it may exceed what the gas and flames of the frames about them give at most: between
 frames gas may be hotter than at both ends."""
+BOILED = 0.05
+"""[1] Own choice: of the water, that may become steam while its liquid keeps it: a level that is off by so much is hardly seen."""
 CUT = 0.05
 """[1] Own choice: optical depth across the smoke at an open side from which on one sees it end there; an eye sees a contrast of 0.02 to 0.05."""
 CROPPED = 0.5

@@ -36,13 +36,13 @@ def slope(distance: F64, radius: float) -> F64:
 def facing_area(volume: F64, gradient: F64) -> F64:
     """Area of the interface with another liquid that belongs to each particle [m^2], shape (n,).
 
-    The interface lies evenly in both liquids, and only the particles of this one are asked: hence the factor 2.
+    The interface lies in both liquids: its area is the sum over the particles of both, so that what curves towards one is no smaller.
 
     Args:
         volume: of the particles [m^3], shape (n,).
         gradient: sum over the other liquid's particles of their volume times the gradient of the kernel [1/m], shape (n, 3).
     """
-    return np.asarray(2.0 * volume * np.sqrt((gradient * gradient).sum(axis=1)))
+    return np.asarray(volume * np.sqrt((gradient * gradient).sum(axis=1)))
 
 
 def wetted_share(colour: F64) -> F64:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -57,27 +57,18 @@ class Contacts:
         Raises:
             EvidenceError: a cache is missing.
         """
-        from scipy.spatial import cKDTree
-
         reach = contact_reach(self._spec, driver)
         place, volume = self._particles(driver.water, frame)
-        tree = cKDTree(place) if len(place) else None
         if hot.liquid:
             points, own = self._particles((hot.entity,), frame)
             mass = float(own.sum()) * self._spec.materials[self._spec.entities[hot.entity].material].density
+            sides = ((points, own, place, volume), (place, volume, points, own))
+            area = np.concatenate([_facing(*side, reach) for side in sides])
+            points = np.concatenate([points, place])
         else:
             points, own = self._surface(hot.entity, frame, place, reach)
             mass = float(sum(b.mass for b in self._built[hot.entity].bodies))
-        area = np.zeros(len(points))
-        for i, near in enumerate(tree.query_ball_point(points, reach)) if tree is not None and len(points) else ():
-            if near:
-                way = points[i] - place[near]
-                far = np.sqrt((way * way).sum(axis=1))
-                if hot.liquid:
-                    pull = volume[near] * slope(far, reach) / np.maximum(far, 1e-12)
-                    area[i] = facing_area(own[i : i + 1], (pull @ way)[None])[0]
-                else:
-                    area[i] = own[i] * wetted_share(np.array(volume[near] @ kernel(far, reach)))
+            area = _wetted(points, own, place, volume, reach)
         met = area > 0.0
         return Contact(points[met], area[met], mass, place)
 
@@ -114,3 +105,30 @@ class Contacts:
                 return RigidPose(held["position"][row], held["quaternion"][row])
         own = next(b for b in self._built[name].bodies if b.name == body)
         return compose(pose_of(self._spec.entities[name].pose), own.pose)
+
+
+def _near(points: F64, others: F64, reach: float) -> Iterator[tuple[int, list[int]]]:
+    """Rows of points that have others within reach, and these."""
+    from scipy.spatial import cKDTree
+
+    if len(points) and len(others):
+        yield from ((i, near) for i, near in enumerate(cKDTree(others).query_ball_point(points, reach)) if near)
+
+
+def _facing(points: F64, own: F64, others: F64, sizes: F64, reach: float) -> F64:
+    """Area of the interface that belongs to particles of one of two liquids [m^2], shape (n,)."""
+    gradient = np.zeros((len(points), 3))
+    for i, near in _near(points, others, reach):
+        way = points[i] - others[near]
+        far = np.sqrt((way * way).sum(axis=1))
+        gradient[i] = (sizes[near] * slope(far, reach) / np.maximum(far, 1e-12)) @ way
+    return facing_area(own, gradient)
+
+
+def _wetted(points: F64, own: F64, water: F64, sizes: F64, reach: float) -> F64:
+    """Wet area of pieces of a surface [m^2], shape (n,)."""
+    colour = np.zeros(len(points))
+    for i, near in _near(points, water, reach):
+        way = points[i] - water[near]
+        colour[i] = sizes[near] @ kernel(np.sqrt((way * way).sum(axis=1)), reach)
+    return own * wetted_share(colour)

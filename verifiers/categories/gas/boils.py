@@ -142,18 +142,23 @@ def _touched(candidate: Candidate, driver: SteamDriver, hot: HotMatter, frame: i
         return Touched(np.zeros((0, 3)), np.zeros(0), mass, water)
     near = ((water >= points.min(axis=0) - reach) & (water <= points.max(axis=0) + reach)).all(axis=1)
     about = ((points >= water.min(axis=0) - reach) & (points <= water.max(axis=0) + reach)).all(axis=1)
-    points, own = points[about], own[about]
-    area = np.zeros(len(points))
-    rows = max(1, CHUNK // max(1, int(near.sum())))
+    points, own, beside, sizes = points[about], own[about], water[near], size[near]
+    colour, toward, back = np.zeros(len(points)), np.zeros((len(points), 3)), np.zeros((len(beside), 3))
+    rows = max(1, CHUNK // max(1, len(beside)))
     for first in range(0, len(points), rows):
         part = slice(first, first + rows)
-        way = points[part, None] - water[near][None]
+        way = points[part, None] - beside[None]
         far = np.linalg.norm(way, axis=2)
         if hot.liquid:
-            pull = np.where(far < reach, size[near] * slope(far, reach), 0.0) / np.maximum(far, 1e-12)
-            area[part] = facing_area(own[part], np.einsum("ij,ijk->ik", pull, way))
+            pull = np.where(far < reach, slope(far, reach) / np.maximum(far, 1e-12), 0.0)
+            toward[part] = np.einsum("ij,ijk->ik", pull * sizes, way)
+            back -= np.einsum("ij,ijk->jk", pull * own[part, None], way)
         else:
-            area[part] = own[part] * wetted_share(kernel(far, reach) @ size[near])
+            colour[part] = kernel(far, reach) @ sizes
+    if hot.liquid:
+        points, area = np.concatenate([points, beside]), np.concatenate([facing_area(own, toward), facing_area(sizes, back)])
+    else:
+        area = own * wetted_share(colour)
     kept = area > 0.0
     return Touched(points[kept], area[kept], mass, water)
 

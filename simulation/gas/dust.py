@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...physics.dust import impact_energy, reduced_mass
-from ...worlds.arrays import F64
 from ...worlds.categories.gas.facts import dusty_box
 from .puffs import Puff
 
@@ -33,7 +32,12 @@ class Dust:
     """
 
     def __init__(
-        self, drivers: Mapping[str, DustDriver], entity: Entity, masses: Mapping[str, float], caches: Mapping[str, Cache], fps: int
+        self,
+        drivers: Mapping[str, DustDriver],
+        entity: Entity,
+        masses: Mapping[str, float],
+        caches: Mapping[str, Cache],
+        fps: int,
     ) -> None:
         if entity.physics.category != "gas":
             raise ValueError("dust is of a gas")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Steam", "SteamFrame"]
 
 TOP = 0.9
-"""Own choice: share of the water's particles over a ball's square that lie under its surface there; single drops above are none."""
+"""Own choice: share of the water's particles in the squares about a ball that lie under its surface there; single drops above are none."""
 
 
 @dataclass(frozen=True)
@@ -97,19 +97,25 @@ class Steam:
         return max(0.0, min(end, np.inf if driver.end is None else driver.end) - max(start, driver.start))
 
     def _gathered(self, radius: float, touched: Contact, frame: int, volume: float) -> list[Puff]:
-        """Steam of one contact in balls on the water, one for each square of their width from above."""
+        """Steam of one contact in balls on the water: one for each corner of the squares of their width that hold contact, seen from above.
+
+        Each piece of contact is shared by the four corners of its square, by how near they are: what moves on hands over evenly.
+        """
         if volume <= 0.0:
             return []
         wide = 2.0 * radius
-        square, member = np.unique(np.floor(touched.point[:, :2] / wide).astype(int), axis=0, return_inverse=True)
-        member = member.reshape(-1)
-        weight = np.bincount(member, touched.area)
-        middle = np.stack([np.bincount(member, touched.area * touched.point[:, k]) / weight for k in range(3)], axis=1)
-        water = np.floor(touched.water[:, :2] / wide).astype(int)
+        first = np.floor(touched.point[:, :2] / wide).astype(int)
+        near = touched.point[:, :2] / wide - first
+        sides = np.array([[0, 0], [0, 1], [1, 0], [1, 1]])
+        shares = np.prod(np.where(sides[:, None] == 1, near, 1.0 - near), axis=2) * touched.area
+        corner, member = np.unique((first + sides[:, None]).reshape(-1, 2), axis=0, return_inverse=True)
+        member, places = member.reshape(-1), np.tile(touched.point, (4, 1))
+        weight = np.bincount(member, shares.ravel())
         found = []
-        for k, corner in enumerate(square):
-            over = touched.water[(water == corner).all(axis=1), 2]
-            top = max(float(middle[k, 2]), float(np.quantile(over, TOP)) if len(over) else -np.inf)
-            point = np.array([middle[k, 0], middle[k, 1], top + radius])
+        for k in np.flatnonzero(weight > 0.0).tolist():
+            middle = shares.ravel()[member == k] @ places[member == k] / weight[k]
+            over = touched.water[(np.abs(touched.water[:, :2] / wide - corner[k]) < 1.0).all(axis=1), 2]
+            top = max(float(middle[2]), float(np.quantile(over, TOP)) if len(over) else -np.inf)
+            point = np.array([middle[0], middle[1], top + radius])
             found.append(Puff((frame - 1) * self.span, point, radius, volume * float(weight[k] / weight.sum())))
         return found

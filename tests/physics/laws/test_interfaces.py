@@ -55,11 +55,11 @@ def test_a_ball_in_a_liquid_has_its_surface(radius: float) -> None:
 
 def test_liquids_that_are_apart_have_no_area_between() -> None:
     points = _lattice(0.5)
-    assert not _area(points, points + [1.0 + REACH, 0.0, 0.0]).any()
+    assert not _area(points, points + np.array([1.0 + REACH, 0.0, 0.0])).any()
 
 
 def test_a_wall_under_liquid_is_wet_and_one_beyond_its_reach_dry() -> None:
-    points = _lattice(0.6) + [0.0, 0.0, 0.6]
+    points = _lattice(0.6) + np.array([0.0, 0.0, 0.6])
     for height, share in ((0.0, 1.0), (-1.01 * REACH, 0.0), (0.6, 1.0)):
         far = np.linalg.norm(points - [0.0, 0.0, height], axis=1)
         assert float(wetted_share(np.array(SPACING**3 * kernel(far, REACH).sum()))) == pytest.approx(share, abs=0.03)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -36,18 +36,25 @@ __all__ = ["Boils", "Touched", "boils_of"]
 PIECE = 0.2
 """Edge of the pieces of a solid's surface, as a share of the reach."""
 UNDER = 0.9
-"""Share of the water's particles over a square of the width of a ball that lie under its surface there."""
+"""Share of the water's particles in the squares about a ball that lie under its surface there."""
 SUDDEN = 0.1
-"""Own choice: share of the rate of all steam by which it may change from frame to frame and still push the air evenly."""
+"""Own choice: share of the rate of all steam by which it may change from frame to frame, and of a ball's radius by which its middle may move, and
+still push the air evenly."""
 CHUNK = 2_000_000
 """Pairs that are looked at at once."""
 
 
-@dataclass(frozen=True, eq=False)
-class SteamPuff(Puff):
+class _Ball(NamedTuple):
     """Steam of one ball over the time before a frame."""
 
-    sudden: bool = False
+    point: F64
+    """[m]"""
+    radius: float
+    """[m]"""
+    volume: float
+    """[m^3]"""
+    hot: str
+    water: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -81,7 +88,7 @@ class Boils:
     """Of steam since frame 0 [kg], shape (frames,)."""
     water: float
     """Water at frame 0 [kg]."""
-    puffs: tuple[SteamPuff, ...]
+    puffs: tuple[Puff, ...]
 
 
 def boils_of(candidate: Candidate, solver: str) -> Boils | None:
@@ -99,9 +106,10 @@ def _boils(candidate: Candidate, drivers: dict[str, SteamDriver]) -> Boils:
     shape, step = (candidate.frame_count, len(hot)), 1.0 / spec.simulation.fps
     area, body, given = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     temperature = np.tile([h.temperature for h in hot], (shape[0], 1)).astype(float)
-    mass, puffs, rate = np.zeros(shape[0]), list[SteamPuff](), 0.0
+    mass, puffs = np.zeros(shape[0]), list[Puff]()
+    last_balls: list[_Ball] = []
     for frame in range(shape[0]):
-        balls: list[tuple[F64, float, float, str]] = []
+        balls: list[_Ball] = []
         mass[frame] = mass[max(frame - 1, 0)]
         for k, own in enumerate(hot):
             driver = drivers[own.driver]
@@ -118,13 +126,24 @@ def _boils(candidate: Candidate, drivers: dict[str, SteamDriver]) -> Boils:
             temperature[frame, k] = BOILING + (left - heat) / holds if holds > 0.0 else own.temperature
             made = heat / steam_heat(water_temperature(spec, driver))
             mass[frame] += made
-            balls += [(p, driver.radius, v, own.entity) for p, v in _balls(driver.radius, touched, made / STEAM_DENSITY)]
-        whole = sum(b[2] for b in balls)
-        sudden = abs(whole - rate) > SUDDEN * max(whole, rate)
-        puffs += [SteamPuff((frame - 1) * step, frame * step, p, r, v, n, sudden) for p, r, v, n in balls]
-        rate = whole
+            balls += [
+                _Ball(p, driver.radius, v, own.entity, tuple(driver.water))
+                for p, v in _balls(driver.radius, touched, made / STEAM_DENSITY)
+            ]
+        sudden = _sudden(last_balls, balls)
+        puffs += [Puff((frame - 1) * step, frame * step, b.point, b.radius, b.volume, b.hot, b.water, sudden) for b in balls]
+        last_balls = balls
     water = sum(_mass(candidate, n, 0) for n in sorted({w for d in drivers.values() for w in d.water}))
     return Boils(hot, area, body, temperature, given, mass, float(water), tuple(puffs))
+
+
+def _sudden(before: list[_Ball], now: list[_Ball]) -> bool:
+    """True where all steam comes at another rate than in the frame before, or elsewhere."""
+    whole = [float(sum(b.volume for b in balls)) for balls in (before, now)]
+    if min(whole) <= 0.0 or abs(whole[1] - whole[0]) > SUDDEN * max(whole):
+        return max(whole) > 0.0
+    middle = [np.sum([b.volume * b.point for b in balls], axis=0) / w for balls, w in zip((before, now), whole, strict=True)]
+    return float(np.linalg.norm(middle[1] - middle[0])) > SUDDEN * min(b.radius for b in now)
 
 
 def _touched(candidate: Candidate, driver: SteamDriver, hot: HotMatter, frame: int) -> Touched:
@@ -194,18 +213,20 @@ def _pieces(candidate: Candidate, name: str, frame: int, water: F64, reach: floa
 
 
 def _balls(radius: float, touched: Touched, volume: float) -> Sequence[tuple[F64, float]]:
-    """Middles of the balls in which steam of a contact comes [m] and what comes in each [m^3]: one for each square of their width that holds contact."""
+    """Middles of the balls in which steam of a contact comes [m] and what comes in each [m^3]: one for each corner of the squares of their width
+    about contact, which shares what is in the four squares beside it by its distance along x and y."""
     if volume <= 0.0:
         return ()
-    groups: dict[tuple[int, int], list[int]] = {}
-    for k, (x, y) in enumerate(np.floor(touched.point[:, :2] / (2.0 * radius)).astype(int).tolist()):
-        groups.setdefault((x, y), []).append(k)
-    whole, found = float(touched.area.sum()), []
-    for (x, y), rows in groups.items():
-        share = touched.area[rows]
-        middle = share @ touched.point[rows] / share.sum()
-        corner = 2.0 * radius * np.array([x, y])
-        over = ((touched.water[:, :2] >= corner) & (touched.water[:, :2] < corner + 2.0 * radius)).all(axis=1)
-        top = max(middle[2], np.quantile(touched.water[over, 2], UNDER) if over.any() else middle[2])
-        found.append((np.array([middle[0], middle[1], top + radius]), volume * float(share.sum()) / whole))
+    wide, whole, found = 2.0 * radius, float(touched.area.sum()), []
+    low, high = (f(touched.point[:, :2] / wide, axis=0) for f in (np.min, np.max))
+    for x in range(int(np.floor(low[0])), int(np.floor(high[0])) + 2):
+        for y in range(int(np.floor(low[1])), int(np.floor(high[1])) + 2):
+            corner = np.array([x, y])
+            share = touched.area * np.maximum(0.0, 1.0 - np.abs(touched.point[:, :2] / wide - corner)).prod(axis=1)
+            if not share.sum() > 0.0:
+                continue
+            middle = share @ touched.point / share.sum()
+            about = (np.abs(touched.water[:, :2] / wide - corner) < 1.0).all(axis=1)
+            top = max(middle[2], np.quantile(touched.water[about, 2], UNDER) if about.any() else middle[2])
+            found.append((np.array([middle[0], middle[1], top + radius]), volume * float(share.sum()) / whole))
     return found

@@ -148,7 +148,7 @@ def _add_puffs(found: list[list[Push]], box: GasBox) -> None:
             for frame in range(max(first, 1), min(first + 2, len(found))):
                 start, end = max(puff.begin, (frame - 1) * box.duration), min(puff.end, frame * box.duration)
                 if start < end:
-                    found[frame].append(Push(puff.body, source.entity, start, end, np.inf))
+                    found[frame] += [Push(n, source.entity, start, end, np.inf) for n in (puff.body, *puff.water)]
 
 
 def seen(box: GasBox, frame: GasFrame) -> np.ndarray[Any, np.dtype[np.bool_]]:

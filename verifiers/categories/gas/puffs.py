@@ -39,9 +39,10 @@ class Puff:
     """[m^3] With its air."""
     body: str
     """That struck, or is hot."""
-
-    sudden = True
-    """True where the air is pushed from one moment to the next."""
+    water: tuple[str, ...] = ()
+    """Liquids that it comes of, too."""
+    sudden: bool = True
+    """True where it pushes the air from one moment to the next."""
 
     def emitted(self, time: float) -> float:
         """Part of it that has come by a time [m^3]."""

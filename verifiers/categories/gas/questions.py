@@ -6,7 +6,20 @@ from ...rows.questions import Question, by_name
 from ..questions import COUNTERS, FINITE, ITERATIONS, SPEED
 from .bounds import ACROSS, CUT
 
-__all__ = ["BOOKS", "ESCAPES", "FATE", "FIRES", "FLOW", "KINDLING", "LIMITS", "NUMBERS", "PLACES", "QUESTIONS", "STEAM", "TRANSPORT"]
+__all__ = [
+    "BOOKS",
+    "ESCAPES",
+    "FATE",
+    "FIRES",
+    "FLOW",
+    "KINDLING",
+    "LIMITS",
+    "NUMBERS",
+    "PLACES",
+    "QUESTIONS",
+    "STEAM",
+    "TRANSPORT",
+]
 
 
 def _asked(
@@ -289,4 +302,6 @@ FATE = by_name(
     ),
 )
 
-QUESTIONS = tuple(q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, FATE) for q in group.values())
+QUESTIONS = tuple(
+    q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, FATE) for q in group.values()
+)

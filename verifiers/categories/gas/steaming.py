@@ -69,7 +69,10 @@ class Steaming:
             "heat": (self._recorded(boils, "steam_given"), boils.given, "J"),
             "steam": (self.box.record("steam_mass")[:, None], boils.mass[:, None], "kg"),
         }
-        off = {n: np.abs(r - o).max(axis=1) / max(float(np.abs(o).max()), float(np.abs(r).max()), TINY) for n, (r, o, _) in held.items()}
+        off = {
+            n: np.abs(r - o).max(axis=1) / max(float(np.abs(o).max()), float(np.abs(r).max()), TINY)
+            for n, (r, o, _) in held.items()
+        }
         worst = max(off, key=lambda n: float(off[n].max()))
 
         def told(frame: int | None) -> str:
@@ -97,7 +100,9 @@ class Steaming:
         rounding = 1e-9 * float((capacity * first).sum(axis=1).max())
         apart = np.maximum(np.abs(lost - given).max(axis=1) - rounding, 0.0)
         mixed = np.abs(held * costs.max() - given.sum(axis=1)) if np.ptp(costs) == 0.0 else np.zeros(len(held))
-        beyond = np.maximum(given - capacity * (first - BOILING), 0.0).max(axis=1) + capacity.max() * np.maximum(BOILING - temperature, 0.0).max(axis=1)
+        beyond = np.maximum(given - capacity * (first - BOILING), 0.0).max(axis=1) + capacity.max() * np.maximum(
+            BOILING - temperature, 0.0
+        ).max(axis=1)
         off = np.maximum(np.maximum(apart, mixed), beyond) / scale
 
         def told(frame: int | None) -> str:

@@ -32,7 +32,13 @@ GAS = CategorySpec(
         *parameters(
             PHYSICS, "fuel fuel_share", "initial_state", "repair", "what burns, and how hot; rows hold its heat", physical=True
         ),
-        *parameters(DRIVER, "center radius per_energy bodies hot water temperature heat_capacity", "drivers", "repair", "drivers stand in the register"),
+        *parameters(
+            DRIVER,
+            "center radius per_energy bodies hot water temperature heat_capacity",
+            "drivers",
+            "repair",
+            "drivers stand in the register",
+        ),
         *DOMAIN,
         *SIDES,
         *STEPS,

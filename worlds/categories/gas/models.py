@@ -160,7 +160,9 @@ class SteamDriver(TimedDriver):
     heat_capacity: float = Field(
         default=800.0, ge=100, le=5000, description="of rigid hot entities [J/(kg K)]: stone 800, iron 450"
     )
-    radius: Positive = Field(le=10.0, description="of the balls [m], two cells at least; also half the width of what one ball gathers")
+    radius: Positive = Field(
+        le=10.0, description="of the balls [m], two cells at least; also half the width of what one ball gathers"
+    )
     start: NonNegative = 0.0
     end: Positive | None = Field(default=None, description="[s]; default: to the end")
 

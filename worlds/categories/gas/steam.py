@@ -71,7 +71,9 @@ def _water(spec: WorldSpec, place: str, key: str, driver: SteamDriver, name: str
     if entity is None:
         return
     if entity.physics.category != "liquid":
-        yield Problem(place, f"steam {key!r} comes of {name!r}, which is {entity.physics.category}; name a liquid of substance water")
+        yield Problem(
+            place, f"steam {key!r} comes of {name!r}, which is {entity.physics.category}; name a liquid of substance water"
+        )
         return
     material = spec.materials.get(entity.material)
     if material is not None and material.substance != "water":
@@ -120,7 +122,9 @@ def _hot(spec: WorldSpec, place: str, key: str, driver: SteamDriver, name: str) 
         return
     others = [k for k, d in spec.simulation.drivers.items() if d.kind == "steam" and k != key and name in d.hot]
     if others:
-        yield Problem(place, f"steam {key!r} cools {name!r}, which {others[0]!r} cools, too; its heat is there once: name it in one of them")
+        yield Problem(
+            place, f"steam {key!r} cools {name!r}, which {others[0]!r} cools, too; its heat is there once: name it in one of them"
+        )
     if entity.physics.category == "liquid":
         if not entity.physics.temperature > BOILING:
             where = f"/entities/{name}/physics/temperature"
@@ -135,7 +139,10 @@ def _hot(spec: WorldSpec, place: str, key: str, driver: SteamDriver, name: str) 
             yield Problem(place, text)
     elif entity.physics.category != "rigid" or entity.breakable is not None or entity.generator is not None:
         what = "breakable" if entity.breakable is not None else entity.physics.category
-        yield Problem(place, f"steam {key!r} takes heat of {name!r}, which is {what}; name rigid entities in one piece without a generator, or liquids")
+        yield Problem(
+            place,
+            f"steam {key!r} takes heat of {name!r}, which is {what}; name rigid entities in one piece without a generator, or liquids",
+        )
     elif driver.temperature is None:
         where = f"/simulation/drivers/{key}/temperature"
         text = f"steam {key!r} takes heat of the rigid {name!r} and names no temperature; give that of solids, 380 to 3000 K (red-hot iron 1000, lava rock 1300)"

@@ -10,15 +10,15 @@ __all__ = ["LAVA_PROMPT", "QUENCH_PROMPT", "lava_spec", "quench_spec"]
 
 QUENCH_PROMPT = "A red-hot block of iron lies in a tank of water, and steam rises."
 LAVA_PROMPT = "Lava slumps into a pond, and steam rises."
-SPACING = 0.04
-"""[m] Of the water's particles."""
+SPACING, FINE = 0.04, 0.02
+"""[m] Of the particles of lava and its water, and of those about a block."""
 DEPTH = 0.16
 """[m] Of the water."""
 WIDE = 0.4
 """[m] Of the tank."""
 
 
-def _room(resolution: float, frames: int, solids: dict[str, Any], **changes: Any) -> dict[str, Any]:
+def _room(resolution: float, frames: int, solids: dict[str, Any], spacing: float, **changes: Any) -> dict[str, Any]:
     """The room of `smoke_spec` with a tank of water, whose walls are those of its domain, and steam over it."""
     spec = smoke_spec(frames=frames, resolution=resolution, **changes)
     del spec["entities"]["plate"], spec["entities"]["smoke"], spec["materials"]["smoke"]
@@ -34,7 +34,7 @@ def _room(resolution: float, frames: int, solids: dict[str, Any], **changes: Any
             "material": "water",
             "dimensions": {"size": size},
             "pose": {"position": [0, 0, DEPTH / 2]},
-            "physics": {"category": "liquid", "resolution": SPACING, "surface_tension": 0.0},
+            "physics": {"category": "liquid", "resolution": spacing, "surface_tension": 0.0},
             "parts": {"body": {"shape": {"kind": "box", "size": size}}},
         },
         "steam": {
@@ -51,8 +51,9 @@ def _room(resolution: float, frames: int, solids: dict[str, Any], **changes: Any
     solvers = spec["simulation"]["solvers"]
     solvers["bodies"]["members"] = ["floor", *(n for n, e in solids.items() if "physics" not in e)]
     solvers["air"]["members"] = ["steam"]
-    domain = {"center": [0, 0, 0.4], "size": [WIDE, WIDE, 0.8], "sides": ["closed"] * 5 + ["open"]}
+    domain = {"center": [0, 0, 0.35], "size": [WIDE, WIDE, 0.9], "sides": ["closed"] * 5 + ["open"]}
     members = ["pool", *(n for n, e in solids.items() if "physics" in e)]
+    spec["simulation"]["preroll"] = 0.1
     solvers["liquid"] = {"engine": "dfsph", "members": members, "settings": {"domain": domain}}
     return spec
 
@@ -76,7 +77,7 @@ def quench_spec(
         "pose": {"position": [0, 0, side / 2]},
         "parts": {"block": {"shape": {"kind": "box", "size": [side] * 3}}},
     }
-    spec = _room(resolution, frames, {"block": block}, **changes)
+    spec = _room(resolution, frames, {"block": block}, FINE, **changes)
     spec["title"] = "a hot block in water"
     steam = {"kind": "steam", "entity": "steam", "hot": ["block"], "water": ["pool"], "temperature": temperature}
     spec["simulation"]["drivers"] = {"boils": {**steam, "heat_capacity": 450.0, "radius": 2.0 * resolution}}
@@ -102,7 +103,7 @@ def lava_spec(*, frames: int = 25, temperature: float = 1400.0, resolution: floa
         "physics": {"category": "liquid", "resolution": SPACING, **hot},
         "parts": {"body": {"shape": {"kind": "box", "size": size}}},
     }
-    spec = _room(resolution, frames, {"lava": lava}, **changes)
+    spec = _room(resolution, frames, {"lava": lava}, SPACING, **changes)
     spec["title"] = "lava that slumps into water"
     spec["materials"]["lava"] = {"density": 2600.0, "substance": "lava", "appearance": {"color": [0.05, 0.03, 0.02]}}
     half = [WIDE / 2, WIDE, DEPTH]

@@ -88,7 +88,7 @@ def _softer(document: dict[str, Any], magnitude: float) -> None:
 
 
 def _cooler(document: dict[str, Any], magnitude: float) -> None:
-    """What boils the water is told to be less hot than it was."""
+    """Hot matter is told to be less hot than it was."""
     document["simulation"]["drivers"]["boils"]["temperature"] *= 1.0 - magnitude
 
 

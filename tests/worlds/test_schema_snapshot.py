@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "c193cbdc32f91bca79b4a249f80b700cd2594ddccf00393d1e65eb575e812f8f"
+SCHEMA = "a06c12816b66a6f881edba46d9ee7ad042037926ea66e176793a3a1969460bcf"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

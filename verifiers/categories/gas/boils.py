@@ -66,14 +66,14 @@ class Touched:
     area: F64
     """[m^2], shape (n,)."""
     mass: float
-    """Of the hot entity [kg]."""
+    """Mass of the hot entity [kg]."""
     water: F64
     """Places of the water's particles [m], shape (m, 3)."""
 
 
 @dataclass(frozen=True)
 class Boils:
-    """What the drivers of an instance boil; rows are frames, columns hot entities."""
+    """Steam that the drivers of an instance make; rows are frames, columns hot entities."""
 
     hot: tuple[HotMatter, ...]
     area: F64
@@ -85,14 +85,14 @@ class Boils:
     given: F64
     """Heat that made steam since frame 0 [J], shape (frames, hot)."""
     mass: F64
-    """Of steam since frame 0 [kg], shape (frames,)."""
+    """Steam since frame 0 [kg], shape (frames,)."""
     water: float
     """Water at frame 0 [kg]."""
     puffs: tuple[Puff, ...]
 
 
 def boils_of(candidate: Candidate, solver: str) -> Boils | None:
-    """What the drivers of an instance boil, worked out once per candidate; None where none makes steam.
+    """Steam that the drivers of an instance make, worked out once per candidate; None where none makes steam.
 
     Raises:
         EvidenceError: a cache is missing.

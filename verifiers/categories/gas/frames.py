@@ -86,7 +86,7 @@ class GasBox:
 
     @property
     def boils(self) -> Boils | None:
-        """What makes steam in it where hot matter meets water; None where nothing does."""
+        """Steam that is made in it where hot matter meets water; None where nothing does."""
         return boils_of(self.candidate, self.solver)
 
     @cached_property

@@ -168,5 +168,5 @@ class SteamDriver(TimedDriver):
 
     @property
     def watched(self) -> tuple[str, ...]:
-        """What is hot, and the water."""
+        """Hot matter and the water."""
         return (*self.hot, *self.water)

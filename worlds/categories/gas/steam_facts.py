@@ -16,7 +16,7 @@ __all__ = ["HotMatter", "contact_reach", "hot_matter", "instance_of", "steams_of
 
 
 class HotMatter(NamedTuple):
-    """What a driver of steam lets be hot."""
+    """Hot matter of a driver of steam."""
 
     driver: str
     entity: str

@@ -43,7 +43,7 @@ def _last(world: Candidate, name: str) -> float:
 
 
 def test_a_block_under_water_is_wet_on_all_but_the_side_that_it_lies_on(block: Candidate) -> None:
-    """Of 5 sides of 0.12 m; the bottom lies on the floor."""
+    """Five sides of 0.12 m; the bottom lies on the floor."""
     assert float(block.caches["air"].series("steam_area")[1:, 0].mean()) == pytest.approx(5 * SIDE**2, rel=0.03)
 
 

@@ -40,7 +40,7 @@ COLD_HEAT_CAPACITY = 4190.0
 WATER_VISCOSITY = 279e-6
 """[Pa s] Of saturated water there."""
 WATER_PRANDTL = 1.76
-"""Of saturated water there."""
+"""Prandtl number of saturated water there."""
 TENSION = 0.0589
 """[N/m] Of water against steam there."""
 GRAVITY = 9.8

@@ -34,7 +34,7 @@ class Contact(NamedTuple):
     area: F64
     """[m^2], shape (n,)."""
     mass: float
-    """Of the hot entity [kg]."""
+    """Mass of the hot entity [kg]."""
     water: F64
     """Places of the water's particles [m], shape (m, 3)."""
 

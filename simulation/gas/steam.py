@@ -34,7 +34,7 @@ class SteamFrame:
     given: F64
     """[J]"""
     mass: float
-    """Of steam [kg]."""
+    """Steam since frame 0 [kg]."""
     puffs: tuple[Puff, ...]
     """That come over the time before the frame."""
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError, InputError
-from ..worlds.instances import cloth_of, coupled_groups, membership_problems
+from ..worlds.instances import cloth_of, coupled_groups, membership_problems, watched_by
 from ..worlds.shapes import Pose
 from .coupled_solver import CoupledSolver
 from .engines import solver_class
@@ -25,10 +25,11 @@ __all__ = ["Run", "make_run", "reads", "standing"]
 
 
 def reads(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Instances whose caches an instance reads while it runs: one without two-way coupling reads the bodies' motion, and cloth's."""
+    """Instances whose caches an instance reads while it runs: one without two-way coupling reads the bodies' motion, cloth's, and what its drivers
+    watch."""
     if name in spec.simulation.rigid or any(name in g for g in coupled_groups(spec)):
         return ()
-    return (*spec.simulation.rigid, *cloth_of(spec, name))
+    return tuple(dict.fromkeys((*spec.simulation.rigid, *cloth_of(spec, name), *watched_by(spec, name))))
 
 
 class Run:
@@ -129,5 +130,5 @@ def make_run(
     have = {n: c for n, c in read.items() if c is not None}
     recipe = solver_class(spec, name).recipe_alone(spec, built, name, have)
     if spec.simulation.settle is not None:
-        spec = standing(spec, have)
+        spec = standing(spec, {n: c for n, c in have.items() if n not in watched_by(spec, name)})
     return Run({name: solver(name, caches=have, recipe=recipe)})

@@ -9,7 +9,7 @@ from .problems import Problem, removed
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["bake_order", "cloth_of", "coupled_groups", "instance_for", "membership_problems", "soft_met"]
+__all__ = ["bake_order", "cloth_of", "coupled_groups", "instance_for", "membership_problems", "soft_met", "watched_by"]
 
 
 def instance_for(spec: WorldSpec, category: str) -> str:
@@ -42,6 +42,14 @@ def cloth_of(spec: WorldSpec, name: str) -> tuple[str, ...]:
     return tuple(sorted({source for source, target in pairs if target == name and _moves(spec, source) in met}))
 
 
+def watched_by(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Instances without bodies whose motion drivers of an instance's members read, by name."""
+    plan = spec.simulation
+    members = plan.solvers[name].members if name in plan.solvers else []
+    seen = {e for d in plan.drivers.values() if d.watched and getattr(d, "entity", None) in members for e in d.watched}
+    return tuple(sorted(n for n, i in plan.solvers.items() if n not in plan.rigid and n != name and seen & set(i.members)))
+
+
 def membership_problems(spec: WorldSpec) -> list[Problem]:
     """Members that their instance's engine does not move."""
     found = []
@@ -72,6 +80,8 @@ def bake_order(spec: WorldSpec) -> tuple[str, ...]:
     for coupling in spec.simulation.couplings.values():
         if coupling.direction == "one_way":
             before.setdefault(coupling.target, set()).add(coupling.source)
+    for name in rest:
+        before.setdefault(name, set()).update(watched_by(spec, name))
     while rest:
         ready = next((s for s in rest if not before.get(s, set()) & set(rest)), rest[0])
         rest.remove(ready)

@@ -68,6 +68,11 @@ class DriverBase(SpecModel):
     """True if no engine lets it act on the state at the very time when it begins: what a step asks of it, it asks before its end."""
 
     @property
+    def watched(self) -> tuple[str, ...]:
+        """Entities whose motion it reads, besides that of bodies: the instance of its own entity comes after theirs."""
+        return ()
+
+    @property
     def begins(self) -> float:
         """Time at which it acts first within the sequence [s]."""
         return max(0.0, float(getattr(self, "start", getattr(self, "time", 0.0))))

@@ -18,8 +18,8 @@ from ...worlds.categories.gas.facts import (
     grid_of,
     ignitions_of,
     lit,
-    yielding_mass,
 )
+from ...worlds.categories.gas.steam_facts import steams_of
 from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
 from ...worlds.fields import fields_of
@@ -29,7 +29,7 @@ from ..coupled_solver import CoupledSolver, motion_records
 from ..recipes import coupled_recipe, reader_recipe
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
-from .dust import Dust
+from .coming import Coming
 from .engine import FUEL, LIGHTNESS, PACKED, PRODUCT, SOOT, Gas
 from .kindling import pieces_of
 from .obstacles import Obstacles
@@ -73,9 +73,9 @@ class SolverGas(CoupledSolver):
 
     @staticmethod
     def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
-        """Recipe of a gas, which reads the bodies' motion: only what reaches its domain, unless it may burn or impacts raise dust in it."""
+        """Recipe of a gas, which reads the bodies' motion: only what reaches its domain, unless it may burn, or what comes in it goes by other caches."""
         found = gas_of(spec, name)
-        if found is None or found[2].fuel is not None or dusts_of(spec, name):
+        if found is None or found[2].fuel is not None or dusts_of(spec, name) or steams_of(spec, name):
             return coupled_recipe(spec, built)
         return reader_recipe(spec, built, name, caches, margin=REACH * found[2].resolution, rough=True)
 
@@ -114,9 +114,7 @@ class SolverGas(CoupledSolver):
         self.unit = np.array([self.engine.density * AIR_HEAT_CAPACITY * ambient, 1.0])
         """Heat of a unit of lightness and soot of a unit of soot, per volume."""
         self.emissions = {k: d for k, d in emissions_of(spec, self.name).items() if k not in self._done.without}
-        self.dusts = {k: d for k, d in dusts_of(spec, self.name).items() if k not in self._done.without}
-        masses = {n: yielding_mass(spec.entities[n], (k.mass for k in b.bodies)) for n, b in self.built.items()}
-        self._dust = Dust(self.dusts, entity, masses, self._caches or {}, self.grid, spec.simulation.fps) if self.dusts else None
+        self.coming = Coming(spec, self.name, self.built, self._caches or {}, self.grid, self._done.without)
         self.ignitions = {k: d for k, d in ignitions_of(spec, self.name).items() if k not in self._done.without}
         self._lit = {k: lit(d, middles) for k, d in self.ignitions.items()}
         self._sparks: tuple[str, ...] = ()
@@ -164,9 +162,7 @@ class SolverGas(CoupledSolver):
         if self.wind > 0.0:
             longest = min(longest, self.engine.settings.courant * self.grid.cell / self.wind)
         most = sum(d.rate for d in self.emissions.values()) * float(self.share.max())
-        if self._dust is not None:
-            puffs = self._dust.about(self.frame + 1)
-            most += sum(p.volume / self._dust.span * float(self._dust.shares(p, self._making)[1].max()) for p in puffs)
+        most += self.coming.strongest(self.frame + 1, self._making)
         return min(longest, SOURCE_SHARE / most) if most > 0.0 else longest
 
     def step(self, limit: float, bodies: BodyState, time: float) -> StepReport:
@@ -214,14 +210,7 @@ class SolverGas(CoupledSolver):
         end = time + seconds
         volume = sum(_made(d, time, end) for d in self.emissions.values()) if self.share.any() else 0.0
         rate = self.share * (volume / seconds)
-        if self._dust is None:
-            return rate, volume
-        for puff in self._dust.about(self.frame + 1):
-            given = puff.made(time, end, self._dust.span)
-            if given > 0.0:
-                at, share = self._dust.shares(puff, self._making)
-                rate[at] += share * (given / seconds)
-                volume += given
+        volume += self.coming.add(rate, self.frame + 1, (time, end), self._making)
         return rate, volume
 
     def _feed(self, made: F64, seconds: float) -> None:
@@ -342,6 +331,7 @@ class SolverGas(CoupledSolver):
         burning = {} if self.fuel is None else self._burning(state)
         return {
             **burning,
+            **self.coming.measured(self.frame),
             "gas_corner": self.grid.corner,
             "gas_soot": state[..., SOOT].copy(),
             "gas_temperature": engine.temperature.astype(np.float32),
@@ -367,8 +357,8 @@ class SolverGas(CoupledSolver):
         }
 
     def driver_names(self) -> tuple[str, ...]:
-        """Its emissions, ignitions and what raises dust."""
-        return (*self.emissions, *self.ignitions, *self.dusts)
+        """Its emissions, ignitions and what raises dust or makes steam."""
+        return (*self.emissions, *self.ignitions, *self.coming.drivers)
 
 
 def _made(driver: EmissionDriver, start: float, end: float) -> float:

@@ -9,6 +9,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
 from ..worlds.simulated_worlds import simulate
 from ..worlds.small_gas import SMOKE_PROMPT, dust_spec, fire_spec, hung_spec, kindled_spec, smoke_spec, torch_spec
+from ..worlds.small_steam import quench_spec
 from ._kept import kept_folder
 
 __all__ = ["CELL", "FRAMES", "KINDS", "SOLVER", "SOOT", "scene", "scene_spec"]
@@ -53,11 +54,12 @@ KINDS = (
     "torch",
     "hung",
     "dust",
+    "quench",
 )
 """A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
 fog; wind through the box; wind that begins later; a plate that is pulled through the smoke; wood gas that burns; methane that burns; propane hot enough to burn by itself; a fire
 whose fuel ends; a sheet beside a fire that catches it; one so far off that it does not; one that is swept
-through the flames; cloth that swings beside them; dust that a ball raises where it lands."""
+through the flames; cloth that swings beside them; dust that a ball raises where it lands; steam of a hot block in water."""
 
 FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propane", 3.0e4), "puffed": ("heptane", 6.0e4)}
 """Fuel and power [W] of the kinds that burn."""
@@ -107,12 +109,16 @@ def _fire(kind: str) -> dict[str, Any]:
     return spec
 
 
+def _dusty() -> dict[str, Any]:
+    return dust_spec(frames=FRAMES, resolution=CELL, fall=0.06, per_energy=1e-4)
+
+
 def scene_spec(kind: str) -> dict[str, Any]:
     """Specification of a kind, without its prompt."""
     if kind in FIRES:
         return _fire(kind)
-    if kind == "dust":
-        spec = dust_spec(frames=FRAMES, resolution=CELL, fall=0.06, per_energy=1e-4)
+    if kind in ("dust", "quench"):
+        spec = quench_spec(frames=FRAMES, resolution=CELL) if kind == "quench" else _dusty()
         spec["simulation"]["solvers"][SOLVER]["settings"]["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
         return spec
     if kind in MAKE:

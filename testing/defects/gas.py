@@ -22,6 +22,7 @@ from ..worlds.small_worlds import build_all
 from . import _fire_changes as fires
 from . import _gas_changes as changes
 from . import _kindling_changes as kindling
+from . import _steam_changes as steam
 from ._gas_changes import Change
 from ._gas_scenes import KINDS, SOLVER, scene, scene_spec
 from .cases import Mechanism, Suite, World
@@ -86,6 +87,16 @@ def _softer(document: dict[str, Any], magnitude: float) -> None:
     document["simulation"]["drivers"]["kick"]["per_energy"] *= 1.0 - magnitude
 
 
+def _cooler(document: dict[str, Any], magnitude: float) -> None:
+    """Hot matter is told to be less hot than it was."""
+    document["simulation"]["drivers"]["boils"]["temperature"] *= 1.0 - magnitude
+
+
+def _wide(document: dict[str, Any], magnitude: float) -> None:
+    """Steam comes in balls that stand out of the box."""
+    document["simulation"]["drivers"]["boils"]["radius"] = magnitude
+
+
 def _heavy(document: dict[str, Any], magnitude: float) -> None:
     document["simulation"]["gravity"] = [0.0, 0.0, 9.81 * magnitude]
 
@@ -126,6 +137,7 @@ def _looks(kinds: tuple[str, ...], change: Change = changes.still) -> Build:
 
 BURNING = ("fire", "burner")
 KINDLED = ("kindled", "torch", "hung")
+QUENCHED = ("quench",)
 BROKEN = (
     Mechanism("fade", "soot is lost from a frame on", True, _breaks(changes.fade, "soot"), 2e-4, 0.9, "1"),
     Mechanism("grow", "soot comes from nowhere", True, _breaks(changes.grow, "soot"), 2e-4, 0.9, "1"),
@@ -166,6 +178,14 @@ BROKEN = (
     Mechanism("shower", "more dust than impacts raise, and all books say so", True, _breaks(changes.overfeed, "emitted", kinds=("dust",)), 2e-3, 0.9, "1"),
     Mechanism("softer", "impacts raised more dust than is declared", True, _told(_softer, "emitted", kind="dust"), 2e-3, 0.9, "1"),
     Mechanism("hop", "all dust stands aside from a frame on", True, _breaks(changes.jump, "continuity", "carried", kinds=("dust",)), 2.0, 6.0, "cells"),
+    Mechanism("geyser", "more steam than boils, and all books of the gas say so", True, _breaks(changes.overfeed, "emitted", kinds=QUENCHED), 2e-3, 0.9, "1"),
+    Mechanism("scald", "more heat and steam than contacts give", True, _breaks(steam.scald, "boiled", kinds=QUENCHED), 2e-3, 1.0, "1"),
+    Mechanism("sprawl", "a larger contact than there is", True, _breaks(steam.sprawl, "boiled", kinds=QUENCHED), 2e-3, 1.0, "1"),
+    Mechanism("cooler", "what is hot was hotter than is told", True, _told(_cooler, "boiled", "emitted", kind="quench"), 2e-3, 0.5, "1"),
+    Mechanism("perpetual", "hot matter gives heat and keeps it", True, _breaks(steam.perpetual, "quenched", kinds=QUENCHED), 1e-3, 1.0, "1", 1e-4),
+    Mechanism("dilute", "less steam than its heat makes", True, _breaks(steam.dilute, "quenched", "boiled", kinds=QUENCHED), 2e-3, 0.9, "1"),
+    Mechanism("parch", "much of the water boils off, and its liquid keeps it", True, _breaks(steam.parch, "kept", kinds=QUENCHED), 0.06, 1.0, "1"),
+    Mechanism("astray", "steam would come above the box", True, _told(_wide, "above", kind="quench"), 0.6, 2.0, "m"),
     Mechanism("embezzle", "fuel is lost, burnt or not", True, _breaks(fires.embezzle, "fuel", kinds=BURNING), 2e-4, 0.9, "1"),
     Mechanism("lean", "more fuel came than the source has", True, _told(_lean, "fuel", kind="burner"), 2e-3, 0.9, "1"),
     Mechanism("flatter", "more heat than the fuel that burnt has", True, _breaks(fires.flatter, "burnt", kinds=BURNING), 0.01, 1.0, "1"),

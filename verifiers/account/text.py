@@ -205,7 +205,7 @@ def _one(meeting: Meeting, of: dict[str, Group], label: Callable[[str], str]) ->
     one, two = sorted((meeting.a, meeting.b), key=moved)
     how = f"hits {label(two)} at up to {number(meeting.speed)} m/s" if meeting.speed > MOVING else f"touches {label(two)}"
     often = f", {len(meeting.begins)} contacts until {seconds(meeting.begins[-1])} s" if len(meeting.begins) > 1 else ""
-    # What heats a body, or makes dust of it, has no impulse to tell: its push counts as without end.
+    # What heats a body, or makes dust or steam of it, has no impulse to tell: its push counts as without end.
     hard = f", {number(meeting.impulse)} N s in all" if np.isfinite(meeting.impulse) else ""
     return _Line("Time line", meeting.first, f"{seconds(meeting.first)} s: {label(one)} {how}{often}{hard}")
 

@@ -242,7 +242,7 @@ def _arrival(edge: Edge, reach: Reach) -> float:
 
 
 def _hop_text(hop: Hop) -> str:
-    through = "joint, heat or dust" if hop.impulse is None else f"{hop.impulse:.3g} N s"
+    through = "joint, heat, dust or steam" if hop.impulse is None else f"{hop.impulse:.3g} N s"
     return f"{hop.source} -> {hop.target} at {hop.time:.3f} s ({through})"
 
 

@@ -8,7 +8,7 @@ receiver through a link of a frame:
 - a **push** between matter and a body, over the whole frame: liquid, grains, cloth and what holds its pins. Such matter moves while it
   does on the whole. A body that no coupling lets feel it receives nothing from it.
 - **heat** that a gas gives a solid which may burn, over the whole frame; the solid need not move;
-- **dust** that a body raises where it hits something, while it comes;
+- **dust** that a body raises where it hits something, and **steam** where hot matter touches water, while they come;
 - a **joint**, spring or rope end while it holds, if the receiver moves.
 
 A live entity that comes to rest for longer than `PAUSE` is live no more; if it moves again by itself, that motion is

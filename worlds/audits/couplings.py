@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..categories.registry import CATEGORIES
-from ..instances import cloth_of, coupled_groups
+from ..instances import cloth_of, coupled_groups, watched_by
 from ..problems import Problem, replaced
 from ..spec import Coupling, WorldSpec
 
@@ -50,7 +50,7 @@ def _orders(spec: WorldSpec) -> Iterator[Problem]:
     plan = spec.simulation
     first = [s for s in plan.order if s in plan.solvers]
     for k, name in enumerate(first):
-        read = () if name in plan.rigid else (*plan.rigid, *cloth_of(spec, name))
+        read = () if name in plan.rigid else (*plan.rigid, *cloth_of(spec, name), *watched_by(spec, name))
         late = [r for r in first[k + 1 :] if r in read and not _share_group(spec, r, name)]
         if late:
             yield Problem(

@@ -4,7 +4,7 @@ from ..categories.cloth.models import ClothInstance, ClothPhysics, ClothPin, Clo
 from ..categories.domains import SidedDomain
 from ..categories.elastic.models import ElasticPhysics, Pin
 from ..categories.fracture.models import Bond, Breakable, BrickPattern, GlassPattern, VoronoiPattern, WoodPattern
-from ..categories.gas.models import DustDriver, EmissionDriver, GasInstance, GasPhysics, GasSettings, IgnitionDriver
+from ..categories.gas.models import DustDriver, EmissionDriver, GasInstance, GasPhysics, GasSettings, IgnitionDriver, SteamDriver
 from ..categories.liquid.models import (
     Current,
     DfsphInstance,
@@ -214,6 +214,7 @@ __all__ = [
     "Sphere",
     "SphereRegion",
     "SpringJoint",
+    "SteamDriver",
     "StemField",
     "Story",
     "Supports",

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ..categories.cloth.models import ClothInstance
-from ..categories.gas.models import DustDriver, EmissionDriver, GasInstance, IgnitionDriver
+from ..categories.gas.models import DustDriver, EmissionDriver, GasInstance, IgnitionDriver, SteamDriver
 from ..categories.liquid.models import DfsphInstance, FlipInstance, InflowDriver, OutflowDriver, WavesDriver
 from ..categories.particles.models import BallisticInstance, DemInstance, EmitterDriver
 from ..categories.rigid.joints import BallJoint, HingeJoint, SlideJoint, SpringJoint, WeldJoint
@@ -84,6 +84,7 @@ Driver = Annotated[
     | EmitterDriver
     | IgnitionDriver
     | DustDriver
+    | SteamDriver
     | InflowDriver
     | OutflowDriver
     | WavesDriver,

@@ -51,6 +51,8 @@ HEATED = 0.05
 frames gas may be hotter than at both ends."""
 CARRIED = 1e-3
 """[cells] Own choice: how far a piece of surface may be from its place on its body or cloth; frames of these are read and moved in double precision."""
+BOILED = 0.05
+"""[1] Own choice: of the water, that may become steam while its liquid keeps it: a level that is off by so much is hardly seen."""
 CUT = 0.05
 """[1] Own choice: optical depth across the smoke at an open side from which on one sees it end there; an eye sees a contrast of 0.02 to 0.05."""
 CROPPED = 0.5

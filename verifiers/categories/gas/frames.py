@@ -15,6 +15,7 @@ from ....worlds.categories.gas.facts import fuel_of, grid_of
 from ....worlds.errors import EvidenceError, NotFiniteError
 from ...rows.findings import cache_of
 from .bodies import Bodies
+from .boils import Boils, boils_of
 from .bounds import EVEN
 from .cells import FireCells, GasFrame
 from .combustion import Combustion
@@ -82,6 +83,11 @@ class GasBox:
     def surfaces(self) -> KindledSurfaces | None:
         """Surfaces of solids that may burn; None where there are none."""
         return surfaces_of_box(self.candidate, self.solver, self.cache, self.frames)
+
+    @property
+    def boils(self) -> Boils | None:
+        """Steam that is made in it where hot matter meets water; None where nothing does."""
+        return boils_of(self.candidate, self.solver)
 
     @cached_property
     def bodies(self) -> Bodies:

@@ -1,4 +1,4 @@
-"""Gases as the other verifiers ask for them: the soot that they carry, where it is and how it moves. They push nobody; impacts raise dust of them."""
+"""Gases as the other verifiers ask for them: the soot that they carry, where it is and how it moves. They push nobody; impacts raise dust of them, hot matter boils them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
 from ....worlds.categories.gas.burning import flammable_parts
 from ....worlds.categories.gas.facts import dusts_of
+from ....worlds.categories.gas.steam_facts import steams_of
 from ..judge import Push
 from ..loose import Loose, Sample
 from .bounds import CUT, STILL
@@ -55,11 +56,12 @@ class GasJudge(Loose):
         return numerical_rows(candidate, solver)
 
     def pushes(self, candidate: Candidate) -> list[list[Push]]:
-        """Heat that it gives to solids which may burn, per frame: from when one of their pieces is warmer than the air about; and what raises dust."""
+        """Heat that it gives to solids which may burn, per frame: from when one of their pieces is warmer than the air about; and what
+        raises dust or boils."""
         found: list[list[Push]] = [[] for _ in range(candidate.frame_count)]
         for solver, instance in self.instances(candidate.spec).items():
-            if dusts_of(candidate.spec, solver):
-                _add_dust(found, box_of(candidate, solver))
+            if dusts_of(candidate.spec, solver) or steams_of(candidate.spec, solver):
+                _add_puffs(found, box_of(candidate, solver))
             surfaces = box_of(candidate, solver).surfaces if flammable_parts(candidate.spec, solver) else None
             if surfaces is None:
                 continue
@@ -70,9 +72,10 @@ class GasJudge(Loose):
         return found
 
     def unfelt(self, spec: WorldSpec) -> set[tuple[str, str]]:
-        """Dust, and the bodies that raise it."""
-        drivers = spec.simulation.drivers.values()
-        return {(d.entity, body) for d in drivers if d.kind == "dust" for body in d.bodies}
+        """Dust and the bodies that raise it, steam and what it comes of."""
+        drivers = list(spec.simulation.drivers.values())
+        dust = {(d.entity, body) for d in drivers if d.kind == "dust" for body in d.bodies}
+        return dust | {(d.entity, other) for d in drivers if d.kind == "steam" for other in d.watched}
 
     def sample(self, candidate: Candidate, solver: str, row: int, frame: int) -> Sample:
         """Cells with the soot that they hold at a frame; of clear gas, with the air that it displaces."""
@@ -139,15 +142,15 @@ class GasJudge(Loose):
         return [*gas_lines(candidate.spec), *lost_lines(candidate)]
 
 
-def _add_dust(found: list[list[Push]], box: GasBox) -> None:
-    """Add to the pushes of each frame those of impacts that raise dust."""
+def _add_puffs(found: list[list[Push]], box: GasBox) -> None:
+    """Add to the pushes of each frame those of impacts that raise dust, and of what hot matter boils."""
     for source in box.sources:
         for puff in source.puffs:
             first = int(np.ceil(puff.begin / box.duration - 1e-9))
             for frame in range(max(first, 1), min(first + 2, len(found))):
                 start, end = max(puff.begin, (frame - 1) * box.duration), min(puff.end, frame * box.duration)
                 if start < end:
-                    found[frame].append(Push(puff.body, source.entity, start, end, np.inf))
+                    found[frame] += [Push(n, source.entity, start, end, np.inf) for n in (puff.body, *puff.water)]
 
 
 def seen(box: GasBox, frame: GasFrame) -> np.ndarray[Any, np.dtype[np.bool_]]:

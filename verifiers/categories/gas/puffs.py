@@ -38,7 +38,11 @@ class Puff:
     volume: float
     """[m^3] With its air."""
     body: str
-    """That struck."""
+    """That struck, or is hot."""
+    water: tuple[str, ...] = ()
+    """Liquids that it comes of, too."""
+    sudden: bool = True
+    """True where it pushes the air from one moment to the next."""
 
     def emitted(self, time: float) -> float:
         """Part of it that has come by a time [m^3]."""
@@ -50,7 +54,10 @@ class Puff:
 
     def reach(self, frame: GasFrame) -> float:
         """Distance from the impact within which its dust comes [m]: its ball, or the one whose cells have room for it at a frame."""
-        far = np.linalg.norm(frame.centers - self.point, axis=-1).ravel()
+        away = np.linalg.norm(frame.centers - self.point, axis=-1)
+        if float(frame.room[away <= self.radius].sum(dtype=np.float64)) * frame.cell**3 >= ROOMY * self.volume:
+            return self.radius + LEEWAY * frame.cell
+        far = away.ravel()
         order = np.argsort(far)
         held = np.cumsum(frame.room.ravel()[order].astype(np.float64)) * frame.cell**3
         enough = far[order[min(int(np.searchsorted(held, ROOMY * self.volume)), len(order) - 1)]]

@@ -6,7 +6,20 @@ from ...rows.questions import Question, by_name
 from ..questions import COUNTERS, FINITE, ITERATIONS, SPEED
 from .bounds import ACROSS, CUT
 
-__all__ = ["BOOKS", "ESCAPES", "FATE", "FIRES", "FLOW", "KINDLING", "LIMITS", "NUMBERS", "PLACES", "QUESTIONS", "TRANSPORT"]
+__all__ = [
+    "BOOKS",
+    "ESCAPES",
+    "FATE",
+    "FIRES",
+    "FLOW",
+    "KINDLING",
+    "LIMITS",
+    "NUMBERS",
+    "PLACES",
+    "QUESTIONS",
+    "STEAM",
+    "TRANSPORT",
+]
 
 
 def _asked(
@@ -266,6 +279,25 @@ KINDLING = by_name(
     ),
 )
 
+STEAM = by_name(
+    _asked(
+        "boiled",
+        "steam is what boils where hot matter touches water, by their caches and the boiling law",
+        "largest difference of area, heat or mass over the most of each",
+        "1",
+        "EMITTED",
+    ),
+    _asked(
+        "quenched",
+        "heat of the steam is what hot matter lost as it cooled, which never gets colder than boiling water",
+        "largest heat that is missing or too much, over what was given",
+        "1",
+        "BOOKS",
+    ),
+    _asked("above", "steam comes inside the box", "share of it that does not", "1", "EMITTED"),
+    _asked("kept", "little of the water boils off, since its liquid keeps it", "share of the water", "1", "BOILED"),
+)
+
 FATE = by_name(
     _asked(
         "fate",
@@ -277,4 +309,6 @@ FATE = by_name(
     ),
 )
 
-QUESTIONS = tuple(q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, FATE) for q in group.values())
+QUESTIONS = tuple(
+    q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, FATE) for q in group.values()
+)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ....worlds.categories.gas.facts import dusts_of, emissions_of
 from .register_of_fire import burning_lines
+from .steam_lines import steam_lines
 
 if TYPE_CHECKING:
     from ....worlds.spec import GasInstance, WorldSpec
@@ -74,7 +75,7 @@ def _of_source(spec: WorldSpec, name: str) -> list[tuple[str, str]]:
                 "no grain flies by itself; half the impulse times the closing speed counts as energy, also of what bounces",
             ),
         ]
-    return found
+    return [*found, *steam_lines(spec, name)]
 
 
 def _of_fire(member: str, fuel: str | None, instance: GasInstance) -> list[tuple[str, str]]:

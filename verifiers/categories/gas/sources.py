@@ -1,4 +1,4 @@
-"""Sources of gas as the specification declares them: the shape of the entity's parts, what drivers let out of it when, and what impacts raise."""
+"""Sources of gas as the specification declares them: the shape of the entity's parts, what drivers let out of it when, what impacts raise and what boils."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....geometry import Solid
 from ....worlds.arrays import F64
+from .boils import boils_of
 from .puffs import Puff, puffs_of
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Source:
     drivers: tuple[Any, ...]
     """Drivers of kind `emission`."""
     puffs: tuple[Puff, ...] = ()
-    """Dust of impacts."""
+    """Dust of impacts, steam of contacts."""
 
     @property
     def lower(self) -> F64:
@@ -95,7 +96,7 @@ class Source:
 
     def changes(self, start: float, end: float) -> bool:
         """True where its rate changes within [start, end) seconds."""
-        ends = [(d.start, d.end) for d in self.drivers] + [(p.begin, p.end) for p in self.puffs]
+        ends = [(d.start, d.end) for d in self.drivers] + [(p.begin, p.end) for p in self.puffs if p.sudden]
         return any(start <= t < end for pair in ends for t in pair if t is not None)
 
     def emitted(self, time: float) -> float:
@@ -123,10 +124,16 @@ def sources_of(candidate: Candidate, members: Sequence[str]) -> tuple[Source, ..
             name,
             _parts(candidate, name),
             tuple(d for d in drivers if d.kind == "emission" and d.entity == name),
-            puffs_of(candidate, name),
+            (*puffs_of(candidate, name), *_steam(candidate, name)),
         )
         for name in members
     )
+
+
+def _steam(candidate: Candidate, name: str) -> tuple[Puff, ...]:
+    """Puffs of steam of a gas."""
+    held = (n for n, i in candidate.spec.simulation.gas.items() if name in i.members)
+    return tuple(p for n in held if (found := boils_of(candidate, n)) is not None for p in found.puffs)
 
 
 def _parts(candidate: Candidate, name: str) -> tuple[Solid, ...]:

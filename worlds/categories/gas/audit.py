@@ -14,6 +14,8 @@ from ..loose import ROUNDED, domain_box, told_box
 from .burning import burning_problems
 from .dust import dust_problems
 from .facts import LEAST_CELLS, LEAST_SOURCE, dusts_of, emissions_of, fuel_of, gas_of, grid_of, ignitions_of
+from .steam import steam_problems
+from .steam_facts import steams_of
 
 if TYPE_CHECKING:
     from ...spec import Entity, FieldDriver, GasInstance, GasPhysics, IgnitionDriver, WorldSpec
@@ -79,7 +81,7 @@ def _instance(spec: WorldSpec, name: str, instance: GasInstance) -> Iterator[Pro
             f"at most {BOUSSINESQ:.0%} is described: let it expand",
             replaced(f"{place}/settings/expands", True),
         )
-    if (emissions_of(spec, name) or dusts_of(spec, name)) and "open" not in settings.domain.sides:
+    if (emissions_of(spec, name) or dusts_of(spec, name) or steams_of(spec, name)) and "open" not in settings.domain.sides:
         yield Problem(
             f"{place}/settings/domain/sides",
             f"{member!r} is let into a box without an open side, which has no room for it; open one, as the top",
@@ -163,6 +165,9 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
         elif driver.kind == "dust":
             emitting.add(driver.entity)
             yield from dust_problems(spec, key, driver)
+        elif driver.kind == "steam":
+            emitting.add(driver.entity)
+            yield from steam_problems(spec, key, driver)
         elif driver.kind == "emission":
             emitting.add(driver.entity)
             if entity is not None and not gas:
@@ -172,12 +177,12 @@ def _drivers(spec: WorldSpec) -> Iterator[Problem]:
         elif gas:
             yield Problem(
                 place,
-                f"driver {driver.kind!r} cannot act on a gas; use emission, dust, ignition, a field (wind), or a solid that moves it",
+                f"driver {driver.kind!r} cannot act on a gas; use emission, dust, steam, ignition, a field (wind), or a solid that moves it",
                 removed(place),
             )
     for name, entity in spec.entities.items():
         if entity.physics.category == "gas" and name not in emitting:
-            text = f"nothing makes the gas {name!r}; add a driver of kind 'emission' with its rate [m^3/s], or of kind 'dust' for what impacts raise"
+            text = f"nothing makes the gas {name!r}; add a driver of kind 'emission' with its rate [m^3/s], of kind 'dust' for what impacts raise, or of kind 'steam' where hot matter meets water"
             add = {
                 "op": "add",
                 "path": f"/simulation/drivers/{name}-source",

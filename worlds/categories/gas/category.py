@@ -10,7 +10,7 @@ from .audit import gas_problems
 from .burning import flammable_parts
 from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import gas_counts, gas_seconds
-from .models import DustDriver, EmissionDriver, GasInstance, GasPhysics, IgnitionDriver
+from .models import DustDriver, EmissionDriver, GasInstance, GasPhysics, IgnitionDriver, SteamDriver
 from .predicates import PREDICATES
 
 __all__ = ["GAS"]
@@ -21,7 +21,7 @@ GAS = CategorySpec(
     covers="smoke, steam, dust, hot air and fire on a grid, which solids stand in the way of and wind blows; it pushes nothing",
     physics=GasPhysics,
     instances=(GasInstance,),
-    drivers=(EmissionDriver, IgnitionDriver, DustDriver),
+    drivers=(EmissionDriver, IgnitionDriver, DustDriver, SteamDriver),
     predicates=PREDICATES,
     asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through, heat_release or gas_clears of it, burnt_share of what burns in it; it burns, rises, drifts, spreads, fills",
     meets=("rises", "drifts", "spreads", "fills"),
@@ -33,7 +33,13 @@ GAS = CategorySpec(
         *parameters(
             PHYSICS, "fuel fuel_share", "initial_state", "repair", "what burns, and how hot; rows hold its heat", physical=True
         ),
-        *parameters(DRIVER, "center radius per_energy bodies", "drivers", "repair", "drivers stand in the register"),
+        *parameters(
+            DRIVER,
+            "center radius per_energy bodies hot water temperature heat_capacity",
+            "drivers",
+            "repair",
+            "drivers stand in the register",
+        ),
         *DOMAIN,
         *SIDES,
         *STEPS,

@@ -9,6 +9,7 @@ from ...channel import Channel, quantity
 from ..shared_channels import MOTION
 from .burning import flammable_parts
 from .facts import gas_of
+from .steam_facts import steams_of
 
 if TYPE_CHECKING:
     from ...spec import WorldSpec
@@ -20,6 +21,7 @@ DIMENSIONS: Mapping[str, str] = {
     "cells y": "along y",
     "cells z": "along z",
     "pieces": "pieces of surfaces that may burn",
+    "hot": "hot entities that steam cools, by driver",
 }
 BOX = ("cells x", "cells y", "cells z")
 CHANNELS: Mapping[str, tuple[Channel, ...]] = {
@@ -69,14 +71,22 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
         quantity("surface_heat", "J", "in these surfaces above that at frame 0"),
         quantity("gasification_heat", "J", "that has made gas of them since frame 0", sign="+"),
     ),
+    "gas steam": (
+        Channel("steam_area", "f8", ("hot",), "m^2", "of hot entities against water", sign="+"),
+        Channel("steam_temperature", "f8", ("hot",), "K", "of hot entities", sign="+"),
+        Channel("steam_given", "f8", ("hot",), "J", "heat that they gave to make steam since frame 0", sign="+"),
+        quantity("steam_mass", "kg", "of water that has become steam since frame 0; its liquid keeps it", sign="+"),
+    ),
 }  # fmt: skip
 """By kind of writer."""
 
 
 def writers(spec: WorldSpec, name: str) -> Iterator[str]:
-    """Further kinds of writer: a gas that burns, and solids and cloth that burn in it."""
+    """Further kinds of writer: a gas that burns, solids and cloth that burn in it, and what makes steam."""
     held = gas_of(spec, name) if name in spec.simulation.gas else None
     if held is not None and held[2].fuel is not None:
         yield "gas fire"
     if held is not None and flammable_parts(spec, name):
         yield "gas kindling"
+    if held is not None and steams_of(spec, name):
+        yield "gas steam"

@@ -10,7 +10,16 @@ from ...matter import Instance, Matter, MatterShape, TimedDriver
 from ...vocabulary import EntityRef, NonNegative, Positive, SpecModel, Vec3
 from ..domains import SidedDomain
 
-__all__ = ["DustDriver", "EmissionDriver", "Flammable", "GasInstance", "GasPhysics", "GasSettings", "IgnitionDriver"]
+__all__ = [
+    "DustDriver",
+    "EmissionDriver",
+    "Flammable",
+    "GasInstance",
+    "GasPhysics",
+    "GasSettings",
+    "IgnitionDriver",
+    "SteamDriver",
+]
 
 Burns = Literal["methane", "propane", "methanol", "heptane", "wood"]
 
@@ -135,3 +144,33 @@ class DustDriver(TimedDriver):
     radius: Positive = Field(le=10.0, description="of the ball [m]; it widens until it has room for the dust")
     start: NonNegative = 0.0
     end: Positive | None = Field(default=None, description="[s]; default: to the end")
+
+
+class SteamDriver(TimedDriver):
+    """Steam where hot matter touches water during [start, end) seconds, by the heat flux of boiling water over the area of contact, which the
+    motion of both tells frame by frame. It comes in balls that stand on the water over the contact. The hot matter cools as a whole.
+    """
+
+    later: ClassVar[frozenset[str]] = frozenset({"temperature", "heat_capacity", "radius", "start", "end"})
+    kind: Literal["steam"] = "steam"
+    entity: EntityRef = Field(description="the gas: temperature 373.15, a soot_density for its drops, no fuel")
+    hot: Annotated[list[EntityRef], Field(min_length=1, max_length=16)] = Field(
+        description="rigid entities in one piece, or liquids of the water's instance, which have temperature and heat_capacity themselves"
+    )
+    water: Annotated[list[EntityRef], Field(min_length=1, max_length=8)] = Field(description="liquids of substance water")
+    temperature: float | None = Field(
+        default=None, ge=380, le=3000, description="of rigid hot entities at `start` [K]; it is not seen"
+    )
+    heat_capacity: float = Field(
+        default=800.0, ge=100, le=5000, description="of rigid hot entities [J/(kg K)]: stone 800, iron 450"
+    )
+    radius: Positive = Field(
+        le=10.0, description="of the balls [m], two cells at least; also half the width of what one ball gathers"
+    )
+    start: NonNegative = 0.0
+    end: Positive | None = Field(default=None, description="[s]; default: to the end")
+
+    @property
+    def watched(self) -> tuple[str, ...]:
+        """Hot matter and the water."""
+        return (*self.hot, *self.water)

@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from ..geometry.camera import Camera
+from ..rendering.categories.charring import Charring
 from ..rendering.categories.liquid.wet_look import Wetness
 from ..rendering.categories.registry import layers_of
 from ..rendering.tracer.batches import batches_of
@@ -49,7 +50,7 @@ def exported(candidate: Candidate, frame: int, camera: Camera, folder: Path) -> 
     looks = {name: m.appearance for name, m in spec.materials.items()}
     tiles = {name: pattern_tiles(look.pattern, look.color, seed=k) for k, (name, look) in enumerate(sorted(looks.items()))}
     scene: dict[str, Any] = {"meshes": [], "panels": [], "suns": []}
-    for number, (kind, batch) in enumerate(batches_of(candidate, layers, tiles, wetness).items()):
+    for number, (kind, batch) in enumerate(batches_of(candidate, layers, tiles, wetness, Charring(candidate)).items()):
         positions, normals = batch.placed(candidate, frame)
         look, tile = toned(looks[kind.material], tiles[kind.material].get(kind.layer), kind.tone)
         told: dict[str, Any] = {

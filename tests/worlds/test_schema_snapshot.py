@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "70eeedfce20a805a72f083aed501c00e784b3e5b4887a3995101f6e52bee07a2"
+SCHEMA = "8723f048204e2046945e393c39981d97ac0b49c2f767cf87008b2c05f7c3cb8d"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -18,6 +18,7 @@ from .contact_law import set_contact_law
 from .distances import nearest, settle_kinematics
 from .output import frame_channels, index_of
 from .records import velocities
+from .runaway import gave_up
 from .stepper import Stepper
 
 __all__ = ["SolverRigid"]
@@ -76,13 +77,19 @@ class SolverRigid(Stepper):
 
         Raises:
             InputError: not the next frame.
+            EngineError: the motion ran away, with the shortest step too.
         """
         self.begin_frame(frame)
         for level in range(self.settings.refine + 1):
             self.begin_attempt(level)
             if tell is not None and level > 0:
                 tell(0.0, self.repeats())
-            self.step_to(frame * self._frame_time)
+            try:
+                self.step_to(frame * self._frame_time)
+            except EngineError:
+                if level == self.settings.refine:
+                    raise
+                continue
             if self.end_attempt():
                 break
         self.end_frame()
@@ -140,12 +147,18 @@ class SolverRigid(Stepper):
             wrench: force and torque about the centre of mass, world axes, per entry of `rigid.bodies`, shape (n, 6) [N, N m].
             start: where time stands; default: where the last call of this frame ended.
             loads: forces at the simulation vertices of elastic entities, each (v, 3) [N].
+
+        Raises:
+            EngineError: MuJoCo gave up, as it does where a motion runs away.
         """
         begin = self.time if start is None else start
         self._exchange.give(self.data, wrench, loads)
         step = self.settings.step / 2**self.refined
-        with self.breakage.alone():
-            self._taken += self._run(begin, end, step, self._before)
+        try:
+            with self.breakage.alone():
+                self._taken += self._run(begin, end, step, self._before)
+        except (self._mj.FatalError, ZeroDivisionError) as error:
+            raise EngineError(gave_up(self.model, self.data, error, frame=self.frame + 1, step=step, solver=self.name)) from error
         self._exchange.end(self.data)
         self.time = end
 

@@ -120,6 +120,7 @@ class SceneRenderer:
         clear = {name: absorbed for _, one in made for name, absorbed in one.clear.items() if name not in away}
         self._fogs: dict[str, Fog] = {name: fog for _, one in made for name, fog in one.fogs.items() if name not in away}
         self._firm = {**self._fixed, **{name: shape for name, shape in shapes.items() if name not in self._fogs}}
+        self._bare: Any = None
         self.scene = mi.load_dict({**self._fixed, **shapes})
         self._parameters = mi.traverse(self.scene)
         depth = GLASS_DEPTH if self._glassy or clear else PATH_DEPTH
@@ -243,7 +244,7 @@ class SceneRenderer:
         """Where a pane is the first hit, shape (height, width); None in a world without panes."""
         if not self._panes:
             return None
-        mi, scene = self.mi, self.mi.load_dict(self._firm) if self._fogs else self.scene
+        mi, scene = self.mi, self._matter()
         origin, ways = camera.rays()
         across = ways.reshape(-1, 3)
         if self._scalar:
@@ -256,14 +257,25 @@ class SceneRenderer:
             found = np.any(own, axis=0)
         return np.asarray(found.reshape(ways.shape[:2]))
 
+    def _matter(self) -> Any:
+        """The scene without the boxes of gas, whose faces are no matter.
+
+        It shares its shapes with the whole one, so that it lives as long: lights that are shapes (hot liquids) hold on to the scene that was
+        loaded last, and a picture after that one was gone ended the process.
+        """
+        if not self._fogs:
+            return self.scene
+        if self._bare is None:
+            self._bare = self.mi.load_dict(self._firm)
+        return self._bare
+
     def _first_hit(self, integrator: Any, camera: Camera) -> F32:
         """Channels of the first hit.
 
         Mitsuba 3.9's `aov` integrator allocates per sample in the scalar variant, and threads fight over the heap:
         one sample on one thread is the fastest there (measured: 0.65 s against 2.2 s at 640x360).
         """
-        # The faces of a box of gas are no matter: it is looked at without them.
-        scene = self.mi.load_dict(self._firm) if self._fogs else self.scene
+        scene = self._matter()
         if not self._scalar:
             return self._render(integrator, camera, 4, 17, scene)
         import drjit

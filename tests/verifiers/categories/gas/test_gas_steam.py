@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from worldagent.geometry.camera import Camera
 from worldagent.physics.boiling import BOILING, STEAM_DENSITY, boiling_flux, steam_heat
+from worldagent.rendering.tracer.scene import SceneRenderer
 from worldagent.simulation.runs import reads
 from worldagent.testing.worlds.simulated_worlds import edited, simulate
 from worldagent.testing.worlds.small_steam import DEPTH, LAVA_PROMPT, QUENCH_PROMPT, WIDE, lava_spec, quench_spec
@@ -238,3 +240,13 @@ def test_heat_that_two_drivers_take_is_refused() -> None:
     drivers["again"] = dict(drivers["boils"])
     found = {p.pointer: p.text for p in gas_problems(WorldSpec.model_validate({"prompt": LAVA_PROMPT, **document}))}
     assert "is there once" in found["/simulation/drivers/again/hot/0"]
+
+
+def test_a_picture_of_lava_in_steam_follows_its_guides(lava: Candidate) -> None:
+    """What is looked at without the gas shares the light of the lava with the picture: when it was gone, the next picture ended the process."""
+    camera = Camera(np.array([-1.6, -1.6, 1.2]), np.array([0.0, 0.0, 0.2]), 40.0, 48, 27)
+    scene = SceneRenderer(lava, frame=FRAMES - 1)
+    for frame in (FRAMES - 2, FRAMES - 1):
+        scene.pose(frame)
+        scene.features(camera)
+        assert np.isfinite(scene.radiance(camera, 2)).all()

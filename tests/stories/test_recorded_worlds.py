@@ -61,6 +61,12 @@ JUDGED: dict[str, tuple[str, ...]] = {
     ),
     "gas/chimney": (*(f"causal:{a}:over" for a in ("comes", "blows", "without:comes", "without:blows")), *GAS),
     "gas/kettle": ("causal:boils:steams", "causal:without:boils:steams", "category:gas:energy:air", *GAS),
+    "gas/lava": (
+        *("causal:flows:reaches", "causal:reaches:comes", "causal:reaches:rises"),
+        *(f"causal:without:reaches:{name}" for name in ("comes", "rises")),
+        *(f"category:gas:{n}:air" for n in ("boiled", "quenched", "above", "kept")),
+        *GAS,
+    ),
     "gas/rockfall": (
         *("causal:rolls:drops", "causal:drops:lands", "causal:lands:spreads", "causal:without:lands:spreads"),
         *GAS,

@@ -31,6 +31,7 @@ GUIDES = sorted(SKILLS.glob("*/guide.json"))
         ("A brook runs through a valley into a lake.", {"outdoor-terrain"}, set(), "outdoor-terrain/example.json"),
         ("A red flag flutters in the wind.", {"cloth"}, {"flutters"}, "cloth/flag.json"),
         ("Sand runs out when the gate opens, and the heap topples a tile.", {"particles"}, {"opens", "topples"}, "particles/collapse.json"),
+        ("A lava tongue reaches a pond and steam rises.", {"gas"}, {"rises"}, "gas/lava.json"),
         ("Rauch zieht aus dem Schornstein.", {"gas"}, set(), "gas/chimney.json"),
         ("A red jelly falls on a plate and wobbles.", {"elastic-bodies"}, {"wobbles", "falls"}, "elastic-bodies/jelly.json"),
     ],

@@ -243,7 +243,7 @@ def test_heat_that_two_drivers_take_is_refused() -> None:
 
 
 def test_a_picture_of_lava_in_steam_follows_its_guides(lava: Candidate) -> None:
-    """What is looked at without the gas shares the light of the lava with the picture: when it was gone, the next picture ended the process."""
+    """The scene without the gas shares the light of the lava with the picture: when it was gone, the next picture ended the process."""
     camera = Camera(np.array([-1.6, -1.6, 1.2]), np.array([0.0, 0.0, 0.2]), 40.0, 48, 27)
     scene = SceneRenderer(lava, frame=FRAMES - 1)
     for frame in (FRAMES - 2, FRAMES - 1):

@@ -12,6 +12,7 @@ from worldagent.testing.worlds.small_cloth import CATCH_PROMPT, catch_spec
 from worldagent.testing.worlds.small_gas import KINDLED_PROMPT, SMOKE_PROMPT, kindled_spec, stirred_spec
 from worldagent.testing.worlds.small_grains import SPARK_PROMPT, spark_spec
 from worldagent.testing.worlds.small_soft import HAMMOCK_PROMPT, hammock_spec
+from worldagent.testing.worlds.small_steam import QUENCH_PROMPT, quench_spec
 from worldagent.worlds.built import BuiltEntity
 from worldagent.worlds.spec import WorldSpec
 
@@ -23,6 +24,7 @@ WORLDS: dict[str, Callable[[], WorldSpec]] = {
     "cloth that catches": lambda: spec_of(catch_spec(frames=FRAMES, resolution=0.1), CATCH_PROMPT),
     "jelly on cloth": lambda: spec_of(hammock_spec(frames=FRAMES, edge=0.055, drop=0.002, radius=None), HAMMOCK_PROMPT),
     "fire": lambda: spec_of(kindled_spec(frames=FRAMES), KINDLED_PROMPT),
+    "steam": lambda: spec_of(quench_spec(frames=FRAMES), QUENCH_PROMPT),
     "stirred gas": lambda: spec_of(stirred_spec(frames=FRAMES), SMOKE_PROMPT),
     "flight": lambda: spec_of(spark_spec(frames=FRAMES), SPARK_PROMPT),
 }

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from worldagent.simulation.gas.dust import Dust, Puff
+from worldagent.simulation.gas.puffs import Puff, spread
 from worldagent.testing.worlds.simulated_worlds import simulate
 from worldagent.testing.worlds.small_gas import DUST_PROMPT, dust_spec
 from worldagent.verifiers.categories.gas.check import category_rows, numerical_rows
@@ -92,9 +92,7 @@ def test_the_audit_names_a_body_that_cannot_raise_it() -> None:
 
 
 def test_more_dust_than_the_box_has_room_for_fills_all_of_it() -> None:
-    spec = _spec()
-    dust = Dust({}, spec.entities["dust"], {}, {}, Grid((3, 3, 3), 0.1, np.zeros(3)), 24)
     room = np.random.default_rng(1).uniform(0.1, 1.0, (3, 3, 3)).astype(np.float32)
-    at, share = dust.shares(Puff(0.0, np.full(3, 0.01), 0.02, 1e3), room)
+    at, share = spread(Grid((3, 3, 3), 0.1, np.zeros(3)), Puff(0.0, np.full(3, 0.01), 0.02, 1e3), room)
     assert float((share * room[at]).sum()) * 0.1**3 == pytest.approx(1.0)
     assert share.shape == room.shape

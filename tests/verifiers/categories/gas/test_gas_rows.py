@@ -19,6 +19,7 @@ from worldagent.verifiers.categories.gas.flow import mirrored, net_outflow
 from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.kindling import Kindling
 from worldagent.verifiers.categories.gas.reach import within_reach
+from worldagent.verifiers.categories.gas.steaming import Steaming
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import WorldSpec
@@ -41,7 +42,11 @@ def forge(tmp_path: Path) -> Forge:
 def test_every_row_of_a_sound_room_passes_or_has_no_case() -> None:
     rows = rows_of(scene("room"))
     assert set(rows) == {n for watch in WATCHES for n in watch.questions} | {"frames", "digest"}
-    assert {n for n, r in rows.items() if r.status != "pass"} == {*Fires.questions, *Kindling.questions}  # it has no fuel
+    assert {n for n, r in rows.items() if r.status != "pass"} == {
+        *Fires.questions,  # it has no fuel
+        *Kindling.questions,
+        *Steaming.questions,
+    }
 
 
 def test_smoke_that_leaves_is_counted_by_two_routes_and_the_side_that_cuts_it_off_is_named() -> None:

@@ -28,7 +28,7 @@ from ..rendering.categories.charring import Charring
 from ..rendering.categories.liquid.wet_look import Wetness
 from ..rendering.categories.registry import layers_of
 from ..rendering.tracer.batches import batches_of
-from ..rendering.tracer.lights import DAYLIGHT_EFFICACY, LUMINANCE, light_dicts
+from ..rendering.tracer.lights import LUMINANCE, lamp_radiance, light_dicts
 from ..rendering.tracer.materials import toned
 from ..rendering.tracer.textures import pattern_tiles
 from ..rendering.tracer.variant import load_mitsuba
@@ -57,7 +57,7 @@ def exported(candidate: Candidate, frame: int, camera: Camera, folder: Path) -> 
             "color": look.color, "roughness": max(look.roughness, 0.03), "metallic": look.metallic, "transmission": look.transmission,
         }  # fmt: skip
         if kind.lamp:
-            told["radiance"] = _radiance(candidate, kind.lamp, positions, batch.surface.faces)
+            told["radiance"] = lamp_radiance(spec.look.lamps[kind.lamp], positions, batch.surface.faces).tolist()
         if tile is not None:
             told |= {"texture": f"tile{number}.exr", "sharp": tile.sharp}
             mi.Bitmap(np.ascontiguousarray(tile.image, dtype=np.float32)).write(str(folder / told["texture"]))
@@ -83,17 +83,6 @@ def exported(candidate: Candidate, frame: int, camera: Camera, folder: Path) -> 
         "position": list(map(float, camera.position)), "axes": camera.axes.tolist(), "fov_deg": camera.fov_deg, "size": [camera.width, camera.height],
     }  # fmt: skip
     (folder / "scene.json").write_text(json.dumps(scene))
-
-
-def _radiance(candidate: Candidate, lamp: str, positions: F32, faces: Any) -> list[float]:
-    """Radiance of a lamp's surface, as `rendering.tracer.lights.lamp_shape` gives it [W/(m^2 sr)]."""
-    from ..rendering.glow import glow
-
-    one = candidate.spec.look.lamps[lamp]
-    corners = positions[faces].astype(np.float64)
-    area = float(0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum())
-    color = glow(np.array(one.kelvin))
-    return [float(c) for c in color / float(color @ LUMINANCE) * one.lumens / DAYLIGHT_EFFICACY / (math.pi * area)]
 
 
 def _sky(mi: Any, emitter: dict[str, Any]) -> F32:

@@ -28,7 +28,7 @@ FPS = 24
 STAGES = (24, 48)
 """Frames at which detail is compared: as smoke meets the ball, and as it has passed it."""
 BUOYANCY = 0.25
-"""For smoke and for heat, where Mantaflow's default is 1: with it both fronts stand within 3 cells at every stage of 64^3."""
+"""For smoke and for heat, where Mantaflow's default is 1: with it both fronts stand within 2 cells of each other at both stages of 64^3."""
 SEEN = 0.02
 """Own choice: of the source's smoke, from which on it counts for the front."""
 _PEER = f"""

@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...worlds.arrays import F32
+from ...worlds.arrays import F32, F64
 from ...worlds.candidate import Candidate
 from ...worlds.spec import AreaLight, Lamp, Look
 from ..glow import glow
@@ -22,7 +23,7 @@ from .meshes import mesh_of, rgb
 from .surfaces import Surface
 from .textures import pattern_tiles
 
-__all__ = ["ground_level", "lamp_shape", "light_dicts", "reaches_horizon"]
+__all__ = ["ground_level", "lamp_radiance", "lamp_shape", "light_dicts", "reaches_horizon"]
 
 SUN_SKY_SCALE = 700.0
 """Mitsuba's sunsky with turbidity 3 gives 1.0 on the ground at 40 deg (measured); this makes it W/m^2."""
@@ -152,12 +153,23 @@ def _declared(mi: Any, light: AreaLight) -> dict[str, Any]:
     return _panel(mi, list(light.position), list(light.target), light.size, radiance)
 
 
-def lamp_shape(mi: Any, lamp: Lamp, name: str, surface: Surface, placed: tuple[F32, F32]) -> Any:
-    """A part that shines evenly over its surface, with the flux of its lamp and the colour of a black body."""
-    corners = surface.positions[surface.faces]
+def lamp_radiance(lamp: Lamp, positions: F32 | F64, faces: NDArray[np.int32]) -> F64:
+    """Radiance of a part that shines evenly over its surface, with the flux of its lamp and the colour of a black body [W/(m^2 sr)], shape (3,).
+
+    Args:
+        lamp: its lumens and colour temperature.
+        positions: corners of the part [m], shape (n, 3).
+        faces: its triangles, shape (m, 3).
+    """
+    corners = positions[faces]
     area = float(0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum())
     color = glow(np.array(lamp.kelvin))
-    radiance = color / float(color @ LUMINANCE) * lamp.lumens / DAYLIGHT_EFFICACY / (math.pi * area)
+    return np.asarray(color / float(color @ LUMINANCE) * lamp.lumens / DAYLIGHT_EFFICACY / (math.pi * area))
+
+
+def lamp_shape(mi: Any, lamp: Lamp, name: str, surface: Surface, placed: tuple[F32, F32]) -> Any:
+    """A part that shines evenly over its surface."""
+    radiance = lamp_radiance(lamp, surface.positions, surface.faces)
     emitter = mi.load_dict({"type": "area", "radiance": rgb(radiance)})
     bsdf = mi.load_dict({"type": "diffuse", "reflectance": rgb((0.8, 0.8, 0.8))})
     return mesh_of(mi, name, (placed[0], surface.faces), bsdf, normals=placed[1], uv=surface.uv, emitter=emitter)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....physics.boiling import BOILING, steam_heat
 from ....worlds.arrays import F64
-from ....worlds.categories.gas.steam_facts import water_temperature
+from ....worlds.categories.gas.steam_facts import steams_of, water_temperature
 from ....worlds.errors import EvidenceError
 from ...rows.findings import Finding
 from .bounds import BOILED, BOOKS, EMITTED
@@ -93,8 +93,9 @@ class Steaming:
         temperature, given = self._recorded(boils, "steam_temperature"), self._recorded(boils, "steam_given")
         first, capacity = np.array([h.temperature for h in hot]), boils.body * np.array([h.heat_capacity for h in hot])
         lost = np.where(capacity > 0.0, capacity * (first - temperature), 0.0)
-        drivers = self.box.candidate.spec.simulation.drivers
-        costs = np.array([steam_heat(water_temperature(self.box.candidate.spec, drivers[h.driver])) for h in hot])  # type: ignore[arg-type]
+        spec = self.box.candidate.spec
+        drivers = steams_of(spec, self.box.solver)
+        costs = np.array([steam_heat(water_temperature(spec, drivers[h.driver])) for h in hot])
         held = self.box.record("steam_mass")
         scale = max(float(given.sum(axis=1).max()), BOOKS * float((capacity * (first - BOILING)).sum(axis=1).max()), TINY)
         rounding = 1e-9 * float((capacity * first).sum(axis=1).max())

@@ -73,6 +73,16 @@ def test_rows_of_other_processors_are_known(measured: float, status: str, told: 
     assert len(list(golden.differences({"w": [ROW]}, now, elsewhere))) == told
 
 
+@pytest.mark.parametrize(
+    ("others", "status", "told"), [((0.26, 0.27), "pass", 0), ((0.26, 0.27), "fail", 2), ((0.26, 0.25), "pass", 1)]
+)
+def test_a_row_that_three_processors_measure_differently_is_noise(others: tuple[float, ...], status: str, told: int) -> None:
+    """Its status still counts; a number that equals the recorded one is no other."""
+    elsewhere = {"w": [["scale:cube", "pass", value, *ROW[3:]] for value in others]}
+    now = {"w": [["scale:cube", status, 0.4, *ROW[3:]]]}
+    assert len(list(golden.differences({"w": [ROW]}, now, elsewhere))) == told
+
+
 def test_only_what_is_measured_is_kept_of_another_processor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(golden, "GOLDEN", tmp_path)
     monkeypatch.setattr(golden, "PROCESSORS", tmp_path / "processors")

@@ -2,10 +2,11 @@
 
     python -P -m worldagent.bench.cycles_peer --flat 41 --room living --out pictures
     python -P -m worldagent.bench.cycles_peer --flat 41 --room kitchen --eye 1 2 1.5 --target 3 4 0.8 --out pictures
+    python -P -m worldagent.bench.cycles_peer --recorded gas/kettle --frame 48 --out pictures    # bakes it first
 
 Writes `ours.png` and `cycles.png`, both exposed by our meter and developed alike, and prints times and how far the two differ. What a body
-looks like goes over as a principled material with its texture, the sky as a picture, sun and lamps by their power. Liquids, gas, land,
-wetness and glow are left out of Cycles' picture: it is for rooms and other solids.
+looks like goes over as a principled material with its texture, the sky as a picture, sun and lamps by their power, gas as a volume that
+takes, scatters and gives the same light. Liquids, land, wetness and the glow of solids are left out of Cycles' picture.
 """
 
 from __future__ import annotations
@@ -32,8 +33,10 @@ from ..rendering.tracer.lights import LUMINANCE, lamp_radiance, light_dicts
 from ..rendering.tracer.materials import toned
 from ..rendering.tracer.textures import pattern_tiles
 from ..rendering.tracer.variant import load_mitsuba
+from ..rendering.views import camera_for
 from ..worlds.arrays import F32, F64
 from ..worlds.candidate import Candidate
+from .cycles_gas import export_gases
 from .cycles_scene import SCRIPT
 from .mantaflow import ENV_BLENDER
 
@@ -77,8 +80,12 @@ def exported(candidate: Candidate, frame: int, camera: Camera, folder: Path) -> 
         )
     if "sun" in lights:
         scene["suns"].append(_sun_of(mi, lights["sun"], camera))
+    scene["volumes"] = export_gases(candidate, frame, folder)
     if "ground" in lights:
-        scene["ground"] = {"level": float(np.array(lights["ground"]["to_world"].matrix)[2, 3]), "color": [0.3, 0.29, 0.265]}
+        scene["ground"] = {
+            "level": float(np.array(lights["ground"]["to_world"].matrix)[2, 3]),
+            "color": _mean_color(lights["ground"]),
+        }
     scene["camera"] = {
         "position": list(map(float, camera.position)), "axes": camera.axes.tolist(), "fov_deg": camera.fov_deg, "size": [camera.width, camera.height],
     }  # fmt: skip
@@ -114,6 +121,15 @@ def _sky(mi: Any, emitter: dict[str, Any]) -> F32:
         si.wi = mi.Vector3f(*(-ways.T.astype(np.float32)))
         found = np.array(scene.environment().eval(si), dtype=np.float32).T
     return np.ascontiguousarray(found.reshape(rows, columns, 3))
+
+
+def _mean_color(ground: dict[str, Any]) -> list[float]:
+    """Reflectance of the added ground, without its mottles."""
+    look = ground["bsdf"]["reflectance"]
+    if look["type"] == "rgb":
+        return list(look["value"])
+    found: list[float] = np.array(look["bitmap"]).mean(axis=(0, 1)).tolist()
+    return found
 
 
 def _sun_of(mi: Any, disk: dict[str, Any], camera: Camera) -> dict[str, Any]:
@@ -223,23 +239,55 @@ def _flat(number: int, *, ceiling: bool) -> Candidate:
     return Candidate(session.folder.root, session.spec, build_world(session.folder, session.spec)[0], "static")
 
 
+def _recorded(name: str, frame: int, root: Path) -> Candidate:
+    """A world that a skill records, simulated up to a frame in a folder; a run that is there already is taken."""
+    from ..construction import build_world
+    from ..simulation.schedule import run_frames
+    from ..testing.defects.accepted import recorded
+    from ..worlds.folder import WorldFolder
+
+    worlds = dict(recorded())
+    if name not in worlds:
+        raise SystemExit(f"no recorded world {name!r}; there are {', '.join(sorted(worlds))}")
+    root.mkdir(parents=True, exist_ok=True)
+    built, _ = build_world(WorldFolder(root), worlds[name])
+    caches = run_frames(worlds[name], built, root / "run", frames=frame + 1)
+    return Candidate(root, worlds[name], built, "probe", caches)
+
+
+def _chosen(given: argparse.Namespace) -> tuple[Candidate, Camera]:
+    """The candidate that was asked for, and the camera."""
+    size = tuple(given.size)
+    if given.recorded:
+        root = given.folder or Path(tempfile.mkdtemp(prefix="cycles-peer-"))
+        candidate = _recorded(given.recorded, given.frame, root)
+        camera = camera_for(candidate, given.frame, shot=given.shot, width=size[0], height=size[1])
+    else:
+        candidate = _flat(given.flat, ceiling=given.ceiling)
+        camera = _room_camera(candidate, given.room, size)
+    if given.eye:
+        camera = Camera(np.array(given.eye), np.array(given.target), camera.fov_deg, *size)
+    return candidate, camera
+
+
 def main(argv: list[str] | None = None) -> None:
     """Render one picture with both and print the figures as JSON."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--flat", type=int, default=41, help="number of the flat")
     parser.add_argument("--room", default="living", help="its room")
     parser.add_argument("--ceiling", action="store_true", help="with a ceiling: windows and lamps light the room")
+    parser.add_argument("--recorded", help="a world that a skill records, in place of a flat, as gas/kettle")
+    parser.add_argument("--frame", type=int, default=0, help="of that world")
+    parser.add_argument("--shot", help="of that world; default: the one that covers the frame")
+    parser.add_argument("--folder", type=Path, help="where that world is simulated; default: a new one")
     parser.add_argument("--eye", type=float, nargs=3, help="place of the camera [m]; default: a corner of the room")
     parser.add_argument("--target", type=float, nargs=3, help="what it looks at [m]")
     parser.add_argument("--size", type=int, nargs=2, default=(960, 540), help="pixels")
     parser.add_argument("--samples", type=int, default=64, help="of a pixel")
     parser.add_argument("--out", type=Path, required=True, help="folder for the pictures")
     given = parser.parse_args(argv)
-    candidate = _flat(given.flat, ceiling=given.ceiling)
-    camera = _room_camera(candidate, given.room, tuple(given.size))
-    if given.eye:
-        camera = Camera(np.array(given.eye), np.array(given.target), camera.fov_deg, *given.size)
-    print(json.dumps(compare(candidate, 0, camera, given.out, given.samples)))
+    candidate, camera = _chosen(given)
+    print(json.dumps(compare(candidate, given.frame, camera, given.out, given.samples)))
 
 
 if __name__ == "__main__":

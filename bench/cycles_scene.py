@@ -8,13 +8,15 @@ from array import array
 from pathlib import Path
 from mathutils import Matrix, Vector
 
+THROUGH = 0.85**0.5  # of one face: a pane of index 1.5 lets 0.85 of diffuse light through (Fresnel, all angles)
 folder, samples = Path(sys.argv[-2]), int(sys.argv[-1])
 told = json.loads((folder / "scene.json").read_text())
 bpy.ops.wm.read_factory_settings(use_empty=True)
 scene = bpy.context.scene
 scene.render.engine = "CYCLES"
 scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = samples, False, False
-scene.cycles.max_bounces = 12
+for kind in ("max", "diffuse", "glossy", "transmission", "volume", "transparent_max"):
+    setattr(scene.cycles, kind + "_bounces", 32)
 scene.cycles.sample_clamp_indirect = 0.0
 scene.view_settings.view_transform = "Raw"
 
@@ -41,9 +43,14 @@ def principled(name, color, roughness, metallic, transmission, texture=None, sha
         shader.inputs["Emission"].default_value = (*[c / strength for c in radiance], 1.0)
         shader.inputs["Emission Strength"].default_value = strength
     if transmission >= 0.5:
-        # Panes let the sun in, as ours do; Cycles has no light through glass but by chance.
-        seen, clear, mix = (nodes.new(kind) for kind in ("ShaderNodeLightPath", "ShaderNodeBsdfTransparent", "ShaderNodeMixShader"))
-        links.new(seen.outputs["Is Shadow Ray"], mix.inputs[0])
+        # Panes let light through to what is matt, as ours do; Cycles has none through glass but by chance.
+        seen, either = nodes.new("ShaderNodeLightPath"), nodes.new("ShaderNodeMath")
+        clear, mix = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeMixShader")
+        either.operation = "MAXIMUM"
+        clear.inputs["Color"].default_value = (THROUGH, THROUGH, THROUGH, 1.0)
+        links.new(seen.outputs["Is Shadow Ray"], either.inputs[0])
+        links.new(seen.outputs["Is Diffuse Ray"], either.inputs[1])
+        links.new(either.outputs["Value"], mix.inputs[0])
         links.new(shader.outputs["BSDF"], mix.inputs[1])
         links.new(clear.outputs["BSDF"], mix.inputs[2])
         links.new(mix.outputs["Shader"], nodes["Material Output"].inputs["Surface"])
@@ -75,6 +82,35 @@ for number, one in enumerate(told["meshes"]):
     mesh.normals_split_custom_set_from_vertices(rows(values(f"{name}.normals", "f"), 3))
     mesh.materials.append(principled(f"m{number}", **one))
     scene.collection.objects.link(bpy.data.objects.new(f"o{number}", mesh))
+for volume in told.get("volumes", ()):
+    made = bpy.data.volumes.new("gas")
+    made.filepath, made.render.space, made.render.step_size = volume["path"], "WORLD", 0.5 * volume["cell"]
+    material = bpy.data.materials.new("gas")
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    density = nodes.new("ShaderNodeAttribute")
+    density.attribute_name = "density"
+    parts = [nodes.new("ShaderNodeVolumeScatter"), nodes.new("ShaderNodeVolumeAbsorption")]
+    parts[0].inputs["Anisotropy"].default_value = volume["asymmetry"]
+    for part in parts:
+        part.inputs["Color"].default_value = (*volume["albedo"], 1.0)
+        links.new(density.outputs["Fac"], part.inputs["Density"])
+    if volume["glows"]:
+        glow, light = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeEmission")
+        glow.attribute_name, light.inputs["Strength"].default_value = "glow", 1.0
+        links.new(glow.outputs["Color"], light.inputs["Color"])
+        parts.append(light)
+    whole = parts[0].outputs[0]
+    for part in parts[1:]:
+        both = nodes.new("ShaderNodeAddShader")
+        links.new(whole, both.inputs[0])
+        links.new(part.outputs[0], both.inputs[1])
+        whole = both.outputs[0]
+    links.new(whole, nodes.new("ShaderNodeOutputMaterial").inputs["Volume"])
+    made.materials.append(material)
+    scene.collection.objects.link(bpy.data.objects.new("gas", made))
+scene.cycles.volume_max_steps = 4096
 if "ground" in told:
     bpy.ops.mesh.primitive_plane_add(size=2000.0, location=(0, 0, told["ground"]["level"]))
     bpy.context.object.data.materials.append(principled("ground", told["ground"]["color"], 1.0, 0.0, 0.0))

@@ -156,7 +156,7 @@ def _add_proofs(add: _Add) -> None:
     volumes.add_argument("folder", type=Path, metavar="FOLDER", help="world folder (holds world.json)")
     volumes.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the files")
     volumes.add_argument("--frames", type=int, nargs=2, metavar=("FIRST", "LAST"), help="default: all")
-    volumes.add_argument("--suffix", choices=("nvdb", "vdb"), default="nvdb", help="vdb needs the module openvdb")
+    volumes.add_argument("--suffix", choices=("nvdb", "vdb"), default="nvdb", help="vdb needs a Python with the module openvdb")
 
 
 def _port(text: str) -> int:

@@ -1,9 +1,7 @@
-"""Gas of a baked world as files of sparse volumes, for other renderers: NanoVDB, and OpenVDB where its module is installed."""
+"""Gas of a baked world as files of sparse volumes, for other renderers: NanoVDB, and OpenVDB where a Python has its module."""
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -13,6 +11,7 @@ import numpy as np
 from ..worlds.errors import EvidenceError, InputError
 from ..worlds.folder import WorldFolder
 from ..worlds.patch import parse_spec
+from .openvdb import Volume, python_with_openvdb, write_volumes
 
 if TYPE_CHECKING:
     from ..worlds.arrays import F32, F64
@@ -63,8 +62,8 @@ def volume_files(candidate: Candidate, out: Path, frames: Sequence[int], suffix:
         InputError: there is no gas, or OpenVDB's module is missing.
         EvidenceError: a cache is damaged or holds what is no gas.
     """
-    if suffix == "vdb" and importlib.util.find_spec("openvdb") is None:
-        raise InputError("this Python has no module openvdb, which .vdb needs; install it, or ask for nvdb")
+    if suffix == "vdb":
+        python_with_openvdb()
     if not candidate.gas_caches:
         raise InputError("no gas is simulated in this world; volumes are made of gas")
     out.mkdir(parents=True, exist_ok=True)
@@ -96,12 +95,5 @@ def _write_nanovdb(path: Path, values: F32, middle: F64, cell: float, name: str)
 
 
 def _write_openvdb(path: Path, values: F32, middle: F64, cell: float, name: str) -> None:
-    """Write the same as a named grid; what is no more than the least value is left out."""
-    vdb = importlib.import_module("openvdb")
-    grid = vdb.FloatGrid(background=float(values.min()))
-    grid.copyFromArray(values)
-    grid.name = name
-    matrix = np.diag([cell, cell, cell, 1.0])
-    matrix[3, :3] = middle
-    grid.transform = vdb.createLinearTransform(matrix.tolist())
-    vdb.write(str(path), grids=[grid])
+    """Write the same as a named grid."""
+    write_volumes([Volume(path, {name: values}, middle, cell)])

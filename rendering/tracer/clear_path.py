@@ -20,6 +20,8 @@ __all__ = ["IOR", "clear_path"]
 
 IOR = 1.333
 """Refractive index of water; other liquids differ by less than 0.15."""
+PANE_IOR = 1.5
+"""Refractive index of window glass and of clear plastics."""
 FACES = 10
 """Most faces of liquids that light towards a point crosses."""
 _made: dict[str, type] = {}
@@ -111,7 +113,7 @@ def _towards(self: Any, scene: Any, start: Any, ds: Any, within: Any, active: An
         hit &= crossed
         normal = dr.dot(ray.d, si.n)
         share[hit] = share * dr.exp(-dr.select(liquid & (normal > 0), sigma, inside) * si.t)
-        reflected, _, _, _ = mi.fresnel(dr.abs(normal), IOR)
+        reflected, _, _, _ = mi.fresnel(dr.abs(normal), dr.select(liquid, IOR, PANE_IOR))
         share[hit] = share * (1 - reflected)
         share[active & ~hit] = share * dr.exp(-inside * dr.minimum(left, 1e6))
         inside[hit & liquid] = dr.select(normal < 0, sigma, 0)
@@ -143,7 +145,7 @@ def _turned(si: Any, direction: Any, normal: Any, liquid: Any, straight: Any, ch
     import mitsuba as mi
 
     bare, bent, _, ratio = mi.fresnel(-dr.dot(direction, si.sh_frame.n), IOR)
-    outer, _, _, _ = mi.fresnel(dr.abs(normal), IOR)
+    outer, _, _, _ = mi.fresnel(dr.abs(normal), dr.select(liquid, IOR, PANE_IOR))
     within = liquid & (normal > 0)
     held = dr.select(within, 1 - 1 / IOR**2, 0)
     mirrored = chance < dr.select(straight, held, bare)

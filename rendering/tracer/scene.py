@@ -26,9 +26,10 @@ from .variant import load_mitsuba
 
 __all__ = ["Features", "SceneRenderer"]
 
-PATH_DEPTH = 5
-"""Longest light path in segments; glass needs `GLASS_DEPTH`."""
-GLASS_DEPTH = 9
+PATH_DEPTH, ROULETTE = 24, 5
+"""Longest light path in segments, so that white rooms keep their light (0.8^24 is 0.5 %), and from where on paths of little weight are
+ended; glass needs `GLASS_DEPTH`."""
+GLASS_DEPTH = 32
 FOG_DEPTH, FOG_ROULETTE = 32, 12
 """The same where there is gas, of which each scattering is a segment, and from where on paths of little weight are ended."""
 RAYS_PER_PASS = 4_000_000
@@ -131,7 +132,7 @@ class SceneRenderer:
             faces, panes = [shapes[name] for name in clear], [self._fixed[name] for name in self._panes]
             self._path = clear_path(mi, faces, list(clear.values()), panes, depth)
         else:
-            self._path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": depth})
+            self._path = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": ROULETTE})
 
     def pose(self, frame: int, without: str | None = None) -> None:
         """Move every body to where it is at `frame`, and leave one entity out."""

@@ -38,7 +38,7 @@ def joined(spec: WorldSpec) -> set[frozenset[str]]:
 
 
 class Reach:
-    """Whether parts of a candidate can have met between two frames."""
+    """Proofs that parts of a candidate have not met between two frames."""
 
     def __init__(self, candidate: Candidate, skins: float) -> None:
         self.candidate, self.skins = candidate, skins

@@ -6,6 +6,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pydantic import BaseModel
+
 from ..worlds.folder import WorldFolder
 from .arrangements import Array, AssetAsk, Beside, Station
 from .places_asked import Asked
@@ -22,7 +24,7 @@ RESTLESS = ("support:balance", "support:grip", "support:derived")
 """Questions about bodies that a settle run answers."""
 PLACED = 0.2
 """Own choice: share of the work before the checks, for progress alone."""
-_MODELS = {"asset": AssetAsk, "beside": Beside, "river": Station, "array": Array}
+_MODELS: dict[str, type[BaseModel]] = {"asset": AssetAsk, "beside": Beside, "river": Station, "array": Array}
 _TUPLES = ("at", "group")
 
 
@@ -39,7 +41,7 @@ def asked_of(data: dict[str, Any] | None) -> Asked | None:
     """The place that is asked for, from its data as `asked_plain` gives it."""
     if data is None:
         return None
-    models = {k: _MODELS[k].model_validate(v) for k, v in data.items() if k in _MODELS}
+    models: dict[str, Any] = {k: _MODELS[k].model_validate(v) for k, v in data.items() if k in _MODELS}
     tuples = {k: tuple(data[k]) for k in _TUPLES if k in data}
     return Asked(**{**data, **models, **tuples})
 

@@ -95,5 +95,8 @@ def _told(context: ToolContext, job: Job, *, detail: bool, warnings: Sequence[st
     if reply_of is None:
         return ToolReply(answer({**data, "result": job.result or {}}, f"{job.kind} of {job.world} is done", ""))
     reply = reply_of(job)
-    head = [reply.data[k] for k in ("summary", "next", "warnings")]
-    return ToolReply(answer({**data, "result": dict(reply.data)}, *head), links=reply.links)
+    warnings_now = context.heard.without_repeats(job.world or "", reply.data["warnings"])
+    result = {**reply.data, "warnings": warnings_now}
+    return ToolReply(
+        answer({**data, "result": result}, reply.data["summary"], reply.data["next"], warnings_now), links=reply.links
+    )

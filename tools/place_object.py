@@ -117,22 +117,23 @@ def place_object(
             del ends
             context.progress(done, total, message)
 
-        return _told(world, place_and_check(session, asked, reasons, tell), entity, detail)
+        return _told(context, world, place_and_check(session, asked, reasons, tell), entity, detail)
     given = {"hypothesis": hypothesis, "weakening_reason": weakening_reason}
     payload = {"asked": asked_plain(asked), "entity": entity, "detail": detail, **{k: v for k, v in given.items() if v}}
     key = f"place:{digest_of(payload)}:{session.revision}"
     data = start_and_wait(context, session, "placing", payload, wait_s=wait_s, key=key, reuse=False)
-    return _told(world, data, entity, detail)
+    return _told(context, world, data, entity, detail)
 
 
 def placed_reply(job: Job) -> ToolReply:
     """Reply for a scene whose job has ended."""
     from ..workflow.waiting import ended_data
 
-    return _told(str(job.world), ended_data(job), job.payload.get("entity"), job.payload.get("detail", "concise"))
+    return _told(None, str(job.world), ended_data(job), job.payload.get("entity"), job.payload.get("detail", "concise"))
 
 
-def _told(world: str, data: dict[str, Any], entity: str | None, detail: RowDetail) -> ToolReply:
+def _told(context: ToolContext | None, world: str, data: dict[str, Any], entity: str | None, detail: RowDetail) -> ToolReply:
+    """Reply about a scene; `context`: the call that takes it, whose session is told standing warnings once (`job` does so itself)."""
     from ..workflow.answers import answer, call, job_answer, rows_answer
 
     if "state" in data:
@@ -141,6 +142,8 @@ def _told(world: str, data: dict[str, Any], entity: str | None, detail: RowDetai
         open_rows = ", ".join(data["audit_open"])
         text = f"{data['pose']['position']} is where it stands; static checks wait for the audit, which leaves {open_rows} open"
         return ToolReply(answer(data, text, "place_object for more, then edit_spec: mend the audit's open rows"))
+    if context is not None:
+        data = {**data, "warnings": context.heard.without_repeats(world, data["warnings"])}
     restless, complete, fresh = (data.pop(k) for k in ("restless", "audit_passed", "built_total"))
     passed = data["static_passed"]
     verdict = "the static checks pass" if passed else f"{data['counts']['fail']} static rows fail"

@@ -113,7 +113,9 @@ def test_the_frames_of_a_stopped_run_are_read_drawn_and_judged(slow: Agent, judg
     assert checked["next"].startswith(("edit_spec", "probe_sim"))
 
 
-def test_a_prefix_in_which_only_its_engine_failed_passes_no_gate(agent: Agent, judged: None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_prefix_in_which_only_its_engine_failed_passes_no_gate(
+    agent: Agent, judged: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     agent.call("edit_spec", world="w", prompt=PROMPT, spec=small_spec())
     agent.call("place_object", world="w")
     whole = Run.advance

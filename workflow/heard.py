@@ -24,7 +24,8 @@ class Heard:
 
     def news(self, world: str, lines: Iterable[str]) -> list[str]:
         """Lines that this session has not been told of a world yet, and one that counts the others; from now on all are told."""
-        fresh, known = [], []
+        fresh: list[str] = []
+        known: list[str] = []
         with self._lock:
             for line in lines:
                 key = (world, _NUMBERS.sub("#", line))
@@ -35,10 +36,11 @@ class Heard:
     def without_repeats(self, world: str, lines: Iterable[str]) -> list[str]:
         """Lines without those of standing warnings that this session was told already, which are counted; the others are told whenever they come up."""
         with self._lock:
-            known = {text for name, text in self._told if name == world}
-        standing, others = [], []
+            told = {text for name, text in self._told if name == world}
+        standing: list[str] = []
+        others: list[str] = []
         for line in lines:
-            (standing if line.startswith(AT_START) or _NUMBERS.sub("#", line) in known else others).append(line)
+            (standing if line.startswith(AT_START) or _NUMBERS.sub("#", line) in told else others).append(line)
         return [*others, *self.news(world, standing)]
 
 

@@ -38,6 +38,7 @@ from .imports import load_heights, load_mesh
 from .polygons import convex_partition, signed_area, triangulate
 from .stems import load_stems
 from .sweeps import swept
+from .turned import stacked_pieces
 
 __all__ = ["ShapeGeometry", "build_shape"]
 
@@ -219,7 +220,7 @@ def _turns_convex(ring: list[tuple[float, float]], on_axis: list[bool]) -> bool:
 
 
 def _revolution(shape: Revolution) -> ShapeGeometry:
-    """Each convex piece of the profile, times each segment, is a convex piece: an exact decomposition."""
+    """Each convex piece of the profile, times each segment, is a convex piece; a solid that goes up from axis to axis is a stack of fewer: both exact."""
     profile = list(shape.profile)
     if signed_area(profile) < 0:
         profile = profile[::-1]
@@ -232,9 +233,16 @@ def _revolution(shape: Revolution) -> ShapeGeometry:
         if not (on_axis[k] and on_axis[m]):
             faces += _band(index[k], index[m])
     mesh = _mesh(vertices, faces)
+    rings = convex_partition(profile)
+    discs = [r for r in rings if _turns_convex([profile[i] for i in r], [on_axis[i] for i in r])]
+    stack = stacked_pieces(profile, on_axis)
+    if stack and len(stack) < len(discs) + segments * (len(rings) - len(discs)):
+        return ShapeGeometry(
+            mesh, tuple(_hull(mesh.vertices[sorted({v for i in p for v in index[i]})]) for p in stack), True, 0.0, None
+        )
     pieces = []
-    for ring in convex_partition(profile):
-        if _turns_convex([profile[i] for i in ring], [on_axis[i] for i in ring]):
+    for ring in rings:
+        if ring in discs:
             # One convex piece: a disc, not a cake of wedges.
             pieces.append(_hull(mesh.vertices[sorted({v for i in ring for v in index[i]})]))
             continue

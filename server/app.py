@@ -25,6 +25,7 @@ from .. import __version__
 from ..execution import JobStore
 from ..workflow.answers import HEAD_SCHEMA
 from ..workflow.context import ToolBinding, ToolContext
+from ..workflow.heard import Heard
 from ..workflow.table_entries import entry_of
 from ..worlds.bounds import shown
 from ..worlds.errors import InputError
@@ -107,6 +108,8 @@ class WorldServer(MCPServer[Any]):
             if binding.name in self._bindings:
                 raise ValueError(f"two tools are named {binding.name!r}")
             self._bindings[binding.name] = (binding, Arguments(binding))
+        self._heard: Heard | None = None
+        """Warnings that the only client was told; None where there may be several, whom the protocol does not tell apart."""
         self._replies = {kind: reply for binding in tools for kind, reply in binding.jobs.items()}
         self._described = [_described(*pair) for pair in self._bindings.values()]
         self._quick, self._waiting = anyio.CapacityLimiter(TOOLS_AT_A_TIME), anyio.CapacityLimiter(WAITING_AT_A_TIME)
@@ -166,8 +169,13 @@ class WorldServer(MCPServer[Any]):
 
     async def run_stdio_async(self) -> None:
         """Serve one client over stdin and stdout until stdin ends."""
+        self.serve_one()
         async with stdio_streams() as (read, write):
             await self._lowlevel_server.run(read, write, self._lowlevel_server.create_initialization_options())
+
+    def serve_one(self) -> None:
+        """All calls from now on are of one client: what it was told once need not be told again."""
+        self._heard = Heard()
 
     def _context_of(self, progress: Callable[[float, float | None, str], None], cancelled: Callable[[], bool]) -> ToolContext:
         return ToolContext(
@@ -177,6 +185,7 @@ class WorldServer(MCPServer[Any]):
             cancelled=cancelled,
             handover=HANDOVER.get(),
             replies=self._replies,
+            heard=self._heard or Heard(),
         )
 
     async def list_resources(self) -> list[Resource]:

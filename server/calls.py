@@ -30,7 +30,7 @@ from ..worlds.storage import storage_failure
 
 __all__ = ["Progress", "error_result", "error_text", "reply_result", "result_of_reply", "run_in_thread"]
 
-HEARTBEAT_S = 10.0
+HEARTBEAT_S = 4.0
 """Longest silence of a running call [s]; clients cut calls that stay silent for minutes."""
 PROGRESS_CHARACTERS = 400
 ERROR_CHARACTERS = 8000

@@ -10,9 +10,9 @@ from .build_terrain import build_terrain, landscape_reply
 from .edit_spec import edit_spec
 from .inspect_world import inspect_world
 from .job import job
-from .place_object import place_object
+from .place_object import place_object, placed_reply
 from .probe_sim import probe_sim
-from .render_shot import film_reply, render_shot
+from .render_shot import film_reply, picture_reply, render_shot
 from .run_checks import run_checks, verdict_reply
 
 __all__ = ["TOOLS", "Handover", "Picture", "ToolBinding", "ToolContext", "ToolReply"]
@@ -53,6 +53,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         "Build, place and check objects",
         read_only=False,
         idempotent=True,
+        jobs={"placing": placed_reply},
         meta=_found_by("place, move, copy, scatter or float objects and groups; check overlap and support"),
     ),
     ToolBinding(
@@ -87,7 +88,7 @@ TOOLS: tuple[ToolBinding, ...] = (
         read_only=False,
         idempotent=True,
         pictures=True,
-        jobs={"final": film_reply},
+        jobs={"final": film_reply, "picture": picture_reply},
         words={"kind": RENDER_KINDS},
         meta=_found_by("render pictures, contact sheet, plots, final video of a world"),
     ),

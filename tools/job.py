@@ -35,7 +35,7 @@ def job(
     offset: Annotated[int, Field(ge=0, le=100_000, description="For list: how many of the newest to skip")] = 0,
     detail: Annotated[bool, Field(description="Also times, caps, memory and CPU time used, and where the log is")] = False,
 ) -> ToolReply:
-    """Ask about, wait for, cancel or list the jobs that probe_sim, bake_sim, run_checks and render_shot started.
+    """Ask about, wait for, cancel or list the jobs that place_object, probe_sim, bake_sim, run_checks and render_shot started.
 
     Use wait with the job_id of a reply that was not finished; it answers when the job ends or after wait_s, then call it again.
     Jobs live on when the client goes away. A done job's `result` is what the tool would have returned. cancel takes effect
@@ -95,5 +95,8 @@ def _told(context: ToolContext, job: Job, *, detail: bool, warnings: Sequence[st
     if reply_of is None:
         return ToolReply(answer({**data, "result": job.result or {}}, f"{job.kind} of {job.world} is done", ""))
     reply = reply_of(job)
-    head = [reply.data[k] for k in ("summary", "next", "warnings")]
-    return ToolReply(answer({**data, "result": dict(reply.data)}, *head), links=reply.links)
+    warnings_now = context.heard.without_repeats(job.world or "", reply.data["warnings"])
+    result = {**reply.data, "warnings": warnings_now}
+    return ToolReply(
+        answer({**data, "result": result}, reply.data["summary"], reply.data["next"], warnings_now), links=reply.links
+    )

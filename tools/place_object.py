@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from ..workflow.arguments import Hypothesis, RowDetail, WeakeningReason, WorldId
+from ..workflow.arguments import Hypothesis, RowDetail, WaitSeconds, WeakeningReason, WorldId
 from ..workflow.arrangements import Array, AssetAsk, Beside, Station
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
 
-__all__ = ["place_object"]
+if TYPE_CHECKING:
+    from ..execution import Job
 
-RESTLESS = ("support:balance", "support:grip", "support:derived")
-"""Questions about bodies that a settle run answers."""
+__all__ = ["place_object", "placed_reply"]
 
 
 def place_object(
@@ -66,6 +66,7 @@ def place_object(
     hypothesis: Hypothesis = "",
     weakening_reason: WeakeningReason = "",
     detail: RowDetail = "concise",
+    wait_s: WaitSeconds = 30.0,
 ) -> ToolReply:
     """Build the shapes of all entities and run the static checks; with `entity`, move that one first.
 
@@ -73,24 +74,23 @@ def place_object(
     support until it rests with a gap of two collision skins (0.1 mm between static things); `at`, `beside` or `river`, and `yaw_deg`, choose where and how; `tilt`
     lays it along the slope. `group` moves an assembly as one, `copy` copies it, `array` makes many. All of it is one revision and one
     change; after a failed row it needs a hypothesis, except the first one onto a support while nothing else fails.
-    Returns: ids and poses, overlaps, what was left behind, what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch.
+    Returns: ids and poses, overlaps, what was left behind, what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch;
+    or, of a scene of many entities, a job_id when it takes longer than wait_s.
     Not for: declaring that something carries something (a `supports` relation in /graph/relations, by edit_spec).
     Refused: while the audit fails (beats and claims may be missing yet, not wrong); a place that overlaps (`strict`); an entity that is not above `on`.
     Next: probe_sim when static_passed, else mend the first open row; render_shot shows the scene.
     """
-    from ..workflow.answers import call, rows_answer, weaker_told
-    from ..workflow.early_words import unmet_at_start
     from ..workflow.job_kinds import ENTRIES
-    from ..workflow.placement import place
     from ..workflow.places_asked import Asked
-    from ..workflow.rows import summary
+    from ..workflow.placing import asked_plain, place_and_check, takes_long
     from ..workflow.session import Session
+    from ..workflow.waiting import start_and_wait
+    from ..worlds.canonical import digest_of
 
     session = Session.open(context.workspace, world)
     context.jobs.warm_up(ENTRIES)
     if asset is None:
         session.require_audit("place_object", still=True)
-    outcome: dict[str, Any] = {}
     where: dict[str, Any] = {
         "asset": asset,
         "on": on,
@@ -104,52 +104,57 @@ def place_object(
         "copy": copy,
         "array": array,
     }
+    asked: Asked | None = None
     if entity is not None:
-        more = {
-            **where,
-            "group": None if group is None else tuple(group),
-            "tilt": tilt,
-            "lay": lay,
-            "cameras": cameras,
-            "strict": strict,
-        }
-        outcome = place(session, Asked(entity, **more), hypothesis=hypothesis, weakening_reason=weakening_reason)
+        together = None if group is None else tuple(group)
+        asked = Asked(entity, **where, group=together, tilt=tilt, lay=lay, cameras=cameras, strict=strict)
     elif tilt or lay or group is not None or any(v is not None for v in where.values()):
         raise InputError("on, at, height, yaw_deg and all else that says where need entity")
-    if asset is not None and not session.buildable(session.audit()):
-        return _unjudged(session, outcome)
-    rows, changed, fresh = session.check_static()
-    passed = all(r.status in ("pass", "not_applicable") for r in rows if r.mandatory and r.check != "shots")
-    data = {
-        "world": world,
-        "revision": session.revision,
-        **outcome,
-        "built": fresh if len(fresh) <= 20 else [*fresh[:20], f"and {len(fresh) - 20} more"],
-        "static_passed": passed,
-        "changed_rows": len(changed),
-        **summary(rows, static=True),
-        "warnings": [*outcome.get("warnings", ()), *weaker_told(outcome), *unmet_at_start(session)],
-    }
-    moved = "" if entity is None else _said(entity, outcome)
-    found = data["counts"]
-    verdict = "the static checks pass" if passed else f"{found['fail']} static rows fail"
+    reasons = (hypothesis, weakening_reason)
+    if not takes_long(session, asked):
+
+        def tell(done: float, total: float, message: str, ends: float | None = None) -> None:
+            del ends
+            context.progress(done, total, message)
+
+        return _told(context, world, place_and_check(session, asked, reasons, tell), entity, detail)
+    given = {"hypothesis": hypothesis, "weakening_reason": weakening_reason}
+    payload = {"asked": asked_plain(asked), "entity": entity, "detail": detail, **{k: v for k, v in given.items() if v}}
+    key = f"place:{digest_of(payload)}:{session.revision}"
+    data = start_and_wait(context, session, "placing", payload, wait_s=wait_s, key=key, reuse=False)
+    return _told(context, world, data, entity, detail)
+
+
+def placed_reply(job: Job) -> ToolReply:
+    """Reply for a scene whose job has ended."""
+    from ..workflow.waiting import ended_data
+
+    return _told(None, str(job.world), ended_data(job), job.payload.get("entity"), job.payload.get("detail", "concise"))
+
+
+def _told(context: ToolContext | None, world: str, data: dict[str, Any], entity: str | None, detail: RowDetail) -> ToolReply:
+    """Reply about a scene; `context`: the call that takes it, whose session is told standing warnings once (`job` does so itself)."""
+    from ..workflow.answers import answer, call, job_answer, rows_answer
+
+    if "state" in data:
+        return ToolReply(job_answer(data))
+    if "audit_open" in data:
+        open_rows = ", ".join(data["audit_open"])
+        text = f"{data['pose']['position']} is where it stands; static checks wait for the audit, which leaves {open_rows} open"
+        return ToolReply(answer(data, text, "place_object for more, then edit_spec: mend the audit's open rows"))
+    if context is not None:
+        data = {**data, "warnings": context.heard.without_repeats(world, data["warnings"])}
+    restless, complete, fresh = (data.pop(k) for k in ("restless", "audit_passed", "built_total"))
+    passed = data["static_passed"]
+    verdict = "the static checks pass" if passed else f"{data['counts']['fail']} static rows fail"
     then = call("probe_sim", world=world) if passed else "edit_spec or place_object: mend the first open row, one group at a time"
-    if passed and not session.audit().passed:
+    if passed and not complete:
         then = "place_object for more; edit_spec: beats and claims, which the audit still asks for"
-    if not passed and any(r.status == "fail" and r.question in RESTLESS for r in rows) and session.spec.simulation.settle is None:
+    if not passed and restless:
         then += "; bodies that would first have to come to rest: add /simulation/settle {}, and they do before frame 0"
     links = ((f"{world} matrix", f"worldagent://worlds/{world}/matrix", "application/json"),)
-    return ToolReply(rows_answer(world, data, detail, f"{moved}{len(fresh)} entities built anew; {verdict}", then), links=links)
-
-
-def _unjudged(session: Any, outcome: dict[str, Any]) -> ToolReply:
-    """Reply after an asset was made in a world whose audit still has open rows: static checks wait for it."""
-    from ..workflow.answers import answer
-
-    open_rows = [r.id for r in session.audit().rows if r.mandatory and r.status != "pass"]
-    data = {"world": session.folder.id, "revision": session.revision, **outcome, "audit_open": open_rows}
-    text = f"{outcome['pose']['position']} is where it stands; static checks wait for the audit, which leaves {', '.join(open_rows)} open"
-    return ToolReply(answer(data, text, "place_object for more, then edit_spec: mend the audit's open rows"))
+    moved = "" if entity is None else _said(entity, data)
+    return ToolReply(rows_answer(world, data, detail, f"{moved}{fresh} entities built anew; {verdict}", then), links=links)
 
 
 def _said(entity: str, outcome: dict[str, Any]) -> str:

@@ -62,7 +62,7 @@ def probe_sim(
     from ..workflow.session import Session
 
     session = Session.open(context.workspace, world)
-    warnings = session.require_audit("probe_sim").told
+    warnings = context.heard.news(world, session.require_audit("probe_sim").told)
     if sketch is not None:
         return _sketch(context, session, sketch, wait_s, detail)
     _require_static(session)

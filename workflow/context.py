@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from .heard import Heard
+
 if TYPE_CHECKING:
     from ..execution import Job, JobStore
 
@@ -38,6 +40,8 @@ class ToolContext:
     """Given when the client takes a running job instead of the reply."""
     replies: Mapping[str, Callable[[Job], ToolReply]] = field(default_factory=dict)
     """By kind of job: the reply of the tool that starts such jobs, for one that has ended."""
+    heard: Heard = field(default_factory=Heard)
+    """Warnings that this client's session has been told."""
 
 
 @dataclass(frozen=True)

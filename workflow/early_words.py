@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .heard import AT_START
+
 if TYPE_CHECKING:
     from ..worlds.spec import ClaimType
     from .session import Session
@@ -27,7 +29,6 @@ def unmet_at_start(session: Session) -> list[str]:
     rows = check(Candidate(session.folder.root, session.spec, built, "static"), PLACES)
     failing = [r for r in rows if r.status == "fail"]
     told = [
-        f"not so at frame 0: {r.id}: {r.evidence['explanation']}; mend it now, unless it comes to be so later"
-        for r in failing[:NAMED]
+        f"{AT_START}: {r.id}: {r.evidence['explanation']}; mend it now, unless it comes to be so later" for r in failing[:NAMED]
     ]
     return [*told, *([f"and {len(failing) - NAMED} more words of place"] if len(failing) > NAMED else [])]

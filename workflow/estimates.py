@@ -21,6 +21,7 @@ __all__ = [
     "bake_estimate",
     "film_estimate",
     "pace_seen",
+    "still_estimate",
     "still_took",
     "usual_seconds",
 ]
@@ -152,7 +153,12 @@ def film_estimate(
         if job.kind == "final" and job.state == "done" and past.get("seconds_per_frame"):
             rate = float(past["seconds_per_frame"]) / float(past["width"] * past["height"] * past["samples"])
             return round(rate * paths, 1)
-    pace = None if folder is None else _pace_of_stills(folder)
+    return None if folder is None else still_estimate(folder, paths)
+
+
+def still_estimate(folder: WorldFolder, paths: int) -> float | None:
+    """Seconds that a still of so many paths takes, by the pace of the world's stills; None before the first."""
+    pace = _pace_of_stills(folder)
     return None if pace is None else round(pace * paths, 1)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..execution import BULK, INTERACTIVE, NORMAL, Job
 from .answers import call
@@ -29,6 +29,8 @@ class JobKind:
     """Arguments of that tool which the job's payload holds."""
     fixed: dict[str, str] = field(default_factory=dict)
     """Arguments of that tool which are the same for all jobs of the kind."""
+    alone: bool = True
+    """True if it is one after another with the others of its world; one that only looks, or that a caller does between two looks, is not."""
     keeps: str = ""
     """Sentence on the way the same call goes on with the work of a job that was interrupted."""
 
@@ -50,6 +52,8 @@ KINDS: dict[str, JobKind] = {
     "accept": JobKind(NORMAL, 12 * HOUR_S, "run_checks", fixed={"scope": "acceptance"}),
     "review": JobKind(NORMAL, HOUR_S, "run_checks", fixed={"scope": "review"}, keeps="keeps answers that are recorded"),
     "bake": JobKind(BULK, 48 * HOUR_S, "bake_sim", keeps="goes on from the last checkpoint of the bake"),
+    "placing": JobKind(INTERACTIVE, HOUR_S, "place_object", ("hypothesis", "weakening_reason"), alone=False),
+    "picture": JobKind(INTERACTIVE, HOUR_S, "render_shot", alone=False),
     "final": JobKind(
         BULK,
         96 * HOUR_S,
@@ -75,5 +79,16 @@ def again(job: Job) -> Again:
     kind = KINDS.get(job.kind)
     if kind is None or job.world is None or job.state not in ("cancelled", "lost"):
         return Again("", "")
-    given = {name: job.payload.get(name) or None for name in kind.arguments}
+    given = {name: job.payload.get(name) or None for name in kind.arguments} | _asked(job)
     return Again(call(kind.tool, world=job.world, **kind.fixed, **given), kind.keeps)
+
+
+def _asked(job: Job) -> dict[str, Any]:
+    """Arguments that a job keeps together, without those that are not given."""
+    asked = job.payload.get("asked")
+    if job.kind not in ("placing", "picture") or not isinstance(asked, dict):
+        return {}
+    if job.kind == "placing":
+        return asked
+    width, height = asked.get("size") or (None, None)
+    return {**{k: v for k, v in asked.items() if k != "size"}, "width": width, "height": height}

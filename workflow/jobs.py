@@ -15,18 +15,20 @@ from .gates import require_acceptance, require_probe, require_true_geometry
 from .interiors import interior
 from .landscapes import terrain
 from .pictures import film_sheet, motion_sheet
+from .placing import placing
 from .probes import judge_probe, probe, probe_candidate
 from .rows import summary
 from .running import Running
 from .session import Session
 from .sketches import sketch
+from .taken_pictures import picture
 from .work import Work, first_true_frames, open_work, with_variants
 
 if TYPE_CHECKING:
     from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
 
-__all__ = ["accept", "bake", "check", "final", "interior", "probe", "review", "sketch", "terrain"]
+__all__ = ["accept", "bake", "check", "final", "interior", "picture", "placing", "probe", "review", "sketch", "terrain"]
 
 WARM = (
     "cv2",

@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from ..execution import Cancelled, JobContext, Part
 from ..worlds.begun import open_begun
+from ..worlds.cache import Cache
+from ..worlds.candidate import Candidate
 from ..worlds.errors import EngineError, EvidenceError
+from ..worlds.gave_up import GaveUp, forget, note
 from .estimates import Pace
 from .gates import stored_rows
 from .joint_repairs import said_by
@@ -21,7 +24,6 @@ from .running import Running
 from .work import Work, first_true_frames, open_work, with_variants
 
 if TYPE_CHECKING:
-    from ..worlds.candidate import Candidate
     from ..worlds.requirements import Row
 
 __all__ = ["judge_probe", "probe", "probe_candidate", "taken_frames"]
@@ -158,6 +160,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     pace = Pace(Part(context.progress, 0.0, split, alike=stretches))
     started, stopped = time.monotonic(), False
     seconds: dict[str, float] = {}
+    forget(session.folder.candidate(freeze) / "probe")
     try:
         candidate = run_probe(
             session.folder, freeze, built=built, overrides=overrides, check=attended.check,
@@ -287,14 +290,47 @@ def _phases(candidate: Candidate) -> dict[str, Any]:
 
 
 def _failed(work: Work, error: EngineError, context: JobContext) -> EngineError:
-    """The error of an engine, after what it left was judged: with the frames that there are, and the rows that fail there."""
+    """The error of an engine, after what it left was judged: with the frames that there are, and the rows that fail there.
+
+    One of them is about the failure itself, so that an edit can name it.
+    """
+    from ..verifiers.categories.container import given_up
+    from ..verifiers.categories.questions import FRAMES
+    from ..verifiers.rows.instance_rows import instance_answer
+
+    run, known = work.session.folder.candidate(work.freeze) / "probe", error.where
+    candidate: Candidate | None
     try:
         candidate = probe_candidate(work)
+        reached = candidate.last_frame
     except EvidenceError:
-        return error
+        candidate, reached = None, -1
+    solver = known.get("solver") or _behind(work, run)
+    ended = GaveUp(solver, int(known.get("frame", reached + 1)), str(error), tuple(known.get("entities", ())), known.get("place"))
+    note(run, ended)
+    if candidate is None:
+        still = Candidate(work.session.folder.root, work.session.spec, work.built, "static")
+        row = instance_answer(still, FRAMES, solver, given_up(still, ended))
+        with work.session.ledger.together():
+            work.session.ledger.close_iterations(work.freeze[:16], [row.id], [row], revision=work.session.revision)
+            work.session.record(work.session.cited([row]), stage="probe")
+        return EngineError(f"{error}. It wrote no frame; row {row.id} fails, which an edit's repairs can name")
     found = judge_probe(work, candidate, Part(context.progress, 0.9, 1.0), seconds={}, settings={}, stopped=[])
     failing = [r["id"] for r in found["open_rows"] if r.get("status") == "fail"]
     rows = f"; failing there: {', '.join(failing[:NAMED])}" if failing else ""
     return EngineError(
         f"{error}. Frames 0..{candidate.last_frame} are whole and judged{rows}: look at them with render_shot and inspect_world(part='state')"
     )
+
+
+def _behind(work: Work, run: Path) -> str:
+    """The instance that has written the fewest frames: where an error names none, it is its engine's."""
+    plan = work.session.spec.simulation
+
+    def count(name: str) -> int:
+        try:
+            return len(Cache(run / name).digests())
+        except EvidenceError:
+            return 0
+
+    return min(plan.solvers, key=count)

@@ -6,6 +6,7 @@ Each skill names its words, and which of its sections and examples they call for
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -51,6 +52,8 @@ BASE = ("world-building", "rigid-bodies")
 """Skills of every world, after those that its words call for."""
 MANY = 4
 """Own choice: a section for which so many different words call is told before others of its skill."""
+OFF_BALANCE = ("tips", "topples")
+"""Kinds of event of what goes, gets or throws out of balance."""
 SKILLS = Path(__file__).resolve().parent.parent / "skills"
 _DEFAULT = ("world-building", "examples/two_blocks.json")
 
@@ -201,10 +204,17 @@ def _events(prompt: str) -> dict[str, Any]:
     for quote, kinds in events_in(prompt):
         called = [k for k in events if k[:ALIKE] == quote[:ALIKE].casefold()]
         own = called + [k for k in events if k in kinds and k not in called]
+        if _loses_balance(prompt, quote):
+            own = list(OFF_BALANCE)
         verbs.setdefault(quote, (own or [k for k in events if kinds_meant([k]) & kinds])[:KINDS])
     verbs = dict(list(verbs.items())[:EVENTS])
     told = dict.fromkeys(k for kinds in verbs.values() for k in kinds)
     return {"events": verbs, "kinds": {k: PREDICATES[k].gloss for k in told}}
+
+
+def _loses_balance(prompt: str, quote: str) -> bool:
+    """True where a verb that means a fire elsewhere, like *goes out*, stands before *of balance*."""
+    return re.search(rf"\b{re.escape(quote)}\s+of\s+(its\s+)?balance\b", prompt, re.IGNORECASE) is not None
 
 
 def _materials(prompt: str, words: list[str]) -> dict[str, dict[str, Any]]:

@@ -21,6 +21,7 @@ from .opened import OpenedWorld
 from .repair_rules import UNDONE
 
 if TYPE_CHECKING:
+    from ..execution import Tell
     from ..worlds.candidate import Candidate
 
 __all__ = ["Session"]
@@ -187,20 +188,22 @@ class Session(OpenedWorld):
         later = {"audit:story": not (story.beats or story.requirements), "audit:claims": not self.spec.claims}
         return all(r.status in ("pass", "not_applicable") or later.get(r.id, False) for r in report.rows if r.mandatory)
 
-    def check_static(self) -> tuple[list[Row], list[Row], list[str]]:
+    def check_static(self, progress: Tell | None = None) -> tuple[list[Row], list[Row], list[str]]:
         """Build what is missing and run the static checks; returns (rows, changed rows, entities newly built).
 
-        Shots are not asked while the prompt has no beats or claims yet: what they shall show is not known.
+        Shots are not asked while the prompt has no beats or claims yet: what they shall show is not known. `progress` is told before and within each check.
         """
         from ..construction import build_world
         from ..construction.crowding import check_crowding
         from ..verifiers.checks import names_of, run_checks
         from ..worlds.candidate import Candidate
 
+        if progress is not None:
+            progress(0.0, 1.0, "building shapes")
         built, fresh = build_world(self.folder, self.spec)
         check_crowding(self.spec, built)
         asked = None if self.audit().passed else [n for n in names_of("static") if n != "shots"]
-        rows = run_checks(Candidate(self.folder.root, self.spec, built, "static"), only=asked)
+        rows = run_checks(Candidate(self.folder.root, self.spec, built, "static"), only=asked, progress=progress)
         with self.ledger.together():  # a probe may end this very moment
             stages = self.ledger.stages()
             # A verdict over motion outranks the same row judged at frame 0 only, while it is not stale.

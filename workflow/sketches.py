@@ -20,10 +20,12 @@ from .running import Running
 from .work import Work, first_true_frames, open_work
 
 if TYPE_CHECKING:
+    from ..worlds.requirements import Row
     from ..worlds.spec import WorldSpec
 
-__all__ = ["end_of", "sketch"]
+__all__ = ["end_of", "owed_to_step", "sketch"]
 
+STEP_TRAVEL = "numerical:step_travel"
 SIMULATING = 0.8
 """Part of a sketch that its frames take, for progress alone."""
 
@@ -89,6 +91,7 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
     candidate, unmoved = begun_in(session.folder, root, spec, work.built)
     found = run_checks(candidate, only=DECISIVE, reruns=False, plates=False, progress=progress)
     rows = [r for r in found if not unmoved & {*r.entities} and r.question != PHASES_SHOWN.id]  # a sketch is no whole run
+    rows = [owed_to_step(r, session.spec, spec) for r in rows]
     failing = [r.id for r in rows if r.mandatory and r.status == "fail"]
     test = f"sketch {freeze[:9]}"
     with session.ledger.together():
@@ -97,7 +100,9 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
             session.ledger.add_look(freeze, "sketch", session.revision, candidate.last_frame)
         rows = session.cited(rows)
     picture = motion_sheet(candidate, session.folder, f"sketch_{freeze[:8]}.jpg")
+    owed = [r.id for r in rows if "owed_to_step" in r.evidence]
     return {
+        **({"fail_by_the_step_of_the_sketch_alone": owed} if owed else {}),
         "left_out": sorted(unmoved),
         "beats_true_from": {
             n: f for n, f in first_true_frames(candidate).items() if not unmoved & {session.spec.story.beats[n].subject}
@@ -106,6 +111,27 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
         **summary([r for r in rows if r.status != "unverified"]),
         "picture": picture,
     }
+
+
+def owed_to_step(row: Row, production: WorldSpec, sketched: WorldSpec) -> Row:
+    """The row, which says so where it fails by the longer step of the sketch alone: travel per step goes with the step.
+
+    Args:
+        row: of a sketch.
+        production: the specification.
+        sketched: what the sketch ran.
+    """
+    if row.status != "fail" or row.question != STEP_TRAVEL or row.measured is None or row.bound is None:
+        return row
+    used, own = (s.simulation.rigid[row.subject[0]].settings.step for s in (sketched, production))
+    at_own = row.measured * own / used
+    if used <= own or at_own > row.bound:
+        return row
+    said = (
+        f"{row.evidence.get('explanation', '')}; by the step of this sketch alone, {used:g} s: at production's {own:g} s it is about {at_own:.3g} m, "
+        f"within {row.bound:.3g} m"
+    )
+    return row.model_copy(update={"evidence": {**row.evidence, "explanation": said, "owed_to_step": at_own}})
 
 
 def _tell(told: Part, groups: int, rank: int, done: float, total: int, message: str) -> None:

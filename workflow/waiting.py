@@ -23,7 +23,7 @@ ENV_WAIT = "WORLDAGENT_WAIT_MAX_S"
 """Environment variable: the longest that a call waits for a job, whatever `wait_s` it was given [s]."""
 WAIT_MAX_S = 50.0
 """Default of it: Claude Desktop and clients of the SDK cut calls at 60 s, and a call that is cut tells its model nothing."""
-_EDITING = frozenset(("interior", "terrain"))
+_EDITING = frozenset(("interior", "placing", "terrain"))
 """Kinds of jobs that make a revision themselves, which their results name."""
 POLL_S = 0.5
 SIGN_S = 4.0
@@ -197,7 +197,7 @@ def start_and_wait(
         # The stamp tells a world from an earlier one of the same name whose jobs the workspace still remembers.
         terms=Terms(
             key=_turn(context, session, kind, f"{key}:{session.stamp()}", reuse=reuse),
-            exclusive=True,
+            exclusive=KINDS[kind].alone,
             priority=KINDS[kind].priority,
             wall_s=wall_cap(kind, min(KINDS[kind].wall_s, CAPS["job_seconds"].value)),
             memory_bytes=memory_cap(CAPS["job_memory_bytes"].value),

@@ -12,6 +12,9 @@ WorldAgentError
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 __all__ = [
     "EngineError",
     "EvidenceError",
@@ -57,4 +60,11 @@ class NotFiniteError(EvidenceError):
 
 
 class EngineError(WorldAgentError):
-    """A simulator, renderer or worker process failed; the candidate stays as it was."""
+    """A simulator, renderer or worker process failed; the candidate stays as it was.
+
+    `where` tells of a simulator's failure, as far as it is known: `solver`, `frame`, `entities` and `place` [m].
+    """
+
+    def __init__(self, *args: object, where: Mapping[str, Any] | None = None) -> None:
+        super().__init__(*args)
+        self.where = dict(where or {})

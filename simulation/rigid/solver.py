@@ -158,7 +158,7 @@ class SolverRigid(Stepper):
             with self.breakage.alone():
                 self._taken += self._run(begin, end, step, self._before)
         except (self._mj.FatalError, ZeroDivisionError) as error:
-            raise EngineError(gave_up(self.model, self.data, error, frame=self.frame + 1, step=step, solver=self.name)) from error
+            raise gave_up(self.model, self.data, error, frame=self.frame + 1, step=step, solver=self.name) from error
         self._exchange.end(self.data)
         self.time = end
 

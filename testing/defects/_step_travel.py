@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ...worlds.spec import RigidSettings
-from ..worlds.small_worlds import ball, box, ground, world
+from ...worlds.spec import Box, Part, RigidSettings
+from ..worlds.small_worlds import ball, box, entity, ground, pose, world
 from . import _scenes as scenes
 from ._films import Film, film_of
 from .cases import World
 
-__all__ = ["coarse_travel", "past_the_pane", "thin_and_slow", "through_the_pane"]
+__all__ = ["at_the_arm", "at_the_foot", "coarse_travel", "past_the_pane", "thin_and_slow", "through_the_pane"]
 
 STEP = 5e-4
 """[s]"""
@@ -67,3 +67,26 @@ def thin_and_slow(folder: Path, magnitude: float, rng: np.random.Generator) -> W
     entities = {"floor": ground(), "card": box(0.1, 0.06, float(magnitude), motion="dynamic", at=(0, 0, 0.3))}
     film = film_of(world(entities, frames=4, fps=48, settings=RigidSettings(step=2e-5)))
     return World(film.candidate(folder))
+
+
+def _lamp(rng: np.random.Generator, travel: float, height: float, aim: float) -> Film:
+    """A lamp of a foot and a thin arm, `height` above it, and a ball that flies at one of them, at height `aim`, `travel` of half of the arm in a step."""
+    thick, radius = float(rng.uniform(0.002, 0.004)), float(rng.uniform(0.02, 0.04))
+    speed = travel * 0.5 * thick / STEP
+    frames = int(np.ceil(0.4 / speed * 48)) + 3
+    arm = Part(shape=Box(size=(thick, 0.3, thick)), pose=pose((0, 0, height)))
+    entities = {
+        "lamp": entity(Box(size=(0.2, 0.2, 0.1)), arm, motion="dynamic"),
+        "ball": ball(radius, motion="dynamic", at=(-0.3, 0, aim), velocity=(speed, 0, 0)),
+    }
+    return film_of(world(entities, frames=frames, fps=48, gravity=(0, 0, 0), settings=RigidSettings(step=STEP, refine=0)))
+
+
+def at_the_foot(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    """The ball strikes the lamp's foot, `magnitude` [m] below an arm that it is too fast for."""
+    return World(_lamp(rng, 2.0, magnitude, 0.0).candidate(folder))
+
+
+def at_the_arm(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+    """The ball flies at the arm, `magnitude` of half of it in a step."""
+    return World(_lamp(rng, magnitude, 0.3, 0.3).candidate(folder), ("lamp", "ball"))

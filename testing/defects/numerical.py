@@ -16,7 +16,7 @@ from . import _contact_log as contact_log
 from . import _scenes as scenes
 from ._films import Film, film_of, frame_of_walls, free_body, still
 from ._starts import START_MECHANISMS
-from ._step_travel import coarse_travel, past_the_pane, thin_and_slow, through_the_pane
+from ._step_travel import at_the_arm, at_the_foot, coarse_travel, past_the_pane, thin_and_slow, through_the_pane
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -447,6 +447,9 @@ SUITE = Suite(
         _defect(
             "through_the_pane", "a ball is too fast for the pane that it flies at", through_the_pane, 1.05, 6.0, "bounds", 1.0
         ),
+        _defect(
+            "at_the_arm", "a ball is too fast for the thin arm of a lamp that it flies at", at_the_arm, 1.1, 6.0, "bounds", 1.0
+        ),
         _defect("coarse_travel", "a body travels too far in a step", coarse_travel, 1.02, 10.0, "bounds", 1.0),
         _defect("late_event", "an event outside its frame, with nobody, or backwards", late_event, 1e-3, 10.0, "s"),
         _defect("repeated", "a frame is there twice", repeated, 1.0, 4.0, "frames"),
@@ -480,6 +483,15 @@ SUITE = Suite(
             "turns",
         ),
         Mechanism("past_the_pane", "a ball flies past a pane, too fast to meet it", False, past_the_pane, 0.01, 3.0, "m"),
+        Mechanism(
+            "at_the_foot",
+            "a ball strikes a lamp's foot, far below an arm that it is too fast for",
+            False,
+            at_the_foot,
+            0.3,
+            2.0,
+            "m",
+        ),
         Mechanism("thin_and_slow", "a card thinner than paper", False, thin_and_slow, 1.2e-4, 1e-3, "m"),
         *START_MECHANISMS,
     ),

@@ -6,8 +6,9 @@ import pytest
 from worldagent.tests.stories.small_run import BALL, GAP, PROMPT, TOP, small_spec
 from worldagent.tools.edit_spec import edit_spec
 from worldagent.tools.place_object import place_object
-from worldagent.tools.render_shot import USUAL_SIZE, _size, render_shot
+from worldagent.tools.render_shot import render_shot
 from worldagent.workflow.context import ToolContext
+from worldagent.workflow.taken_pictures import USUAL_SIZE, size_of
 
 
 @pytest.mark.parametrize("height", [BALL, 0.5])
@@ -33,4 +34,4 @@ def test_a_camera_inside_a_body_is_told_beside_its_picture(context: ToolContext,
     ],
 )
 def test_one_side_keeps_the_shape_of_the_picture(asked: tuple[int | None, int | None], drawn: tuple[int, int]) -> None:
-    assert _size(asked, USUAL_SIZE) == drawn
+    assert size_of(asked, USUAL_SIZE) == drawn

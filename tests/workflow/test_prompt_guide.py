@@ -67,6 +67,19 @@ def test_the_skill_that_most_words_call_for_has_most_room_and_no_strange_example
     assert "/entities/footbridge" in prompt_guide("A log drifts down a stream to a bridge.")["example"]
 
 
+def test_furniture_that_tips_and_a_lamp_on_its_cord_are_no_slope_and_no_fire() -> None:
+    """*Hang* is German for a slope, and what goes out of balance is no flame."""
+    told = prompt_guide(
+        "A bookcase in a study tips, its books slide under the piano, a lamp goes out of balance and stays hanging on its cord."
+    )
+    assert "interiors/SKILL.md#Furniture that tips, cords that catch" in told["sections"]
+    assert "outdoor-terrain" not in told["skills"]
+    assert told["events"]["goes out"] == ["tips", "topples"]
+    assert "goes_out" not in told["kinds"]
+    assert size_of(told) <= CHARACTERS
+    assert "goes_out" in prompt_guide("A candle goes out on the balance.")["events"]["goes out"]
+
+
 def test_the_marked_text_is_the_prompt() -> None:
     prompt = "A glass jug tips over and shatters, and its honey pours onto the oak floor."
     told = prompt_guide(prompt)

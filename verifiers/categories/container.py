@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from ...worlds.errors import EvidenceError
-from ..rows.corrections import bake_again, resume
+from ...worlds.gave_up import GaveUp, noted
+from ..rows.corrections import bake_again, halve_step, resume, thicken
 from ..rows.findings import Finding, cache_of, judged
 from ..rows.instance_rows import instance_answer
 from .questions import DIGEST, FRAMES
@@ -38,7 +39,9 @@ def answers(candidate: Candidate, solver: str, asked: Mapping[Question, Function
 
 
 def frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
-    """Finding on the frames that are missing and on the index against the plan."""
+    """Finding on the frames that are missing and on the index against the plan; of a run that its engine ended, on that."""
+    if (ended := noted(cache.folder.parent, solver, candidate.last_frame)) is not None:
+        return given_up(candidate, ended)
     index, plan = cache.index, candidate.spec.simulation
     absent = [k for k in range(index.frames) if not cache.path(k).exists()]
     wrong = []
@@ -65,6 +68,31 @@ def frames(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         frame=absent[0] if absent else None,
         hints=(resume(),),
         evidence={"held": index.frames, "planned": plan.frames, "missing": absent[:100]},
+    )
+
+
+def given_up(candidate: Candidate, ended: GaveUp) -> Finding:
+    """Finding on a run that its engine gave up: whose motion it was, where, and when."""
+    solver = ended.solver
+    members = [m for m in candidate.spec.simulation.solvers[solver].members if candidate.spec.entities[m].motion != "static"]
+    known = [e for e in ended.entities if e in candidate.spec.entities]
+    first = known[0] if known else None
+    hints = (
+        halve_step(candidate, solver, "a motion ran away within a step"),
+        *((thicken(first, "it is too thin or too light for what pinches it"),) if first else ()),
+    )
+    return Finding(
+        "fail",
+        ended.text,
+        float(max(candidate.spec.simulation.frames - ended.frame, 1)),
+        0.0,
+        "frames",
+        first,
+        ended.frame,
+        hints,
+        {"gave_up_at_frame": ended.frame, "bodies": known, "place": ended.place},
+        # Where nobody knows whose motion it was, it may have been any.
+        entities=tuple(known or members),
     )
 
 

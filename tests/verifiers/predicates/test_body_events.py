@@ -206,6 +206,35 @@ def test_a_kind_is_not_met_by_something_near_it(judged: Any, kind: str, world: s
     assert outcome.first_failing_entity == entity
 
 
+@pytest.mark.parametrize(
+    ("kind", "world", "entity", "broken", "kept"),
+    [
+        ("tips", "rock", "slab", "way of that edge around it over its turn", "centre below its highest place"),
+        ("tips", "downhill", "ball", "way of that edge around it over its turn", "turned over one edge"),
+        ("rolls", "slip", "ball", "slip over the way since it rolls", "turned while it touches"),
+        ("slides", "roll", "ball", "slip over the way of its centre", "borne by it"),
+    ],
+)
+def test_an_event_that_does_not_happen_tells_which_of_its_conditions_broke(
+    judged: Any, kind: str, world: str, entity: str, broken: str, kept: str
+) -> None:
+    """By where it came furthest: what each condition measured, what it needs, and which failed first at which frame."""
+    outcome = judged(world, kind, entity)
+    conditions = {c["condition"]: c for c in outcome.details["conditions"]}
+    assert not conditions[broken]["holds"]
+    assert conditions[kept]["holds"]
+    assert f"{broken} {conditions[broken]['measured']:.3g}" in outcome.explanation
+    assert not conditions[outcome.details["failed_first"]]["holds"]
+    assert 1 <= outcome.details["failed_first_frame"] <= outcome.details["conditions_frame"]
+    assert f"First to fail, at frame {outcome.details['failed_first_frame']}: " in outcome.explanation
+
+
+def test_an_event_that_happens_tells_nothing_of_conditions(judged: Any) -> None:
+    outcome = judged("topple", "tips", "slab")
+    assert outcome.status == "pass"
+    assert "conditions" not in outcome.details
+
+
 @pytest.mark.parametrize("kind", [k for k, info in EVENT_KINDS.items() if k in EVENTS])
 def test_every_kind_has_a_world_in_which_it_is_true_and_two_in_which_it_is_not(kind: str) -> None:
     assert TRUE[kind]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64
 from ...ledgers.origins import Origin
 from ..outcome import Outcome
+from .asked_of import AskedOf, conditions_told
 from .bounds import (
     BEARS,
     BECOMES_MOTION,
@@ -45,6 +46,8 @@ class _Best(NamedTuple):
     value: F64
     run: NDArray[np.bool_]
     holds: NDArray[np.bool_]
+    asked: tuple[AskedOf, ...] = ()
+    """Its conditions, and first the measure itself as far as it goes without the others."""
 
 
 def _partners(course: Course, asked: str | None) -> tuple[str, ...]:
@@ -66,19 +69,38 @@ def _outcome(scope: Scope, p: TouchEvent, found: list[_Best], least: float, unit
     span = span_of(scope)
     count = span.stop - span.start
     none = _Best("", np.zeros(count), np.zeros(count, dtype=bool), np.zeros(count, dtype=bool))
-    best = max(found, key=lambda b: float(np.where(b.holds, b.value, 0.0).max(initial=0.0)), default=none)
+    best = max(found, key=_reached, default=none)
     asked = f" on {p.other}" if p.other else ""
+    lacks = bool(best.asked) and not (np.where(best.holds, best.value, 0.0) >= least).any()
+    why, broken = _conditions(best, span, scope.frames[1]) if lacks else ("", {})
 
     def tell(i: int) -> str:
-        if best.value[i] <= 0.0:
-            return f"{p.entity} {verb} nowhere{asked} in frames {scope.frames[0]}..{scope.frames[1]}"
+        if best.value[i] <= 0.0 or (why and not best.holds[i]):
+            reached = f"; on {best.other} {why}" if why else ""
+            return f"{p.entity} {verb} nowhere{asked} in frames {scope.frames[0]}..{scope.frames[1]}{reached}"
         start, end = span.start + onset(best.run, i), span.start + i + 1
-        return f"{p.entity} {verb} on {best.other} by {best.value[i]:.3g} {unit} from frame {start} to {end} (needed {least:.3g})"
+        text = f"{p.entity} {verb} on {best.other} by {best.value[i]:.3g} {unit} from frame {start} to {end} (needed {least:.3g})"
+        return f"{text}; {why}" if why else text
 
     def detail(i: int) -> dict[str, Any]:
-        return {"other": best.other or None, "onset": span.start + onset(best.run, i)}
+        return {"other": best.other or None, "onset": span.start + onset(best.run, i), **broken}
 
     return happened(scope, p.entity, best.value, least, unit, tell, detail, holds=best.holds)
+
+
+def _reached(one: _Best) -> tuple[float, float]:
+    """Most that is reached with all conditions, then without them."""
+    raw = one.asked[0].value if one.asked else one.value
+    return float(np.where(one.holds, one.value, 0.0).max(initial=0.0)), float(raw.max(initial=0.0))
+
+
+def _conditions(best: _Best, span: slice, last: int) -> tuple[str, dict[str, Any]]:
+    """Sentence and data about the conditions where the measure came furthest without the others; nothing where it came nowhere."""
+    raw = best.asked[0].value
+    if not len(raw) or not np.isfinite(raw).all() or raw.max() <= 0.0:
+        return "", {}
+    i = min(int(np.argmax(raw)), last)
+    return conditions_told(best.asked, onset(raw > 0.0, i), i, span.start + 1)
 
 
 def _norms(values: F64) -> F64:
@@ -103,8 +125,26 @@ def _rolling(course: Course, other: str, asked: str | None, span: slice) -> _Bes
     run &= _bears(course, other, asked, span)
     angle = run_sums(run, across)
     around, full = run_sums(run, met.around), run_sums(run, across * _norms(met.lever))
-    slipped = run_sums(run, _norms(met.slip)) <= ROLL_SLIP * run_sums(run, _norms(met.way))
-    return _Best(other, angle, run, slipped & (around >= ROLL_ROUND * full))
+    slips, ways = run_sums(run, _norms(met.slip)), run_sums(run, _norms(met.way))
+    slipped = slips <= ROLL_SLIP * ways
+    own = _norms(met.turned)
+    free, turning, pace = run_sums(met.touching, own), across / np.maximum(own, 1e-300), _norms(met.way)
+    slip = _norms(met.slip) / np.maximum(pace, 1e-300)
+    asked_of = (
+        AskedOf("turned while it touches", free, TURN_TO_ROLL, ">=", "rad", free >= TURN_TO_ROLL),
+        AskedOf("share of the turn about an axis across its way", turning, LEVEL, ">=", "1", turning >= LEVEL),
+        AskedOf("slip of the contact over the way between two frames", slip, MOST_SLIP, "<=", "1", slip <= MOST_SLIP),
+        AskedOf("slip over the way since it rolls", slips / np.maximum(ways, 1e-300), ROLL_SLIP, "<=", "1", slipped),
+        AskedOf(
+            "turn that the contact runs around it, of the whole",
+            around / np.maximum(full, 1e-300),
+            ROLL_ROUND,
+            ">=",
+            "1",
+            around >= ROLL_ROUND * full,
+        ),
+    )
+    return _Best(other, angle, run, slipped & (around >= ROLL_ROUND * full), asked_of)
 
 
 def slides(scope: Scope, p: TouchEvent) -> Outcome:
@@ -114,8 +154,16 @@ def slides(scope: Scope, p: TouchEvent) -> Outcome:
     for other in _partners(course, p.other):
         met = meeting_of(course.candidate, course.entity, other, span)
         run = met.touching & course.stirs[span] & (_norms(met.slip) >= SLIDE_SLIP * _norms(met.way)) & (_norms(met.slip) > 0.0)
-        run &= _bears(course, other, p.other, span)
-        found.append(_Best(other, run_sums(run, _norms(met.slip) * course.step), run, run))
+        borne = _bears(course, other, p.other, span)
+        run &= borne
+        free, least = run_sums(met.touching, _norms(met.slip) * course.step), max(HALF_SIZE * course.size, p.min or 0.0)
+        share = _norms(met.slip) / np.maximum(_norms(met.way), 1e-300)
+        asked_of = (
+            AskedOf("slip of the contact while they touch", free, least, ">=", "m", free >= least),
+            AskedOf("slip over the way of its centre", share, SLIDE_SLIP, ">=", "1", share >= SLIDE_SLIP),
+            AskedOf("borne by it", borne.astype(float), 1.0, ">=", "1", borne),
+        )
+        found.append(_Best(other, run_sums(run, _norms(met.slip) * course.step), run, run, asked_of))
     return _outcome(scope, p, found, max(HALF_SIZE * course.size, p.min or 0.0), "m", "slides")
 
 
@@ -134,6 +182,10 @@ class Tip(NamedTuple):
     """True where the energy that it lost since the highest place became motion."""
     edge: NDArray[np.bool_]
     """True where the point of contact stayed on the body since the run began."""
+    became: F64
+    """Share of the energy that it lost since the highest place which became motion [1]."""
+    ran: F64
+    """Way of the point of contact around the body over what it turned through [1]."""
 
 
 def tips_of(course: Course, other: str, span: slice) -> Tip:
@@ -158,15 +210,17 @@ def tips_of(course: Course, other: str, span: slice) -> Tip:
             here = kinetic[i + 1] - kinetic[top] + given[top : i + 1].sum()
             gained[i] = max(gained[i - 1] if i > top else 0.0, here)
     lost = course.mass * course.strength * drop
-    return Tip(other, run, angle, drop, climbed, gained >= BECOMES_MOTION * lost, _stays(met, run, same, angle))
+    edge, ran = _stays(met, run, same, angle)
+    became = gained / np.maximum(lost, 1e-300)
+    return Tip(other, run, angle, drop, climbed, gained >= BECOMES_MOTION * lost, edge, became, ran)
 
 
-def _stays(met: Meeting, run: NDArray[np.bool_], same: NDArray[np.bool_], angle: F64) -> NDArray[np.bool_]:
+def _stays(met: Meeting, run: NDArray[np.bool_], same: NDArray[np.bool_], angle: F64) -> tuple[NDArray[np.bool_], F64]:
     """True where the point of contact stays on the body over the last radian of its turning, or since the interval in which that began.
 
-    In that first interval it goes from the middle of a face to an edge of it.
+    In that first interval it goes from the middle of a face to an edge of it. Also the way of that point over what the body turned through.
     """
-    result, start = np.zeros(len(run), dtype=bool), 0
+    result, ran, start = np.zeros(len(run), dtype=bool), np.ones(len(run)), 0
     for i in map(int, np.flatnonzero(run)):
         if i == 0 or not run[i - 1] or not same[i]:
             start = i
@@ -175,8 +229,9 @@ def _stays(met: Meeting, run: NDArray[np.bool_], same: NDArray[np.bool_], angle:
             continue
         axis, moved = met.axes[i], met.middles[i + 1] - met.middles[since + 1]
         way = float(np.linalg.norm(moved - (moved @ axis) * axis))
-        result[i] = way < ROLL_ROUND * float(np.linalg.norm(met.lever[i])) * (angle[i] - angle[since])
-    return result
+        turned = float(np.linalg.norm(met.lever[i])) * (angle[i] - angle[since])
+        result[i], ran[i] = way < ROLL_ROUND * turned, way / max(turned, 1e-300)
+    return result, ran
 
 
 def _passed_on(course: Course, pivot: str, span: slice) -> F64:
@@ -209,8 +264,24 @@ def tips(scope: Scope, p: TouchEvent) -> Outcome:
         if p.other is None and not _bears(course, other, None, span)[tip.run].any():
             continue
         least = PAST_BALANCE * course.size
-        over = tip.edge & (tip.drop >= least) & ((tip.climbed >= least) | tip.freely)
-        found.append(_Best(other, tip.angle, tip.run, over))
+        passed = (tip.climbed >= least) | tip.freely
+        over = tip.edge & (tip.drop >= least) & passed
+        turn = max(TIP_TURN, p.min or 0.0)
+        balance = np.minimum(np.maximum(tip.climbed / least, tip.became / BECOMES_MOTION), 1e3)
+        asked_of = (
+            AskedOf("turned over one edge", tip.angle, turn, ">=", "rad", tip.angle >= turn),
+            AskedOf("way of that edge around it over its turn", tip.ran, ROLL_ROUND, "<=", "1", tip.edge),
+            AskedOf("centre below its highest place", tip.drop, least, ">=", "m", tip.drop >= least),
+            AskedOf(
+                f"rise before that over {least:.2g} m, or share of the lost height that became motion over {BECOMES_MOTION:g}",
+                balance,
+                1.0,
+                ">=",
+                "1",
+                passed,
+            ),
+        )
+        found.append(_Best(other, tip.angle, tip.run, over, asked_of))
     return _outcome(scope, p, found, max(TIP_TURN, p.min or 0.0), "rad", "tips")
 
 

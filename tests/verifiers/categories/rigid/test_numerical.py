@@ -11,7 +11,7 @@ import pytest
 from worldagent.testing.defects import _scenes as scenes
 from worldagent.testing.defects._films import film_of
 from worldagent.testing.worlds.simulated_worlds import simulate
-from worldagent.testing.worlds.small_worlds import IDENTITY, Touch, ball, box, ground, make_candidate, world
+from worldagent.testing.worlds.small_worlds import IDENTITY, Touch, ball, box, entity, ground, make_candidate, pose, world
 from worldagent.verifiers.categories.check import check_numerical as check
 from worldagent.verifiers.categories.questions import AMOUNT, SETTLED
 from worldagent.verifiers.categories.questions import QUESTIONS as SHARED
@@ -22,7 +22,7 @@ from worldagent.worlds.built import Convex
 from worldagent.worlds.cache import Cache, write_container
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Limits, ReleaseDriver, RigidSettings, WorldSpec
+from worldagent.worlds.spec import Box, HingeJoint, Limits, Part, ReleaseDriver, RigidPhysics, RigidSettings, WorldSpec
 
 FPS, N = 24, 25
 TIME = np.arange(N) / FPS
@@ -174,6 +174,57 @@ def test_a_fast_ball_is_held_against_the_panes_that_it_could_meet(tmp_path: Path
         assert row.measured == pytest.approx(0.01, rel=1e-3)
         assert row.bound == pytest.approx(0.005)
         assert row.first_failing_frame == 3
+
+
+def struck_lamp(height: float) -> WorldSpec:
+    """A ball at 10 m/s strikes the foot of a lamp whose two thin arms stand so high above it."""
+    arms = [Part(shape=Box(size=(0.003, 0.3, 0.003 + 0.001 * i)), pose=pose((0, 0, height + 0.02 * i))) for i in range(2)]
+    entities = {
+        "lamp": entity(Box(size=(0.2, 0.2, 0.1)), *arms, motion="dynamic"),
+        "ball": ball(0.02, motion="dynamic", at=(-0.3, 0, 0), velocity=(10, 0, 0)),
+    }
+    return world(entities, frames=7, fps=48, gravity=(0, 0, 0), settings=RigidSettings(step=5e-4, refine=0))
+
+
+def test_thin_parts_that_nothing_comes_near_are_not_judged_and_near_ones_are_all_told(tmp_path: Path) -> None:
+    """The contact log names entities: the foot was struck, the arms were not."""
+    high = rows_of(simulate_freely(tmp_path / "high", struck_lamp(0.8)))["step_travel"]
+    assert high.status == "pass"
+    low = rows_of(simulate_freely(tmp_path / "low", struck_lamp(0.06)))["step_travel"]
+    assert (low.status, low.first_failing_entity) == ("fail", "lamp")
+    told = low.evidence["offenders"]
+    assert [(o["entity"], o["part"], round(o["thickness"], 6)) for o in told] == [("lamp", "p1", 0.003), ("lamp", "p2", 0.003)]
+    assert low.evidence["offenders_total"] == 2
+    assert all(0.8 * o["thickness"] / 2 < 10.0 * o["step"] < o["thickness"] / 2 for o in told)
+    assert [o["travel"] for o in told] == sorted((o["travel"] for o in told), reverse=True)
+    assert "lamp/p1" in low.evidence["explanation"]
+    assert "p1" in low.corrections[1].action
+
+
+def test_a_log_that_names_two_whom_no_way_brings_together_exempts_none_of_their_parts(tmp_path: Path) -> None:
+    """A contact between two that seem far apart says that the ways are wrong, not that the parts are safe."""
+    entities = {
+        "pane": box(0.01, 0.2, 1.0, at=(0, 3.0, 1.0)),
+        "ball": ball(0.01, motion="dynamic", at=(-1.0, 0, 1.0), velocity=(10, 0, 0)),
+    }
+    film = film_of(world(entities, frames=7, gravity=(0, 0, 0), settings=RigidSettings(step=1e-3, refine=0)))
+    film.touch(3, "pane", "ball", np.array([0.0, 0.0, 1e-9]))
+    row = rows_of(film.candidate(tmp_path))["step_travel"]
+    assert (row.status, row.first_failing_entity, row.first_failing_frame) == ("fail", "pane", 3)
+
+
+@pytest.mark.parametrize(("collide", "status"), [(False, "pass"), (True, "fail")])
+def test_joined_bodies_that_do_not_collide_are_no_walls_for_each_other(tmp_path: Path, collide: bool, status: str) -> None:
+    entities = {
+        "frame": box(0.2, 0.2, 0.01, at=(0, 0, 1.0)),
+        "wheel": box(0.3, 0.02, 0.02, motion="dynamic", at=(0, 0, 1.05)),
+    }
+    hinge = HingeJoint(parent="frame", child="wheel", anchor=(0, 0, 1.05), axis=(0, 0, 1), collide=collide)
+    start = RigidPhysics(angular_velocity=(0, 0, 40.0))
+    entities["wheel"] = entities["wheel"].model_copy(update={"physics": start})
+    spec = world(entities, frames=5, joints={"axle": hinge}, gravity=(0, 0, 0), settings=RigidSettings(step=1e-3, refine=0))
+    row = rows_of(simulate_freely(tmp_path, spec))["step_travel"]
+    assert row.status == status
 
 
 def simulate_freely(folder: Path, spec: WorldSpec) -> Candidate:

@@ -180,4 +180,4 @@ class FramedParticles(CoupledSolver):
 
     def driver_names(self) -> tuple[str, ...]:
         """Fields that act on its members."""
-        return tuple(dict.fromkeys(n for f in self.fields for n in f.names))
+        return tuple(dict.fromkeys(n for f in self.fields for n in f.names if n not in f.carriers))

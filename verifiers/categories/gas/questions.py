@@ -16,6 +16,7 @@ __all__ = [
     "LIMITS",
     "NUMBERS",
     "PLACES",
+    "PUSHING",
     "QUESTIONS",
     "STEAM",
     "TRANSPORT",
@@ -279,6 +280,15 @@ KINDLING = by_name(
     ),
 )
 
+PUSHING = by_name(
+    _asked(
+        "pushed",
+        "what it carries gets the impulse of its velocities past it, as far as it is free and in the box",
+        "largest difference since frame 0 over all that it gave",
+        "1",
+        "PUSHED",
+    ),
+)
 STEAM = by_name(
     _asked(
         "boiled",

@@ -24,10 +24,13 @@ __all__ = ["Carrier", "Fields", "acting_on", "carried_by", "field_drivers", "fie
 
 
 class Carrier(Protocol):
-    """Medium that an instance moved, read from its cache."""
+    """Medium that an instance moved, read from its cache, and what is at rest about its box."""
 
-    def at(self, points: F64, time: float) -> Medium:
-        """The medium at points [m], shape (n, 3), and a time [s]; its density is 0 where it is not."""
+    ambient: tuple[float, float]
+    """Density [kg/m^3] and viscosity [Pa s] of what is about its box, where no field declares a medium."""
+
+    def at(self, points: F64, time: float) -> tuple[Medium, F64]:
+        """The medium at points [m], shape (n, 3), and a time [s], and the share of it in what is there, shape (n,): 1 in its box."""
 
 
 def field_drivers(spec: WorldSpec) -> dict[str, FieldDriver]:
@@ -61,7 +64,7 @@ def fields_of(
 
 
 class Fields:
-    """Fields that act together, and media of instances, within whose boxes these are the only medium."""
+    """Fields that act together, and media of instances: within their boxes these are the only medium, beyond them the fields or still air."""
 
     def __init__(
         self, drivers: Mapping[str, FieldDriver], carriers: tuple[str, ...] = (), media: Mapping[str, Carrier] | None = None
@@ -84,14 +87,14 @@ class Fields:
         return bool(self.carriers) or any(d.start < end and (d.end is None or d.end > start) for d in self.drivers)
 
     def carried(self, points: F64, time: float) -> NDArray[np.bool_]:
-        """True where the medium is that of an instance, shape (n,); points [m], shape (n, 3).
+        """True where part of the medium is that of an instance, shape (n,); points [m], shape (n, 3).
 
         Raises:
             EvidenceError: its cache was not given.
         """
         found = np.zeros(len(points), dtype=bool)
         for name in self.carriers:
-            found |= self._given(name).at(points, time).density > 0.0
+            found |= self._given(name).at(points, time)[1] > 0.0
         return found
 
     def _given(self, name: str) -> Carrier:
@@ -100,20 +103,22 @@ class Fields:
         return self._media[name]
 
     def medium(self, points: F64, time: float) -> Medium:
-        """The medium at points [m], shape (n, 3), and a time [s]: velocities add up, and the densest holds; where an instance has one, that alone.
+        """The medium at points [m], shape (n, 3), and a time [s]: velocities add up, and the densest holds; in the box of an instance its own alone.
 
         Raises:
             EvidenceError: the cache of such an instance was not given.
         """
         found = self._declared(points, time)
         for name in reversed(self.carriers):
-            own = self._given(name).at(points, time)
-            here = own.density > 0.0
+            carrier = self._given(name)
+            own, share = carrier.at(points, time)
+            bare, rest = found.density <= 0.0, 1.0 - share
+            density, viscosity = carrier.ambient
             found = Medium(
-                np.where(here[:, None], own.velocity, found.velocity),
-                np.where(here, own.density, found.density),
-                np.where(here, own.viscosity, found.viscosity),
-                np.where(here, own.coefficient, found.coefficient),
+                share[:, None] * own.velocity + rest[:, None] * found.velocity,
+                share * own.density + rest * np.where(bare, density, found.density),
+                share * own.viscosity + rest * np.where(bare, viscosity, found.viscosity),
+                np.where(bare | (share > 0.0), own.coefficient, found.coefficient),
             )
         return found
 

@@ -98,7 +98,11 @@ class SolverGas(CoupledSolver):
         middles = corners_of(self.grid.shape, self.grid.cell, self.grid.corner)[:-1, :-1, :-1] + 0.5 * self.grid.cell
         self._middles = middles.reshape(-1, 3)
         self._surround = surround_of(
-            without_carried(spec, self.name), self.built, domain_box(instance), REACH * self.grid.cell, soft=soft_met(spec, self.name)
+            without_carried(spec, self.name),
+            self.built,
+            domain_box(instance),
+            REACH * self.grid.cell,
+            soft=soft_met(spec, self.name),
         )
         self.obstacles = Obstacles(self._surround, self.grid)
         settings = instance.settings

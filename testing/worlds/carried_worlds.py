@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from .small_gas import smoke_spec
+from .small_gas import fire_spec, smoke_spec
 
-__all__ = ["BALL", "JET_PROMPT", "jet_spec", "stream_spec"]
+__all__ = ["BALL", "EMBERS_PROMPT", "JET_PROMPT", "embers_spec", "jet_spec", "stream_spec"]
 
 JET_PROMPT = "A jet of air from a pipe blows a light ball along the floor."
+EMBERS_PROMPT = "A fire in a bowl carries glowing embers up."
 BALL = {"radius": 0.02, "mass": 2.7e-3}
 """Radius [m] and mass [kg] of a table tennis ball."""
 PUSH = {"source": "air", "target": "bodies", "direction": "one_way", "variables": ["wrench"]}
@@ -144,3 +145,49 @@ def _sheet() -> dict[str, Any]:
         },
         "parts": {"sheet": {"shape": {"kind": "sheet", "size": [0.2, 0.2], "resolution": 0.04}}},
     }
+
+
+def embers_spec(
+    *, frames: int = 37, resolution: float = 0.05, power: float = 3.0e4, rate: float = 80.0, **changes: Any
+) -> dict[str, Any]:
+    """A fire of wood gas in a bowl under which flakes of ember come that its plume carries.
+
+    Args:
+        frames: at 24 per second.
+        resolution: of the gas [m].
+        power: of the fire [W].
+        rate: of embers [1/s].
+    """
+    spec = fire_spec(frames=frames, resolution=resolution, power=power, **changes)
+    spec["title"] = "embers over a fire"
+    del spec["entities"]["plate"], spec["simulation"]["drivers"]["fire"]["end"]
+    spec["materials"]["char"] = {"density": 120.0, "substance": "other", "appearance": {"color": [1.0, 0.35, 0.05]}}
+    spec["entities"]["embers"] = {
+        "role": "flakes of ember",
+        "motion": "dynamic",
+        "material": "char",
+        "dimensions": {"size": [0.1, 0.1, 0.02]},
+        "pose": {"position": [0, 0, 0.12]},
+        "physics": {
+            "category": "particles",
+            "law": "ballistic",
+            "radius": 4e-4,
+            "radius_spread": 0.3,
+            "on_hit": "bounce",
+            "life": 3.0,
+        },
+        "parts": {"bed": {"shape": {"kind": "box", "size": [0.1, 0.1, 0.02]}}},
+    }
+    plan = spec["simulation"]
+    plan["solvers"]["bodies"]["members"] = ["floor"]
+    plan["solvers"]["flight"] = {
+        "engine": "ballistic",
+        "members": ["embers"],
+        "settings": {"domain": {"center": [0, 0, 1.5], "size": [4.0, 4.0, 3.2]}},
+    }
+    plan["drivers"]["bed"] = {
+        "kind": "emitter", "entity": "embers", "rate": rate, "speed": 0.6, "speed_spread": 0.3, "cone": 0.4,
+        "pose": {"position": [0, 0, 0.12]}, "size": [0.1, 0.1], "start": 0.3,
+    }  # fmt: skip
+    plan["couplings"] = {"carries": {**PUSH, "target": "flight"}}
+    return spec

@@ -69,7 +69,10 @@ def blown_at(candidate: Candidate, entity: str, frame: int) -> dict[str, float]:
         rows = [k for k, b in enumerate(cache.index.bodies) if b.split("/", 1)[0] == entity]
         if rows:
             read = cache.read(frame, (CHANNEL, "position"))
-            if found.carriers and found.carried(np.asarray(read["position"], dtype=np.float64)[rows], frame / cache.index.fps).any():
+            if (
+                found.carriers
+                and found.carried(np.asarray(read["position"], dtype=np.float64)[rows], frame / cache.index.fps).any()
+            ):
                 return {}
             size = float(np.linalg.norm(np.asarray(read[CHANNEL], dtype=np.float64)[rows].sum(axis=0)))
             return {", ".join(sorted(d for d in found.names if d not in found.carriers)): size} if size > 0 else {}

@@ -20,7 +20,8 @@ NAMED = 12
 def _airless(spec: WorldSpec) -> list[dict[str, str]]:
     """Who moves without any medium."""
     aired = {n for d in field_drivers(spec).values() if d.field.kind != "attraction" for n in acting_on(spec, d)}
-    bare = sorted(n for n, e in spec.entities.items() if e.motion == "dynamic" and n not in aired and not carried_by(spec, n))
+    aired |= {n for n in spec.entities if carried_by(spec, n)}
+    bare = sorted(n for n, e in spec.entities.items() if e.motion == "dynamic" and n not in aired)
     if not bare:
         return []
     whom = f" for {listed(bare, NAMED)}" if aired else ": no field declares a medium"

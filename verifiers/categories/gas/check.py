@@ -31,7 +31,20 @@ if TYPE_CHECKING:
 
 __all__ = ["WATCHES", "category_rows", "numerical_rows"]
 
-WATCHES: tuple[type[Watch], ...] = (Numbers, Books, Escapes, Transport, Limits, Flow, Places, Fires, Kindling, Steaming, Pushing, Fate)
+WATCHES: tuple[type[Watch], ...] = (
+    Numbers,
+    Books,
+    Escapes,
+    Transport,
+    Limits,
+    Flow,
+    Places,
+    Fires,
+    Kindling,
+    Steaming,
+    Pushing,
+    Fate,
+)
 """All families, in the order of their rows."""
 
 

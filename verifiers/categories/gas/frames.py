@@ -94,7 +94,13 @@ class GasBox:
     def bodies(self) -> Bodies:
         """The bodies among the cells, but for those that it carries."""
         corners = np.array([self.read(k).corner for k in range(self.frames)])
-        return Bodies(self.candidate, self.frames, corners.min(axis=0) - self.cell, corners.max(axis=0) + self.size + self.cell, unmet(self.candidate.spec, self.solver))
+        return Bodies(
+            self.candidate,
+            self.frames,
+            corners.min(axis=0) - self.cell,
+            corners.max(axis=0) + self.size + self.cell,
+            unmet(self.candidate.spec, self.solver),
+        )
 
     @property
     def carries(self) -> str:

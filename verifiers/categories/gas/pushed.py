@@ -1,4 +1,4 @@
-"""What a gas gives to the bodies and sheets that it carries, worked out anew from its cells and from how these move (R66, R105).
+"""What a gas gives to the bodies, sheets and particles that it carries, worked out anew from its cells and from how these move (R66, R105).
 
 Another route than the solvers': cells are looked up by spline interpolation of order one, the area that a body shows is that of the outline of
 its hull across the flow, and each interval between frames is summed by Simpson's rule with the way between both ends.
@@ -6,19 +6,18 @@ its hull across the flow, and each interval between frames is summed by Simpson'
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....physics.substances import air_density
 from ....worlds.arrays import F64
 from ....worlds.categories.gas.carrying import carried_members
 from ....worlds.fields import fields_of
 from ...ledgers.balance import books_of
 from ...ledgers.fields import recorded
 from ..cloth.frames import cloth_run
+from .pushed_particles import on_particles
+from .stream import Given, Stream
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -26,57 +25,14 @@ if TYPE_CHECKING:
     from ..cloth.frames import ClothRun
     from .frames import GasBox
 
-__all__ = ["Given", "Stream", "given_by"]
+__all__ = ["given_by"]
 
-Flags = NDArray[np.bool_]
 FLAT = 1e-12
 """[m^2] An outline of less is none."""
 
 
-@dataclass(frozen=True)
-class Given:
-    """Impulses of a gas on what one record tells of together, over each interval between frames."""
-
-    entities: tuple[str, ...]
-    recorded: F64
-    """As the instance that moves them tells, without pulls of fields [N s], shape (F - 1, 3)."""
-    worked_out: F64
-    """As cells and motion tell, shape (F - 1, 3)."""
-    shares: dict[str, F64]
-    """The same by entity."""
-    judged: Flags
-    """True where it is free, awake and within the box at both ends, shape (F - 1,)."""
-
-
-class Stream:
-    """Velocity and density of a gas between its cells and frames."""
-
-    def __init__(self, box: GasBox) -> None:
-        self.box = box
-
-    def within(self, points: F64, frame: int) -> Flags:
-        """True for points [m] in the box at a frame, (n, 3) -> (n,)."""
-        place = points - self.box.read(frame).corner
-        return np.asarray(((place >= 0.0) & (place <= self.box.size)).all(axis=1))
-
-    def at(self, points: F64, frame: int, share: float = 0.0) -> tuple[F64, F64]:
-        """Velocity [m/s] (n, 3) and density [kg/m^3] (n,) at points [m], `share` of the way from a frame to the next."""
-        found = self._look(points, frame)
-        if share > 0.0:
-            found = (1.0 - share) * found + share * self._look(points, frame + 1)
-        return found[:, :3], air_density(1.0) / found[:, 3] + found[:, 4]
-
-    def _look(self, points: F64, frame: int) -> F64:
-        from scipy.ndimage import map_coordinates
-
-        now = self.box.read(frame)
-        place = ((points - now.corner) / now.cell - 0.5).T
-        fields = (*np.moveaxis(now.velocity, 3, 0), now.temperature, now.soot)
-        return np.stack([map_coordinates(f.astype(np.float64), place, order=1, mode="nearest") for f in fields], axis=1)
-
-
 def given_by(box: GasBox) -> list[Given]:
-    """Impulses on everything that a gas carries and whose records tell of them: bodies one by one, sheets by instance.
+    """Impulses on everything that a gas carries and whose records tell of them: bodies one by one, sheets and particles by instance.
 
     Raises:
         EvidenceError: a cache or a channel is missing.
@@ -92,6 +48,8 @@ def _given(box: GasBox) -> list[Given]:
             found += [_on_body(stream, books, b) for b, o in enumerate(books.owner) if books.entities[o] in members]
         elif other in candidate.cloth_caches:
             found.append(_on_sheets(stream, cloth_run(candidate, other)))
+        elif other in candidate.particle_caches:
+            found.append(on_particles(stream, candidate, other))
     return found
 
 
@@ -133,9 +91,7 @@ def _hull(points: F64) -> F64:
         return points
 
 
-def _force(
-    stream: Stream, coefficient: float, hull: F64, turn: F64, moves: tuple[F64, F64], when: tuple[int, float]
-) -> F64:
+def _force(stream: Stream, coefficient: float, hull: F64, turn: F64, moves: tuple[F64, F64], when: tuple[int, float]) -> F64:
     """Drag [N] on a body of a hull, at a place with a velocity, at a frame and a share of the way to the next."""
     place, speed = moves
     velocity, density = stream.at(place[None], *when)

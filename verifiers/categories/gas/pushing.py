@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ...rows.questions import Question
     from .cells import GasFrame
     from .frames import GasBox
-    from .pushed import Given
+    from .stream import Given
 
 __all__ = ["Pushing", "carried_pushes", "pushing_lines"]
 
@@ -55,7 +55,7 @@ class Pushing:
         if not found:
             return Finding(
                 "unverified",
-                "no body or sheet that it carries is free and within its box from one frame to the next, so that nothing tells how it pushes",
+                "nothing that it carries is free, awake and within its box from one frame to the next, so that nothing tells how it pushes",
             )
         offs = [_off(g) for g in found]
         worst = int(np.argmax([float(o.max()) for o in offs]))
@@ -63,7 +63,9 @@ class Pushing:
         who = ", ".join(given.entities)
 
         def told(frame: int | None) -> str:
-            recorded, own = (np.cumsum(np.where(given.judged[:, None], a, 0.0), axis=0) for a in (given.recorded, given.worked_out))
+            recorded, own = (
+                np.cumsum(np.where(given.judged[:, None], a, 0.0), axis=0) for a in (given.recorded, given.worked_out)
+            )
             k = -1 if frame is None else max(frame - 1, 0)
             sizes = f"{_size(recorded[k]):.4g} N s recorded and {_size(own[k]):.4g} N s by its cells"
             return f"what it gave to {who} by {'the last frame' if frame is None else f'frame {frame}'}: {sizes} (in {given.judged.sum()} intervals)"
@@ -79,7 +81,8 @@ def _off(given: Given) -> F64:
     """Difference of both sums over the largest of these, by frame, shape (F,)."""
     recorded, own = (np.cumsum(np.where(given.judged[:, None], a, 0.0), axis=0) for a in (given.recorded, given.worked_out))
     scale = max(float(np.linalg.norm(own, axis=1).max()), float(np.linalg.norm(recorded, axis=1).max()), TINY)
-    return np.concatenate([[0.0], np.linalg.norm(recorded - own, axis=1) / scale])
+    doubt = 0.0 if given.doubt is None else np.cumsum(np.where(given.judged, given.doubt, 0.0))
+    return np.concatenate([[0.0], np.maximum(np.linalg.norm(recorded - own, axis=1) - doubt, 0.0) / scale])
 
 
 def _size(vector: F64) -> float:
@@ -88,31 +91,12 @@ def _size(vector: F64) -> float:
 
 def carried_pushes(found: list[list[Push]], candidate: Candidate, solver: str) -> None:
     """Add to the pushes of each frame those of a gas on what it carries."""
-    spec, fps = candidate.spec, candidate.spec.simulation.fps
-    box = box_of(candidate, solver)
+    fps, box = candidate.spec.simulation.fps, box_of(candidate, solver)
     for given in given_by(box):
         for entity, impulses in given.shares.items():
             for k, size in enumerate(np.linalg.norm(impulses, axis=1).tolist()):
                 if size > 0.0 and k + 1 < len(found):
                     found[k + 1] += [Push(m, entity, k / fps, (k + 1) / fps, size) for m in box.members]
-    for other, members in carried_members(spec, solver).items():
-        if other in candidate.particle_caches:
-            _on_particles(found, candidate, other, members, box)
-
-
-def _on_particles(found: list[list[Push]], candidate: Candidate, other: str, members: tuple[str, ...], box: GasBox) -> None:
-    """Pushes on grains and sparks, by their own record, while any of them is in the box."""
-    cache, fps = candidate.particle_caches[other], candidate.spec.simulation.fps
-    names = candidate.spec.simulation.solvers[other].members
-    for k in range(1, min(len(found), box.frames)):
-        data = cache.read(k, ("origin", "particle/position", "particle/member", "field/impulse"))
-        place = data["origin"] + data["particle/position"].astype(np.float64)
-        low = box.read(k).corner
-        inside = ((place >= low) & (place <= low + box.size)).all(axis=1)
-        for row, name in enumerate(names):
-            size = _size(np.asarray(data["field/impulse"][row], dtype=np.float64))
-            if name in members and size > 0.0 and inside[data["particle/member"] == row].any():
-                found[k] += [Push(m, name, (k - 1) / fps, k / fps, size) for m in box.members]
 
 
 def pushing_lines(candidate: Candidate) -> list[dict[str, str]]:
@@ -137,8 +121,8 @@ def pushing_lines(candidate: Candidate) -> list[dict[str, str]]:
                 "effect": "eddies that turn over within a frame or a cell push nothing",
             },
             {
-                "what": f"beyond the box of {name!r} what it carries meets the declared fields alone",
-                "effect": "where none is declared there, no air slows it",
+                "what": f"beyond the box of {name!r} what it carries meets, within four cells, the declared fields, and still air where there are none",
+                "effect": "what flows out of the box carries nothing farther",
             },
         ]
     return found
@@ -152,7 +136,7 @@ def _share(candidate: Candidate, name: str) -> str:
         box = box_of(candidate, name)
         given = given_by(box)
         if not given:
-            return "what it gives to particles is part of their own record"
+            return "it carries nothing that moves"
         each = np.linalg.norm(sum((g.worked_out for g in given), np.zeros_like(given[0].worked_out)), axis=1)
         k = int(each.argmax())
         now = box.read(k + 1)
@@ -162,4 +146,6 @@ def _share(candidate: Candidate, name: str) -> str:
     total = float(each.sum())
     if total <= 0.0:
         return "it gave them nothing"
-    return f"{total:.2g} N s in all, in frame {k + 1} {each[k] / max(own, TINY):.2g} of the momentum that it has itself (the most)"
+    return (
+        f"{total:.2g} N s in all, in frame {k + 1} {each[k] / max(own, TINY):.2g} of the momentum that it has itself (the most)"
+    )

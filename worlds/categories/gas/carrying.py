@@ -13,6 +13,8 @@ from ...instances import bodies_read, carriers_of, waits_for_itself
 from ...problems import Problem, removed, replaced
 from ..loose import domain_box, told_box
 from .burning import flammable_parts
+from .facts import dusts_of
+from .steam_facts import steams_of
 
 if TYPE_CHECKING:
     from ...spec import Coupling, WorldSpec
@@ -79,6 +81,7 @@ def coupling_problems(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator
         text = f"coupling {key!r}: no member of {target!r} is dynamic, so that the gas of {source!r} moves nothing; make one dynamic, or take it out"
         yield Problem(place, text, removed(place))
     yield from _both_ways(spec, key, coupling)
+    yield from _watched(spec, key, coupling)
     yield from _burn(spec, key, coupling)
     yield from _two_airs(spec, key, coupling)
 
@@ -101,6 +104,20 @@ def _both_ways(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Proble
             f"{coupling.source!r} reads (what raises dust, boils or burns in it) into an instance that it does not carry"
         )
         yield Problem(f"/simulation/couplings/{key}", text, removed(f"/simulation/couplings/{key}"))
+
+
+def _watched(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
+    """Bodies that raise dust or boil steam of the gas that carries them: it would have to know first how they move."""
+    members, source = set(spec.simulation.solvers[coupling.target].members), coupling.source
+    named = {n: d.bodies for n, d in dusts_of(spec, source).items()} | {n: d.hot for n, d in steams_of(spec, source).items()}
+    for name, bodies in named.items():
+        both = sorted(members & set(bodies))
+        if both:
+            text = (
+                f"driver {name!r} makes gas of {source!r} by how {both[0]!r} moves, and coupling {key!r} lets that gas carry it: one would have to be baked "
+                f"before the other. Take the coupling away, or put {both[0]!r} into an instance that the gas does not carry"
+            )
+            yield Problem(f"/simulation/couplings/{key}", text, removed(f"/simulation/couplings/{key}"))
 
 
 def _burn(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:

@@ -5,8 +5,8 @@ Everything is a function of point and time alone, so that a solver and who judge
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,17 @@ from .instances import carriers_of
 if TYPE_CHECKING:
     from .spec import FieldDriver, WorldSpec
 
-__all__ = ["Carrier", "Fields", "acting_on", "carried_by", "field_drivers", "fields_of"]
+__all__ = ["Carrier", "Fields", "Frames", "acting_on", "carried_by", "field_drivers", "fields_of"]
+
+
+class Frames(Protocol):
+    """Frames of a cache, as far as a medium reads them."""
+
+    index: Any
+    """Tells how many `frames` there are."""
+
+    def read(self, frame: int, names: Iterable[str] | None = None) -> Mapping[str, Any]:
+        """Channels of a frame."""
 
 
 class Carrier(Protocol):

@@ -69,7 +69,7 @@ FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propa
 
 
 CARRIED = {"borne": "ball", "waved": "sheet"}
-"""What a stream carries in some kinds."""
+"""Things that a stream carries, by kind."""
 MAKE: dict[str, Any] = {"kindled": kindled_spec, "spared": kindled_spec, "torch": torch_spec, "hung": hung_spec}
 """Makers of what may burn beside a fire."""
 

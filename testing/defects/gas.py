@@ -95,7 +95,7 @@ def _weaker(document: dict[str, Any], magnitude: float) -> None:
 
 
 def _blunter(document: dict[str, Any], magnitude: float) -> None:
-    """What is carried is told to be blunter than it was."""
+    """A body that is carried is told to be blunter than it was."""
     document["simulation"]["solvers"][SOLVER]["settings"]["coefficient"] *= 1.0 + magnitude
 
 

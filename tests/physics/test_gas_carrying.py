@@ -1,4 +1,4 @@
-"""What a gas carries: a ball in a stream follows the law of drag, and a gas carries as a wind of the same speed blows."""
+"""Things that a gas carries: a ball in a stream follows the law of drag, and a gas carries as a wind of the same speed blows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a gas gives to the bodies, sheets and particles that it carries, worked out anew from its cells and from how these move (R66, R105).
+"""Impulses that a gas gives to the bodies, sheets and particles that it carries, worked out anew from its cells and from how these move (R66, R105).
 
 Another route than the solvers': cells are looked up by spline interpolation of order one, the area that a body shows is that of the outline of
 its hull across the flow, and each interval between frames is summed by Simpson's rule with the way between both ends.

@@ -1,4 +1,4 @@
-"""What a gas gives to grains and flying particles that it carries, worked out anew from its cells and from where these are (R65, R66, R105).
+"""Impulses that a gas gives to grains and flying particles that it carries, worked out anew from its cells and from where these are (R65, R66, R105).
 
 What flies alone is taken on from each frame to the next by the law of spheres; grains, which others push too, along the way that they went.
 """

@@ -320,5 +320,7 @@ FATE = by_name(
 )
 
 QUESTIONS = tuple(
-    q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, FATE) for q in group.values()
+    q
+    for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, PUSHING, FATE)
+    for q in group.values()
 )

@@ -12,7 +12,7 @@ from ....physics.substances import air_density, air_viscosity
 from ...arrays import F64
 
 if TYPE_CHECKING:
-    from ...cache import Cache
+    from ...fields import Frames
     from ...spec import WorldSpec
 
 __all__ = ["GasMedium", "gas_medium"]
@@ -43,7 +43,7 @@ class GasMedium:
         ambient: temperature of the air about it [K].
     """
 
-    def __init__(self, cache: Cache, cell: float, fps: float, coefficient: float, ambient: float) -> None:
+    def __init__(self, cache: Frames, cell: float, fps: float, coefficient: float, ambient: float) -> None:
         self._cache, self._cell, self._fps, self._coefficient = cache, cell, fps, coefficient
         self.ambient = (air_density(ambient), float(air_viscosity(np.array(ambient))))
         self._kept: dict[int, _Frame] = {}
@@ -91,7 +91,7 @@ class GasMedium:
         return self._kept[frame]
 
 
-def gas_medium(spec: WorldSpec, name: str, cache: Cache) -> GasMedium:
+def gas_medium(spec: WorldSpec, name: str, cache: Frames) -> GasMedium:
     """The gas of an instance as its cache holds it."""
     instance = spec.simulation.gas[name]
     physics = spec.entities[instance.members[0]].physics

@@ -33,7 +33,7 @@ def world(document: dict[str, Any], *edits: tuple[str, Any]) -> WorldSpec:
 
 
 def problems(spec: WorldSpec) -> str:
-    """What the rows about couplings and gases say."""
+    """Texts of the rows about couplings and gases."""
     rows = [r for r in audit(spec).rows if r.id in ("audit:couplings", "audit:gases")]
     return " ".join(p for r in rows if r.status != "pass" for p in (r.evidence or {})["problems"])
 

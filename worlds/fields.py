@@ -26,8 +26,9 @@ __all__ = ["Carrier", "Fields", "Frames", "acting_on", "carried_by", "field_driv
 class Frames(Protocol):
     """Frames of a cache, as far as a medium reads them."""
 
-    index: Any
-    """Tells how many `frames` there are."""
+    @property
+    def index(self) -> Any:
+        """Record of the cache that tells how many `frames` there are."""
 
     def read(self, frame: int, names: Iterable[str] | None = None) -> Mapping[str, Any]:
         """Channels of a frame."""

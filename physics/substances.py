@@ -6,7 +6,11 @@ References:
 
 from __future__ import annotations
 
-__all__ = ["AIR_DENSITY", "AIR_HEAT_CAPACITY", "AIR_VISCOSITY", "air_density"]
+import numpy as np
+
+from .arrays import F64
+
+__all__ = ["AIR_DENSITY", "AIR_HEAT_CAPACITY", "AIR_VISCOSITY", "air_density", "air_viscosity"]
 
 AIR_DENSITY = 1.204
 """[kg/m^3] at 20 degrees C and 101325 Pa."""
@@ -20,8 +24,16 @@ GAS_CONSTANT = 8.31432
 """R of the standard [J/(mol K)]."""
 AIR_MOLAR_MASS = 0.0289644
 """[kg/mol]"""
+SUTHERLAND = 1.458e-6, 110.4
+"""Constants beta [kg/(s m K^0.5)] and S [K] of the standard's viscosity."""
 
 
 def air_density(temperature: float) -> float:
     """Density of dry air at sea level [kg/m^3]: p M / (R T), temperature in K."""
     return SEA_LEVEL * AIR_MOLAR_MASS / (GAS_CONSTANT * temperature)
+
+
+def air_viscosity(temperature: F64) -> F64:
+    """Dynamic viscosity of air [Pa s], shape of `temperature` [K]: beta T^1.5 / (T + S) (Sutherland)."""
+    beta, constant = SUTHERLAND
+    return np.asarray(beta * np.asarray(temperature) ** 1.5 / (temperature + constant))

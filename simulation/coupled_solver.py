@@ -24,6 +24,7 @@ from .sealed import Stamp, seal, unseal
 if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.cache import Cache
+    from ..worlds.fields import Carrier
     from ..worlds.spec import WorldSpec
     from .step_reports import StepReport
 
@@ -43,6 +44,7 @@ class CoupledSolver(ABC):
         caches: of the rigid instances that move what it meets; None: a coupling gives their states.
         intervention: drivers taken away, members held where they are, entities that they pass through.
         recipe: hash of everything that decides its motion, for the cache's index.
+        media: of instances that drag its members along.
     """
 
     KIND = ""
@@ -66,8 +68,10 @@ class CoupledSolver(ABC):
         caches: Mapping[str, Cache] | None = None,
         intervention: Intervention | None = None,
         recipe: str = "",
+        media: Mapping[str, Carrier] | None = None,
     ) -> None:
         self.spec, self.built, self.name, self.recipe = spec, built, name, recipe
+        self.media = media or {}
         self.instance: Any = spec.simulation.solvers[name]
         self.members: tuple[str, ...] = tuple(self.instance.members)
         self._caches = caches

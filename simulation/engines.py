@@ -22,8 +22,8 @@ ENGINES: Mapping[str, tuple[str, str]] = {
 }
 """Module and class of the solver of each engine that an instance can name. Loaded when needed: they compile kernels.
 
-`SolverRigid` is made from (spec, built, name, *, intervention, coupled: whether others push its bodies); every other one is a
-`coupled_solver.CoupledSolver`, made from (spec, built, name, *, intervention, recipe, caches: of the instances that it reads; None where
+`SolverRigid` is made from (spec, built, name, *, intervention, media, coupled: whether others push its bodies); every other one is a
+`coupled_solver.CoupledSolver`, made from (spec, built, name, *, intervention, media, recipe, caches: of the instances that it reads; None where
 a coupling tells it the bodies).
 """
 

@@ -144,7 +144,7 @@ class Origins:
         `done` are the caches of the groups before it in this run.
         """
         spec = self._own.spec
-        read = tuple(dict.fromkeys(r for n in names for r in reads(spec, n)))
+        read = reads(spec, *names)
         found = []
         for origin in self._known:
             alike = frames_alike(alike_until(origin.settings, self._own, names, read), spec.simulation.fps)

@@ -119,7 +119,7 @@ def _settled_again(
         if progress is not None:
             progress(before, 1.0, f"replaying {' and '.join(names)}: {doing}")
 
-    read = {n: candidate.caches[n] for n in reads(candidate.spec, names[0])}
+    read = {n: candidate.caches[n] for n in reads(candidate.spec, *names)}
     return settle(candidate.spec, candidate.built, names, read=read, tell=tell)
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError, InputError
-from ..worlds.instances import cloth_of, coupled_groups, membership_problems, watched_by
+from ..worlds.instances import membership_problems, read_by, watched_by
+from ..worlds.media import media_of
 from ..worlds.shapes import Pose
 from .coupled_solver import CoupledSolver
 from .engines import solver_class
@@ -24,12 +25,9 @@ if TYPE_CHECKING:
 __all__ = ["Run", "make_run", "reads", "standing"]
 
 
-def reads(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Instances whose caches an instance reads while it runs: one without two-way coupling reads the bodies' motion, cloth's, and what its drivers
-    watch."""
-    if name in spec.simulation.rigid or any(name in g for g in coupled_groups(spec)):
-        return ()
-    return tuple(dict.fromkeys((*spec.simulation.rigid, *cloth_of(spec, name), *watched_by(spec, name))))
+def reads(spec: WorldSpec, *names: str) -> tuple[str, ...]:
+    """Instances whose caches a group of instances reads while it runs."""
+    return tuple(dict.fromkeys(r for name in names for r in read_by(spec, name)))
 
 
 class Run:
@@ -67,7 +65,7 @@ def standing(spec: WorldSpec, caches: Mapping[str, Cache]) -> WorldSpec:
     """The specification with single rigid bodies placed as they are at frame 0 of some caches, for what settles or flows around them."""
     entities = dict(spec.entities)
     for cache in caches.values():
-        if cache.index.bodies:
+        if cache.index.bodies and cache.index.solver in spec.simulation.rigid:
             first = cache.read(0, ("position", "quaternion"))
             owners = [n.split("/", 1) for n in cache.index.bodies]
             for (entity, body), place, turn in zip(owners, first["position"], first["quaternion"], strict=True):
@@ -105,11 +103,17 @@ def make_run(
         raise InputError(wrong[0].text)
 
     given = settled or {}
+    read = {n: (caches or {}).get(n) for n in reads(spec, *names)}
+    missing = sorted(n for n, c in read.items() if c is None)
+    if missing:
+        raise EvidenceError(f"{names[0]!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
+    have = {n: c for n, c in read.items() if c is not None}
+    media = media_of(spec, have)
 
     def solver(name: str, **more: Any) -> Any:
         if name in given and "recipe" in more:
             more["recipe"] = digest_of(more["recipe"], hashlib.sha256(given[name]).hexdigest())
-        made = solver_class(spec, name)(spec, built, name, intervention=intervention, **more)
+        made = solver_class(spec, name)(spec, built, name, intervention=intervention, media=media, **more)
         made.settled = given.get(name)
         return made
 
@@ -123,11 +127,6 @@ def make_run(
     name = names[0]
     if rigid:
         return Run({name: solver(name)})
-    read = {n: (caches or {}).get(n) for n in reads(spec, name)}
-    missing = sorted(n for n, c in read.items() if c is None)
-    if missing:
-        raise EvidenceError(f"{name!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
-    have = {n: c for n, c in read.items() if c is not None}
     recipe = solver_class(spec, name).recipe_alone(spec, built, name, have)
     if spec.simulation.settle is not None:
         spec = standing(spec, {n: c for n, c in have.items() if n not in watched_by(spec, name)})

@@ -151,13 +151,22 @@ def run_groups(
     `tell` takes (rank of the group, done, total, message). `only` names instances: the groups of these run, and those that they read.
     """
     caches: dict[str, Cache] = {}
-    wanted = None if only is None else only.union(*(reads(spec, name) for name in only))
+    wanted = None if only is None else _with_read(spec, only)
     for rank, names in enumerate(groups_of(spec)):
         if wanted is not None and wanted.isdisjoint(names):
             continue
         say = _Frames(partial(tell, rank), check, names, frames)
         caches |= _run_group(spec, built, {n: Cache(folder / n) for n in names}, caches, frames=frames, say=say, reuse=reuse)
     return caches
+
+
+def _with_read(spec: WorldSpec, names: frozenset[str]) -> frozenset[str]:
+    """Some instances, those that they read, those that these read, and so on."""
+    found, more = names, names
+    while more:
+        more = frozenset(r for group in groups_of(spec) if not more.isdisjoint(group) for r in reads(spec, *group)) - found
+        found |= more
+    return found
 
 
 class _Frames:
@@ -222,7 +231,7 @@ def _run_group(
     names, origins = tuple(caches), reuse if isinstance(reuse, Origins) else None
     trusted = min(trusted_frames(c, frames) for c in caches.values())
     offers = [] if origins is None or trusted >= frames else origins.offers(names, done, frames, trusted)
-    read = {n: done[n] for n in reads(spec, names[0])}
+    read = {n: done[n] for n in reads(spec, *names)}
     say.before(0.0, "setting up the engines")
     settled = settle(spec, built, names, read=read, into=caches, reuse=bool(reuse), tell=say.before)
     run = make_run(spec, built, names, caches=done, settled=settled.states)

@@ -287,7 +287,7 @@ def _from_start(
     """All frames of one group."""
     frames: _Own = {n: {} for n in names}
     try:
-        settled = settle(spec, built, names, read={n: caches[n] for n in reads(spec, names[0])})
+        settled = settle(spec, built, names, read={n: caches[n] for n in reads(spec, *names)})
         run = make_run(spec, built, names, caches=caches, settled=settled.states)
         run.prepare()
         for frame in range(end + 1):

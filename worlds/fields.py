@@ -5,19 +5,43 @@ Everything is a function of point and time alone, so that a solver and who judge
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..physics.drag import Medium
 from ..physics.flows import PlaneWaves, attraction, gust_share, gust_waves, smooth_step, turbulence, turbulence_waves, vortex
 from .arrays import F64, pose_of
+from .errors import EvidenceError
+from .instances import carriers_of
 
 if TYPE_CHECKING:
     from .spec import FieldDriver, WorldSpec
 
-__all__ = ["Fields", "acting_on", "field_drivers", "fields_of"]
+__all__ = ["Carrier", "Fields", "Frames", "acting_on", "carried_by", "field_drivers", "fields_of"]
+
+
+class Frames(Protocol):
+    """Frames of a cache, as far as a medium reads them."""
+
+    @property
+    def index(self) -> Any:
+        """Record of the cache that tells how many `frames` there are."""
+
+    def read(self, frame: int, names: Iterable[str] | None = None) -> Mapping[str, Any]:
+        """Channels of a frame."""
+
+
+class Carrier(Protocol):
+    """Medium that an instance moved, read from its cache, and what is at rest about its box."""
+
+    ambient: tuple[float, float]
+    """Density [kg/m^3] and viscosity [Pa s] of what is about its box, where no field declares a medium."""
+
+    def at(self, points: F64, time: float) -> tuple[Medium, F64]:
+        """The medium at points [m], shape (n, 3), and a time [s], and the share of it in what is there, shape (n,): 1 in its box."""
 
 
 def field_drivers(spec: WorldSpec) -> dict[str, FieldDriver]:
@@ -33,33 +57,84 @@ def acting_on(spec: WorldSpec, driver: FieldDriver) -> tuple[str, ...]:
     )
 
 
-def fields_of(spec: WorldSpec, entity: str, without: frozenset[str] = frozenset()) -> Fields:
-    """Fields that act on an entity, `without` some drivers."""
-    return Fields({k: d for k, d in field_drivers(spec).items() if k not in without and entity in acting_on(spec, d)})
+def carried_by(spec: WorldSpec, entity: str) -> tuple[str, ...]:
+    """Instances whose medium drags an entity along, by name."""
+    found = spec.entities.get(entity)
+    if not spec.simulation.couplings or found is None or found.motion != "dynamic" or not found.physics.feels_fields:
+        return ()
+    owners = [n for n, i in spec.simulation.solvers.items() if entity in i.members]
+    return tuple(sorted({c for owner in owners for c in carriers_of(spec, owner)}))
+
+
+def fields_of(
+    spec: WorldSpec, entity: str, without: frozenset[str] = frozenset(), media: Mapping[str, Carrier] | None = None
+) -> Fields:
+    """Fields that act on an entity, `without` some drivers, and the media of instances that carry it, which have to be given to be asked."""
+    drivers = {k: d for k, d in field_drivers(spec).items() if k not in without and entity in acting_on(spec, d)}
+    return Fields(drivers, carried_by(spec, entity), media or {})
 
 
 class Fields:
-    """Fields that act together."""
+    """Fields that act together, and media of instances: within their boxes these are the only medium, beyond them the fields or still air."""
 
-    def __init__(self, drivers: Mapping[str, FieldDriver]) -> None:
-        self.names = tuple(sorted(drivers))
-        self.drivers = [drivers[n] for n in self.names]
+    def __init__(
+        self, drivers: Mapping[str, FieldDriver], carriers: tuple[str, ...] = (), media: Mapping[str, Carrier] | None = None
+    ) -> None:
+        self.names = (*sorted(drivers), *carriers)
+        self.drivers = [drivers[n] for n in sorted(drivers)]
         self._waves = [_waves(d) for d in self.drivers]
+        self.carriers, self._media = carriers, media or {}
 
     def __bool__(self) -> bool:
-        return bool(self.drivers)
+        return bool(self.names)
 
     @property
     def has_medium(self) -> bool:
         """True if any of them is a medium, so that things are dragged."""
-        return any(d.field.kind != "attraction" for d in self.drivers)
+        return bool(self.carriers) or any(d.field.kind != "attraction" for d in self.drivers)
 
     def acts(self, start: float, end: float) -> bool:
         """True if any field acts during [start, end)."""
-        return any(d.start < end and (d.end is None or d.end > start) for d in self.drivers)
+        return bool(self.carriers) or any(d.start < end and (d.end is None or d.end > start) for d in self.drivers)
+
+    def carried(self, points: F64, time: float) -> NDArray[np.bool_]:
+        """True where part of the medium is that of an instance, shape (n,); points [m], shape (n, 3).
+
+        Raises:
+            EvidenceError: its cache was not given.
+        """
+        found = np.zeros(len(points), dtype=bool)
+        for name in self.carriers:
+            found |= self._given(name).at(points, time)[1] > 0.0
+        return found
+
+    def _given(self, name: str) -> Carrier:
+        if name not in self._media:
+            raise EvidenceError(f"what {name!r} carries is told by its cache, and there is none; probe or bake first")
+        return self._media[name]
 
     def medium(self, points: F64, time: float) -> Medium:
-        """The medium at points [m], shape (n, 3), and a time [s]: velocities add up, and the densest holds."""
+        """The medium at points [m], shape (n, 3), and a time [s]: velocities add up, and the densest holds; in the box of an instance its own alone.
+
+        Raises:
+            EvidenceError: the cache of such an instance was not given.
+        """
+        found = self._declared(points, time)
+        for name in reversed(self.carriers):
+            carrier = self._given(name)
+            own, share = carrier.at(points, time)
+            bare, rest = found.density <= 0.0, 1.0 - share
+            density, viscosity = carrier.ambient
+            found = Medium(
+                share[:, None] * own.velocity + rest[:, None] * found.velocity,
+                share * own.density + rest * np.where(bare, density, found.density),
+                share * own.viscosity + rest * np.where(bare, viscosity, found.viscosity),
+                np.where(bare | (share > 0.0), own.coefficient, found.coefficient),
+            )
+        return found
+
+    def _declared(self, points: F64, time: float) -> Medium:
+        """The medium of the declared fields."""
         velocity, (density, viscosity, coefficient) = np.zeros((len(points), 3)), np.zeros((3, len(points)))
         for driver, waves in zip(self.drivers, self._waves, strict=True):
             field = driver.field

@@ -9,7 +9,19 @@ from .problems import Problem, removed
 if TYPE_CHECKING:
     from .spec import WorldSpec
 
-__all__ = ["bake_order", "cloth_of", "coupled_groups", "instance_for", "membership_problems", "soft_met", "watched_by"]
+__all__ = [
+    "bake_order",
+    "bodies_read",
+    "carriers_of",
+    "cloth_of",
+    "coupled_groups",
+    "instance_for",
+    "membership_problems",
+    "read_by",
+    "soft_met",
+    "waits_for_itself",
+    "watched_by",
+]
 
 
 def instance_for(spec: WorldSpec, category: str) -> str:
@@ -50,6 +62,59 @@ def watched_by(spec: WorldSpec, name: str) -> tuple[str, ...]:
     return tuple(sorted(n for n, i in plan.solvers.items() if n not in plan.rigid and n != name and seen & set(i.members)))
 
 
+def carriers_of(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Instances whose medium drags the members of an instance along, by name: sources of its one_way couplings that can."""
+    plan = spec.simulation
+    return tuple(
+        sorted(
+            {
+                c.source
+                for c in plan.couplings.values()
+                if c.target == name and c.direction == "one_way" and c.source in plan.solvers and plan.solvers[c.source].carries
+            }
+        )
+    )
+
+
+def bodies_read(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Rigid instances whose motion an instance of another kind reads: all, but one whose medium carries others reads none that any medium carries."""
+    rigid = spec.simulation.rigid
+    if not any(name in carriers_of(spec, other) for other in spec.simulation.solvers):
+        return tuple(rigid)
+    return tuple(r for r in rigid if not carriers_of(spec, r))
+
+
+def read_by(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Instances whose caches an instance reads while it runs: media that carry it, and, without two-way coupling, bodies' motion, cloth's, and
+    what its drivers watch."""
+    carriers = carriers_of(spec, name)
+    if name in spec.simulation.rigid or any(name in g for g in coupled_groups(spec)):
+        return carriers
+    return tuple(dict.fromkeys((*bodies_read(spec, name), *cloth_of(spec, name), *watched_by(spec, name), *carriers)))
+
+
+def waits_for_itself(spec: WorldSpec) -> tuple[str, ...]:
+    """Instances that read one another's caches in a circle, in its order; empty where there is none."""
+    group = {name: g for g in coupled_groups(spec) for name in g}
+
+    def needs(name: str) -> list[str]:
+        own = group.get(name, {name})
+        return [r for n in sorted(own) for r in read_by(spec, n) if r not in own]
+
+    done: set[str] = set()
+
+    def follow(name: str, path: tuple[str, ...]) -> tuple[str, ...]:
+        if name in path:
+            return path[path.index(name) :]
+        if name in done:
+            return ()
+        found = next((p for other in needs(name) if (p := follow(other, (*path, name)))), ())
+        done.add(name)
+        return found
+
+    return next((p for name in spec.simulation.solvers if (p := follow(name, ()))), ())
+
+
 def membership_problems(spec: WorldSpec) -> list[Problem]:
     """Members that their instance's engine does not move."""
     found = []
@@ -76,12 +141,15 @@ def bake_order(spec: WorldSpec) -> tuple[str, ...]:
     order = list(dict.fromkeys(s for s in spec.simulation.order if s in spec.simulation.solvers))
     rest = [s for s in spec.simulation.solvers if s not in order]
     rest.sort(key=lambda s: s not in spec.simulation.rigid)  # the others read the motion of bodies; equal ones keep their order
+    carried = any(carriers_of(spec, s) for s in spec.simulation.rigid)
     before: dict[str, set[str]] = {}
     for coupling in spec.simulation.couplings.values():
         if coupling.direction == "one_way":
             before.setdefault(coupling.target, set()).add(coupling.source)
     for name in rest:
         before.setdefault(name, set()).update(watched_by(spec, name))
+        if carried and name not in spec.simulation.rigid:
+            before[name].update(bodies_read(spec, name))
     while rest:
         ready = next((s for s in rest if not before.get(s, set()) & set(rest)), rest[0])
         rest.remove(ready)

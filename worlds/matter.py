@@ -50,6 +50,8 @@ class Instance(SpecModel):
     """Categories of the members that it moves."""
     meets: ClassVar[tuple[str, ...]] = ()
     """Deforming categories whose surfaces its matter meets: elastic bodies always, cloth where a coupling joins them."""
+    carries: ClassVar[bool] = False
+    """True if its matter is a medium that drags the members of another instance along, by a one_way coupling to that."""
 
     @classmethod
     def engine_name(cls) -> str:

@@ -13,7 +13,7 @@ from ...worlds.arrays import F64, I32, pose_of
 from ...worlds.built import TriangleMesh
 from ...worlds.categories.cloth.facts import THIN, exchange_of, held_by, touching_distance
 from ...worlds.errors import InputError
-from ...worlds.fields import Fields, fields_of
+from ...worlds.fields import Carrier, Fields, fields_of
 from ...worlds.instances import soft_met
 from ..boundaries import Boundary, Surround, surround_of
 from .pieces import Piece, piece_of
@@ -78,8 +78,9 @@ def build_scene(
     *,
     without: frozenset[str] = frozenset(),
     apart: frozenset[tuple[str, str]] = frozenset(),
+    media: Mapping[str, Carrier] | None = None,
 ) -> ClothScene:
-    """Sheets, what holds them and what they meet; `without` some fields, `apart` from some entities.
+    """Sheets, what holds them and what they meet; `without` some fields, `apart` from some entities, in `media` of instances that carry them.
 
     Raises:
         InputError: layers would touch where they are flat, a pin holds nothing, or a mesh cannot tear and has to.
@@ -92,7 +93,7 @@ def build_scene(
     surround = _surround(spec, built, name, members, apart)
     counts = [len(p.rest) for p in pieces]
     offsets = dict(zip([f"{m}/{p.part}" for m, p in parts], np.cumsum([0, *counts[:-1]]), strict=True))
-    fields = {m: fields_of(spec, m, without) for m in members}
+    fields = {m: fields_of(spec, m, without, media) for m in members}
     faces = np.concatenate([np.full(len(p.faces), members.index(p.member)) for p in pieces])
     blown = any(f and f.has_medium for f in fields.values())
     drawn = any(d.field.kind == "attraction" for f in fields.values() for d in f.drivers)

@@ -41,7 +41,9 @@ class SolverCloth(CoupledSolver):
 
     def set_up(self) -> None:
         """Make the sheets and the engine."""
-        self.scene = build_scene(self.spec, self.built, self.name, without=self._done.without, apart=frozenset(self._done.apart))
+        self.scene = build_scene(
+            self.spec, self.built, self.name, without=self._done.without, apart=frozenset(self._done.apart), media=self.media
+        )
         self.engine = Cloth(self.scene.setup)
         self._tears = any(p.tearing is not None for p in self.scene.pieces)
         self._let_go = release_time(self.spec, self.name, self._done.without)

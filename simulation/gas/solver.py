@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...physics.substances import AIR_HEAT_CAPACITY
 from ...worlds.arrays import F64
+from ...worlds.categories.gas.carrying import carries, without_carried
 from ...worlds.categories.gas.facts import (
     SOURCE_SHARE,
     dusts_of,
@@ -73,9 +74,9 @@ class SolverGas(CoupledSolver):
 
     @staticmethod
     def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
-        """Recipe of a gas, which reads the bodies' motion: only what reaches its domain, unless it may burn, or what comes in it goes by other caches."""
+        """Recipe of a gas, which reads the bodies' motion: only what reaches its domain, unless it may burn or carries others, or what comes in it goes by other caches."""
         found = gas_of(spec, name)
-        if found is None or found[2].fuel is not None or dusts_of(spec, name) or steams_of(spec, name):
+        if found is None or found[2].fuel is not None or dusts_of(spec, name) or steams_of(spec, name) or carries(spec, name):
             return coupled_recipe(spec, built)
         return reader_recipe(spec, built, name, caches, margin=REACH * found[2].resolution, rough=True)
 
@@ -97,7 +98,11 @@ class SolverGas(CoupledSolver):
         middles = corners_of(self.grid.shape, self.grid.cell, self.grid.corner)[:-1, :-1, :-1] + 0.5 * self.grid.cell
         self._middles = middles.reshape(-1, 3)
         self._surround = surround_of(
-            spec, self.built, domain_box(instance), REACH * self.grid.cell, soft=soft_met(spec, self.name)
+            without_carried(spec, self.name),
+            self.built,
+            domain_box(instance),
+            REACH * self.grid.cell,
+            soft=soft_met(spec, self.name),
         )
         self.obstacles = Obstacles(self._surround, self.grid)
         settings = instance.settings

@@ -9,9 +9,10 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.fields import Fields, fields_of
+from ...worlds.instances import carriers_of
 from ..boundaries import BodyState
 from ..coupled_solver import CoupledSolver, motion_records
-from ..recipes import reader_recipe
+from ..recipes import coupled_recipe, reader_recipe
 from .energy import Elastic
 from .scene import reach_of
 from .setup import GrainReport
@@ -47,12 +48,14 @@ class FramedParticles(CoupledSolver):
 
     @staticmethod
     def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
-        """Recipe of particles that read the bodies' motion: only what reaches their domain."""
+        """Recipe of particles that read the bodies' motion: only what reaches their domain, unless a medium carries them."""
+        if carriers_of(spec, name):
+            return coupled_recipe(spec, built)
         return reader_recipe(spec, built, name, caches, margin=reach_of(spec, name), rough=True)
 
     def __init__(self, *given: Any, **named: Any) -> None:
         super().__init__(*given, **named)
-        self.fields: list[Fields] = [fields_of(self.spec, m, self._done.without) for m in self.members]
+        self.fields: list[Fields] = [fields_of(self.spec, m, self._done.without, self.media) for m in self.members]
         self.density = np.array([self.spec.materials[self.spec.entities[m].material].density for m in self.members])
         self.origin: F64 = np.array(self.instance.settings.domain.center, dtype=np.float64)
 
@@ -177,4 +180,4 @@ class FramedParticles(CoupledSolver):
 
     def driver_names(self) -> tuple[str, ...]:
         """Fields that act on its members."""
-        return tuple(dict.fromkeys(n for f in self.fields for n in f.names))
+        return tuple(dict.fromkeys(n for f in self.fields for n in f.names if n not in f.carriers))

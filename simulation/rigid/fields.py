@@ -10,7 +10,7 @@ import numpy as np
 from ...physics.drag import area_vectors, drag_force, projected_area
 from ...worlds.arrays import F64
 from ...worlds.built import BuiltEntity
-from ...worlds.fields import Fields, fields_of
+from ...worlds.fields import Carrier, Fields, fields_of
 from ...worlds.spec import WorldSpec
 from .model import RigidModel
 from .rows import row_centers, spread
@@ -26,12 +26,19 @@ class FieldForces:
         present: forces that are applied now [N], shape (n, 3).
     """
 
-    def __init__(self, spec: WorldSpec, rigid: RigidModel, built: Mapping[str, BuiltEntity], without: frozenset[str]) -> None:
+    def __init__(
+        self,
+        spec: WorldSpec,
+        rigid: RigidModel,
+        built: Mapping[str, BuiltEntity],
+        without: frozenset[str],
+        media: Mapping[str, Carrier] | None = None,
+    ) -> None:
         self.rigid = rigid
         self.impulse: F64 = np.zeros((len(rigid.bodies), 3))
         owners = [b.split("/", 1) for b in rigid.bodies]
         by_fields: dict[tuple[str, ...], tuple[Fields, list[int]]] = {}
-        present = {e: fields_of(spec, e, without) for e in dict.fromkeys(e for e, _ in owners)}
+        present = {e: fields_of(spec, e, without, media) for e in dict.fromkeys(e for e, _ in owners)}
         for row, (entity, _) in enumerate(owners):
             fields = present[entity]
             if fields:

@@ -9,9 +9,11 @@ import numpy as np
 from ...physics.drag import face_drag
 from ...worlds.arrays import F64
 from ...worlds.errors import EngineError
-from ...worlds.fields import Fields, fields_of
+from ...worlds.fields import Carrier, Fields, fields_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from ...worlds.spec import WorldSpec
     from .flex import FlexBody, Flexes
 
@@ -27,9 +29,11 @@ class FlexFields:
         present: what is applied now to the model's bodies [N], shape (nbody, 3).
     """
 
-    def __init__(self, spec: WorldSpec, flexes: Flexes, without: frozenset[str]) -> None:
+    def __init__(
+        self, spec: WorldSpec, flexes: Flexes, without: frozenset[str], media: Mapping[str, Carrier] | None = None
+    ) -> None:
         self._flexes = flexes
-        self._fields: list[Fields] = [fields_of(spec, b.entity, without) for b in flexes.bodies]
+        self._fields: list[Fields] = [fields_of(spec, b.entity, without, media) for b in flexes.bodies]
         self.impulse: F64 = np.zeros((len(flexes.bodies), 3))
         self.work = 0.0
         self.present: F64 = np.zeros((flexes.model.nbody, 3))

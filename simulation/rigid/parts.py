@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ...worlds.built import BuiltEntity
+    from ...worlds.fields import Carrier
     from ...worlds.spec import RigidSettings, WorldSpec
     from ..protocol import Intervention
 
@@ -57,8 +58,9 @@ def make_parts(
     settings: RigidSettings,
     intervention: Intervention,
     whole: Mapping[str, Any],
+    media: Mapping[str, Carrier],
 ) -> Parts:
-    """Compile the model in which these bonds hold."""
+    """Compile the model in which these bonds hold; `media` of instances drag its bodies along."""
     import mujoco
 
     rigid = build_model(spec, built, members, settings, apart=intervention.apart, whole=whole)
@@ -71,7 +73,7 @@ def make_parts(
     order = np.argsort(rows)
     flexes = Flexes(model, rigid.flexes) if rigid.flexes else None
     if flexes is not None:
-        flexes.fields = FlexFields(spec, flexes, intervention.without) or None
+        flexes.fields = FlexFields(spec, flexes, intervention.without, media) or None
     return Parts(
         rigid=rigid,
         data=mujoco.MjData(model),
@@ -81,7 +83,7 @@ def make_parts(
         gyration=Gyration(model),
         monitor=ContactMonitor(rigid),
         ledger=Ledger(model, own[order], kinematic, len(rigid.bodies), far[order]),
-        fields=FieldForces(spec, rigid, built, intervention.without),
+        fields=FieldForces(spec, rigid, built, intervention.without, media),
         flexes=flexes,
     )
 

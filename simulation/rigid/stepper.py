@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...worlds.built import BuiltEntity
+from ...worlds.fields import Carrier
 from ...worlds.slices import fastened_pairs
 from ...worlds.spec import RigidSettings, WorldSpec
 from ..fracture import Breakage, Fate
@@ -40,6 +41,7 @@ class Stepper:
         name: of the instance.
         intervention: what is done to it from outside.
         coupled: whether others push its bodies.
+        media: of instances that drag its bodies along.
     """
 
     def __init__(
@@ -50,9 +52,10 @@ class Stepper:
         *,
         intervention: Intervention | None = None,
         coupled: bool = False,
+        media: Mapping[str, Carrier] | None = None,
     ) -> None:
         self.spec, self.built, self.name = spec, built, name
-        self._intervention = intervention or Intervention()
+        self._intervention, self._media = intervention or Intervention(), media or {}
         self._frame_time = 1.0 / spec.simulation.fps
         instance = spec.simulation.rigid[name]
         self.members = tuple(dict.fromkeys(instance.members))
@@ -94,7 +97,7 @@ class Stepper:
     def _parts(self) -> Parts:
         """A model of the present clusters."""
         whole = self.breakage.whole()
-        return make_parts(self.spec, self.built, self.members, self.settings, self._intervention, whole)
+        return make_parts(self.spec, self.built, self.members, self.settings, self._intervention, whole, self._media)
 
     def _install(self, parts: Parts) -> None:
         """Work with this model from now on."""

@@ -7,6 +7,7 @@ from typing import Any
 
 from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
+from ..worlds.carried_worlds import stream_spec
 from ..worlds.simulated_worlds import simulate
 from ..worlds.small_gas import SMOKE_PROMPT, dust_spec, fire_spec, hung_spec, kindled_spec, smoke_spec, torch_spec
 from ..worlds.small_steam import quench_spec
@@ -55,16 +56,20 @@ KINDS = (
     "hung",
     "dust",
     "quench",
+    "borne",
+    "waved",
 )
 """A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
 fog; wind through the box; wind that begins later; a plate that is pulled through the smoke; wood gas that burns; methane that burns; propane hot enough to burn by itself; a fire
 whose fuel ends; a sheet beside a fire that catches it; one so far off that it does not; one that is swept
-through the flames; cloth that swings beside them; dust that a ball raises where it lands; steam of a hot block in water."""
+through the flames; cloth that swings beside them; dust that a ball raises where it lands; steam of a hot block in water; a ball and a sheet that a stream carries."""
 
 FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propane", 3.0e4), "puffed": ("heptane", 6.0e4)}
 """Fuel and power [W] of the kinds that burn."""
 
 
+CARRIED = {"borne": "ball", "waved": "sheet"}
+"""Things that a stream carries, by kind."""
 MAKE: dict[str, Any] = {"kindled": kindled_spec, "spared": kindled_spec, "torch": torch_spec, "hung": hung_spec}
 """Makers of what may burn beside a fire."""
 
@@ -113,16 +118,24 @@ def _dusty() -> dict[str, Any]:
     return dust_spec(frames=FRAMES, resolution=CELL, fall=0.06, per_energy=1e-4)
 
 
-def scene_spec(kind: str) -> dict[str, Any]:
-    """Specification of a kind, without its prompt."""
+def _own(kind: str) -> dict[str, Any] | None:
+    """Specification of a kind that is no plate over smoke; None of one that is."""
     if kind in FIRES:
         return _fire(kind)
     if kind in ("dust", "quench"):
         spec = quench_spec(frames=FRAMES, resolution=CELL) if kind == "quench" else _dusty()
         spec["simulation"]["solvers"][SOLVER]["settings"]["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
         return spec
-    if kind in MAKE:
-        return _kindled(kind)
+    if kind in CARRIED:
+        return stream_spec(thing=CARRIED[kind], frames=FRAMES, resolution=CELL)
+    return _kindled(kind) if kind in MAKE else None
+
+
+def scene_spec(kind: str) -> dict[str, Any]:
+    """Specification of a kind, without its prompt."""
+    own = _own(kind)
+    if own is not None:
+        return own
     spec = smoke_spec(frames=FRAMES, resolution=CELL, rate=0.006)
     plate, driver = spec["entities"]["plate"], spec["simulation"]["drivers"]["fire"]
     physics, settings = spec["entities"]["smoke"]["physics"], spec["simulation"]["solvers"][SOLVER]["settings"]

@@ -19,6 +19,7 @@ from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
 from ..worlds.small_gas import SMOKE_PROMPT
 from ..worlds.small_worlds import build_all
+from . import _carried_changes as carried
 from . import _fire_changes as fires
 from . import _gas_changes as changes
 from . import _kindling_changes as kindling
@@ -32,10 +33,12 @@ __all__ = ["SUITE"]
 Build = Callable[[Path, float, np.random.Generator], World]
 
 
-def _edited(base: Candidate, folder: Path, change: Change, magnitude: float, rng: np.random.Generator) -> Candidate:
-    other = folder / SOLVER
-    shutil.copytree(base.caches[SOLVER].folder, other)
-    old, found = base.caches[SOLVER], Cache(other)
+def _edited(
+    base: Candidate, folder: Path, change: Change, magnitude: float, rng: np.random.Generator, solver: str = SOLVER
+) -> Candidate:
+    other = folder / solver
+    shutil.copytree(base.caches[solver].folder, other)
+    old, found = base.caches[solver], Cache(other)
     state = rng.bit_generator.state
     for frame in range(found.index.frames):
         data = {k: np.array(v) for k, v in old.read(frame).items()}
@@ -43,7 +46,7 @@ def _edited(base: Candidate, folder: Path, change: Change, magnitude: float, rng
         change(frame, data, magnitude, rng, old)
         write_container(found.path(frame), data)
     fresh = dataclasses.replace(base)
-    vars(fresh)["caches"] = {**base.caches, SOLVER: Cache(other)}
+    vars(fresh)["caches"] = {**base.caches, solver: Cache(other)}
     return fresh
 
 
@@ -53,6 +56,15 @@ def _breaks(change: Change, *rows: str, kinds: tuple[str, ...] = ("room", "macco
     def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
         base = scene(kinds[int(rng.integers(len(kinds)))])
         return World(_edited(base, folder, change, magnitude, rng), tuple(_question(r) for r in rows))
+
+    return build
+
+
+def _carried(change: Change, kind: str, solver: str) -> Build:
+    """Broken frames of what a gas carries, to be found by the row about its pushes."""
+
+    def build(folder: Path, magnitude: float, rng: np.random.Generator) -> World:
+        return World(_edited(scene(kind), folder, change, magnitude, rng, solver), ("category:gas:pushed",))
 
     return build
 
@@ -80,6 +92,16 @@ def _late(document: dict[str, Any], magnitude: float) -> None:
 
 def _weaker(document: dict[str, Any], magnitude: float) -> None:
     document["simulation"]["drivers"]["fire"]["rate"] *= 1.0 - magnitude
+
+
+def _blunter(document: dict[str, Any], magnitude: float) -> None:
+    """A body that is carried is told to be blunter than it was."""
+    document["simulation"]["solvers"][SOLVER]["settings"]["coefficient"] *= 1.0 + magnitude
+
+
+def _airier(document: dict[str, Any], magnitude: float) -> None:
+    """The sheet that is carried is told to catch more air than it did."""
+    document["entities"]["sheet"]["physics"]["drag"] = 1.2 * (1.0 + magnitude)
 
 
 def _softer(document: dict[str, Any], magnitude: float) -> None:
@@ -186,6 +208,12 @@ BROKEN = (
     Mechanism("dilute", "less steam than its heat makes", True, _breaks(steam.dilute, "quenched", "boiled", kinds=QUENCHED), 2e-3, 0.9, "1"),
     Mechanism("parch", "much of the water boils off, and its liquid keeps it", True, _breaks(steam.parch, "kept", kinds=QUENCHED), 0.06, 1.0, "1"),
     Mechanism("astray", "steam would come above the box", True, _told(_wide, "above", kind="quench"), 0.6, 2.0, "m"),
+    Mechanism("shove", "a body got more from the gas than its stream gives", True, _carried(carried.shove, "borne", "bodies"), 0.06, 2.0, "1"),
+    Mechanism("sideways", "a body was pushed across the stream", True, _carried(carried.sideways, "borne", "bodies"), 0.08, 1.0, "1"),
+    Mechanism("puffing", "a sheet got more from the gas than its stream gives", True, _carried(carried.puffing, "waved", "sheets"), 0.08, 2.0, "1"),
+    Mechanism("gale", "a faster stream than that which carried", True, _breaks(carried.gale, "pushed", kinds=("borne", "waved")), 0.06, 1.0, "1"),
+    Mechanism("blunter", "what is carried was less blunt than is told", True, _told(_blunter, "pushed", kind="borne"), 0.06, 3.0, "1"),
+    Mechanism("airier", "a sheet that is carried caught less air than is told", True, _told(_airier, "pushed", kind="waved"), 0.08, 2.0, "1"),
     Mechanism("embezzle", "fuel is lost, burnt or not", True, _breaks(fires.embezzle, "fuel", kinds=BURNING), 2e-4, 0.9, "1"),
     Mechanism("lean", "more fuel came than the source has", True, _told(_lean, "fuel", kind="burner"), 2e-3, 0.9, "1"),
     Mechanism("flatter", "more heat than the fuel that burnt has", True, _breaks(fires.flatter, "burnt", kinds=BURNING), 0.01, 1.0, "1"),

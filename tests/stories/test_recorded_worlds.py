@@ -54,6 +54,11 @@ JUDGED: dict[str, tuple[str, ...]] = {
         ),
         *(row for row in GAS if ":cut:" not in row),
     ),
+    "gas/blower": (
+        *("causal:comes:meets", "causal:meets:falls", "causal:falls:lands", "causal:without:meets:falls"),
+        "category:gas:pushed:air",
+        *(row for row in GAS if ":cut:" not in row),  # Its smoke goes on beyond the box.
+    ),
     "gas/bowl": (
         *("causal:lit:burns", "causal:burns:out", "causal:without:lit:burns"),
         *(f"category:gas:{n}:air" for n in ("fuel", "burnt", "released", "flames", "lit", "oxygen", "radiated")),

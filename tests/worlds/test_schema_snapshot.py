@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "8723f048204e2046945e393c39981d97ac0b49c2f767cf87008b2c05f7c3cb8d"
+SCHEMA = "2316a8790316a56d7f03ffafff5a5544e6d956972ea8ae25a2f040ce3b62623c"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -8,23 +8,34 @@ import numpy as np
 
 from ...worlds.arrays import F64
 from ...worlds.fields import acting_on, field_drivers, fields_of
+from ...worlds.instances import carriers_of
+from ...worlds.media import media_of
 from .exchanged import Exchanged, account, impulses, nothing
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
+    from ...worlds.fields import Fields
     from ...worlds.spec import WorldSpec
     from .balance import Books
 
-__all__ = ["CHANNEL", "blown", "blown_at", "feels_fields", "recorded"]
+__all__ = ["CHANNEL", "blown", "blown_at", "feels_fields", "fields_in", "recorded"]
 
 CHANNEL = "field/impulse"
 """Impulse of fields on each body over the frame, at its centre of mass [N s], shape (n, 3)."""
 
 
 def feels_fields(spec: WorldSpec, solver: str) -> bool:
-    """True if a force field acts on a moving member of the instance."""
+    """True if a force field acts on a moving member of the instance, or the medium of another."""
     members = set(spec.simulation.solvers[solver].members)
+    if carriers_of(spec, solver):
+        return True
     return any(members & set(acting_on(spec, d)) for d in field_drivers(spec).values())
+
+
+def fields_in(candidate: Candidate, entity: str) -> Fields:
+    """Fields that act on an entity, with the media of instances as their caches hold them."""
+    media = candidate.memo("media", lambda: media_of(candidate.spec, candidate.caches))
+    return fields_of(candidate.spec, entity, media=media)
 
 
 def recorded(books: Books) -> F64:
@@ -45,16 +56,24 @@ def blown(books: Books) -> Exchanged:
 
 
 def blown_at(candidate: Candidate, entity: str, frame: int) -> dict[str, float]:
-    """Size of the impulse that fields gave to an entity in the interval that ends at `frame` [N s], by the drivers' ids together."""
+    """Size of the impulse that fields gave to an entity in the interval that ends at `frame` [N s], by the drivers' ids together.
+
+    What the medium of an instance carries is a push of its own, and none of a field.
+    """
     if entity not in candidate.spec.entities:
         return {}
-    found = fields_of(candidate.spec, entity)
-    if not found:
+    found = fields_in(candidate, entity)
+    if not found.drivers:
         return {}
     for cache in candidate.rigid_caches.values():
         rows = [k for k, b in enumerate(cache.index.bodies) if b.split("/", 1)[0] == entity]
         if rows:
-            given = np.asarray(cache.read(frame, (CHANNEL,))[CHANNEL], dtype=np.float64)[rows].sum(axis=0)
-            size = float(np.linalg.norm(given))
-            return {", ".join(found.names): size} if size > 0 else {}
+            read = cache.read(frame, (CHANNEL, "position"))
+            if (
+                found.carriers
+                and found.carried(np.asarray(read["position"], dtype=np.float64)[rows], frame / cache.index.fps).any()
+            ):
+                return {}
+            size = float(np.linalg.norm(np.asarray(read[CHANNEL], dtype=np.float64)[rows].sum(axis=0)))
+            return {", ".join(sorted(d for d in found.names if d not in found.carriers)): size} if size > 0 else {}
     return {}

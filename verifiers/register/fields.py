@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...worlds.fields import acting_on, field_drivers
+from ...worlds.fields import acting_on, carried_by, field_drivers
 from ...worlds.quoting import listed
 from ..categories.registry import JUDGES, judged
 
@@ -20,6 +20,7 @@ NAMED = 12
 def _airless(spec: WorldSpec) -> list[dict[str, str]]:
     """Who moves without any medium."""
     aired = {n for d in field_drivers(spec).values() if d.field.kind != "attraction" for n in acting_on(spec, d)}
+    aired |= {n for n in spec.entities if carried_by(spec, n)}
     bare = sorted(n for n, e in spec.entities.items() if e.motion == "dynamic" and n not in aired)
     if not bare:
         return []

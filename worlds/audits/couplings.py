@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..categories.registry import CATEGORIES
-from ..instances import cloth_of, coupled_groups, watched_by
+from ..instances import coupled_groups, read_by
 from ..problems import Problem, replaced
 from ..spec import Coupling, WorldSpec
 
@@ -22,6 +22,9 @@ def _coupling(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem
     if coupling.source not in plan.solvers or coupling.target not in plan.solvers:
         return  # the references row says so
     source, target = (plan.solvers[n].moves[0] for n in (coupling.source, coupling.target))
+    if plan.solvers[coupling.source].carries and (carrying := CATEGORIES[source].coupling) is not None:
+        yield from carrying(spec, key, coupling)
+        return
     own = next((c for k in (source, target) if (c := CATEGORIES[k].coupling) is not None), None)
     if own is not None and "rigid" not in (source, target):
         yield from own(spec, key, coupling)
@@ -50,7 +53,7 @@ def _orders(spec: WorldSpec) -> Iterator[Problem]:
     plan = spec.simulation
     first = [s for s in plan.order if s in plan.solvers]
     for k, name in enumerate(first):
-        read = () if name in plan.rigid else (*plan.rigid, *cloth_of(spec, name), *watched_by(spec, name))
+        read = read_by(spec, name)
         late = [r for r in first[k + 1 :] if r in read and not _share_group(spec, r, name)]
         if late:
             yield Problem(

@@ -15,6 +15,7 @@ from ..vocabulary import SpecModel
 from .caps import Cap
 
 if TYPE_CHECKING:
+    from ..fields import Carrier, Frames
     from ..spec import Coupling, Entity, WorldSpec
 
 __all__ = ["Audit", "Cap", "CategorySpec", "declares"]
@@ -83,7 +84,9 @@ class CategorySpec:
     starts_alone: bool = False
     """An entity of it with a velocity at frame 0 moves without any cause, so that a beat has to tell of that."""
     coupling: Callable[[WorldSpec, str, Coupling], Iterable[Problem]] | None = None
-    """Problems of a coupling of its instance to one that is not rigid; None where no engine couples these."""
+    """Problems of a coupling of its instance to one that is not rigid, or of one by which its medium carries another; None where no engine couples these."""
+    medium: Callable[[WorldSpec, str, Frames], Carrier] | None = None
+    """The medium that an instance moved, from its cache; of categories whose instances carry others."""
     unrecorded: Callable[[WorldSpec, str, str], str] = lambda spec, a, b: ""
     """Why no record tells contacts of two entities of which one is of it, and what to ask instead; empty where one does."""
     recipes: Callable[[WorldSpec, str], Mapping[str, str]] = lambda spec, motion: {}

@@ -19,6 +19,7 @@ from ....physics.drag import face_drag
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.fields import Fields, fields_of
+from ...ledgers.fields import fields_in
 from ...ledgers.strains import require_deforming
 from ...rows.corrections import bake_again
 from ...rows.findings import Finding
@@ -68,7 +69,7 @@ def fields(candidate: Candidate, solver: str, cache: Cache) -> Finding:
     given, owners = field_impulses(candidate, cache), [n.split("/", 1)[0] for n in cache.index.deformables]
     worst, culprit, wrong, size = -1.0, owners[0], np.zeros(0, dtype=bool), 0.0
     for row, name in enumerate(owners):
-        off, largest = _off(candidate, require_deforming(candidate, name), fields_of(candidate.spec, name), given[:, row])
+        off, largest = _off(candidate, require_deforming(candidate, name), fields_in(candidate, name), given[:, row])
         share = float(off.max(initial=0.0)) / max(largest, 1e-12)
         if share > worst:
             worst, culprit, size = share, name, largest

@@ -39,15 +39,15 @@ def depth_in(pieces: tuple[Piece, ...], points: F64, frame: int, margin: float) 
 class Bodies:
     """All parts of rigid entities that come near the box."""
 
-    def __init__(self, candidate: Candidate, frames: int, lower: F64, upper: F64) -> None:
+    def __init__(self, candidate: Candidate, frames: int, lower: F64, upper: F64, passed: frozenset[str]) -> None:
         self._kept: dict[str, tuple[int, F64, F64]] = {}
 
         def near(piece: Piece) -> bool:
             ends = [piece.box(k) for k in ((0,) if piece.still else range(frames))]
             return any(bool((a <= upper).all() and (b >= lower).all()) for a, b in ends)
 
-        self.pieces = tuple(p for p in pieces_of(candidate) if near(p))
-        """Parts that come into the box between two corners at some frame."""
+        self.pieces = tuple(p for p in pieces_of(candidate) if p.entity not in passed and near(p))
+        """Parts that come into the box between two corners at some frame, but for those of entities that are `passed`."""
 
     @cached_property
     def moving(self) -> bool:

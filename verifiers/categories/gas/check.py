@@ -21,6 +21,7 @@ from .kindling import Kindling
 from .limits import Limits
 from .numerical import Numbers
 from .places import Places
+from .pushing import Pushing
 from .steaming import Steaming
 from .transport import Transport
 
@@ -30,7 +31,20 @@ if TYPE_CHECKING:
 
 __all__ = ["WATCHES", "category_rows", "numerical_rows"]
 
-WATCHES: tuple[type[Watch], ...] = (Numbers, Books, Escapes, Transport, Limits, Flow, Places, Fires, Kindling, Steaming, Fate)
+WATCHES: tuple[type[Watch], ...] = (
+    Numbers,
+    Books,
+    Escapes,
+    Transport,
+    Limits,
+    Flow,
+    Places,
+    Fires,
+    Kindling,
+    Steaming,
+    Pushing,
+    Fate,
+)
 """All families, in the order of their rows."""
 
 

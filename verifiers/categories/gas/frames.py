@@ -11,6 +11,7 @@ import numpy as np
 from ....physics.gases import mass_extinction
 from ....physics.substances import AIR_HEAT_CAPACITY, air_density
 from ....worlds.arrays import F64
+from ....worlds.categories.gas.carrying import unmet
 from ....worlds.categories.gas.facts import fuel_of, grid_of
 from ....worlds.errors import EvidenceError, NotFiniteError
 from ...rows.findings import cache_of
@@ -91,9 +92,15 @@ class GasBox:
 
     @cached_property
     def bodies(self) -> Bodies:
-        """The bodies among the cells."""
+        """The bodies among the cells, but for those that it carries."""
         corners = np.array([self.read(k).corner for k in range(self.frames)])
-        return Bodies(self.candidate, self.frames, corners.min(axis=0) - self.cell, corners.max(axis=0) + self.size + self.cell)
+        return Bodies(
+            self.candidate,
+            self.frames,
+            corners.min(axis=0) - self.cell,
+            corners.max(axis=0) + self.size + self.cell,
+            unmet(self.candidate.spec, self.solver),
+        )
 
     @property
     def carries(self) -> str:

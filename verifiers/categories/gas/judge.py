@@ -1,4 +1,4 @@
-"""Gases as the other verifiers ask for them: the soot that they carry, where it is and how it moves. They push nobody; impacts raise dust of them, hot matter boils them."""
+"""Gases as the other verifiers ask for them: the soot that they carry, where it is and how it moves. They push what a coupling lets them carry; impacts raise dust of them, hot matter boils them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.built import TriangleMesh
 from ....worlds.categories.gas.burning import flammable_parts
+from ....worlds.categories.gas.carrying import carried_members, carries
 from ....worlds.categories.gas.facts import dusts_of
 from ....worlds.categories.gas.steam_facts import steams_of
 from ..judge import Push
@@ -17,6 +18,7 @@ from ..loose import Loose, Sample
 from .bounds import CUT, STILL
 from .check import category_rows, numerical_rows
 from .frames import box_of
+from .pushing import carried_pushes, pushing_lines
 from .register import gas_lines
 from .register_of_fire import lost_lines
 
@@ -57,11 +59,13 @@ class GasJudge(Loose):
 
     def pushes(self, candidate: Candidate) -> list[list[Push]]:
         """Heat that it gives to solids which may burn, per frame: from when one of their pieces is warmer than the air about; and what
-        raises dust or boils."""
+        raises dust or boils; and its drag on what it carries."""
         found: list[list[Push]] = [[] for _ in range(candidate.frame_count)]
         for solver, instance in self.instances(candidate.spec).items():
             if dusts_of(candidate.spec, solver) or steams_of(candidate.spec, solver):
                 _add_puffs(found, box_of(candidate, solver))
+            if carries(candidate.spec, solver):
+                carried_pushes(found, candidate, solver)
             surfaces = box_of(candidate, solver).surfaces if flammable_parts(candidate.spec, solver) else None
             if surfaces is None:
                 continue
@@ -72,10 +76,17 @@ class GasJudge(Loose):
         return found
 
     def unfelt(self, spec: WorldSpec) -> set[tuple[str, str]]:
-        """Dust and the bodies that raise it, steam and what it comes of."""
+        """Dust and the bodies that raise it, steam and what it comes of; what a gas carries, and that gas."""
         drivers = list(spec.simulation.drivers.values())
         dust = {(d.entity, body) for d in drivers if d.kind == "dust" for body in d.bodies}
-        return dust | {(d.entity, other) for d in drivers if d.kind == "steam" for other in d.watched}
+        carried = {
+            (entity, m)
+            for name, instance in self.instances(spec).items()
+            for members in carried_members(spec, name).values()
+            for entity in members
+            for m in instance.members
+        }
+        return carried | dust | {(d.entity, other) for d in drivers if d.kind == "steam" for other in d.watched}
 
     def sample(self, candidate: Candidate, solver: str, row: int, frame: int) -> Sample:
         """Cells with the soot that they hold at a frame; of clear gas, with the air that it displaces."""
@@ -139,7 +150,7 @@ class GasJudge(Loose):
 
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""
-        return [*gas_lines(candidate.spec), *lost_lines(candidate)]
+        return [*gas_lines(candidate.spec), *lost_lines(candidate), *pushing_lines(candidate)]
 
 
 def _add_puffs(found: list[list[Push]], box: GasBox) -> None:

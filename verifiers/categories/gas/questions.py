@@ -16,6 +16,7 @@ __all__ = [
     "LIMITS",
     "NUMBERS",
     "PLACES",
+    "PUSHING",
     "QUESTIONS",
     "STEAM",
     "TRANSPORT",
@@ -279,6 +280,15 @@ KINDLING = by_name(
     ),
 )
 
+PUSHING = by_name(
+    _asked(
+        "pushed",
+        "what it carries gets the impulse of its velocities past it, as far as it is free and in the box",
+        "largest difference since frame 0 over all that it gave",
+        "1",
+        "PUSHED",
+    ),
+)
 STEAM = by_name(
     _asked(
         "boiled",
@@ -310,5 +320,7 @@ FATE = by_name(
 )
 
 QUESTIONS = tuple(
-    q for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, FATE) for q in group.values()
+    q
+    for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, PUSHING, FATE)
+    for q in group.values()
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ....worlds.categories.gas.carrying import carries
 from ....worlds.categories.gas.facts import dusts_of, emissions_of
 from .register_of_fire import burning_lines
 from .steam_lines import steam_lines
@@ -26,7 +27,7 @@ def gas_lines(spec: WorldSpec) -> list[dict[str, str]]:
             if physics.category == "gas":
                 found += _of_gas(member, physics.temperature, physics.resolution, instance)
                 found += _of_fire(member, physics.fuel, instance)
-        found += _of_box(name, instance)
+        found += _of_box(name, instance, carries(spec, name))
         found += burning_lines(spec, name)
         found += _of_source(spec, name)
     return [{"what": what, "effect": effect} for what, effect in found]
@@ -109,13 +110,14 @@ def _of_fire(member: str, fuel: str | None, instance: GasInstance) -> list[tuple
     ]
 
 
-def _of_box(name: str, instance: GasInstance) -> list[tuple[str, str]]:
+def _of_box(name: str, instance: GasInstance, carrying: bool) -> list[tuple[str, str]]:
     """Simplification and effect of each line about one box."""
     settings = instance.settings
     found = [
         (
             f"bodies stand in the way of the gas of {name!r} and do not feel it",
-            "omitted reaction: nothing is blown away or lifted",
+            "omitted reaction: nothing that stands in its way is blown away or lifted"
+            + (", and what it carries does not stand in its way" if carrying else ""),
         ),
     ]
     if "open" in settings.domain.sides:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ....physics.drag import sphere_drag_rate
 from ....worlds.arrays import F64
-from ....worlds.fields import fields_of
+from ...ledgers.fields import fields_in
 from ...rows.corrections import bake_again, halve_step
 from ...rows.findings import Finding
 from ..liquid.solids import pieces_of
@@ -40,7 +40,7 @@ class Flight:
 
     def __init__(self, swarm: Swarm) -> None:
         self.swarm = swarm
-        self.fields = [fields_of(swarm.candidate.spec, m) for m in swarm.members]
+        self.fields = [fields_in(swarm.candidate, m) for m in swarm.members]
         self.pieces = pieces_of(swarm.candidate)
         self.judged = 0
         self.worst, self.at = 0.0, 0

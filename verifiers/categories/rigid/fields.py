@@ -13,8 +13,8 @@ import numpy as np
 
 from ....physics.drag import area_vectors, drag_force, projected_area
 from ....worlds.arrays import F64, rotation_matrix
-from ....worlds.fields import Fields, fields_of
-from ...ledgers.fields import feels_fields, recorded
+from ....worlds.fields import Fields
+from ...ledgers.fields import feels_fields, fields_in, recorded
 from .bounds import FIELD
 from .rows import Law
 
@@ -32,7 +32,7 @@ def fields(books: Books) -> Finding:
     if feels_fields(spec, books.cache.index.solver):
         given = recorded(books)
         for body in range(len(books.owner)):
-            found = fields_of(spec, books.entities[books.owner[body]])
+            found = fields_in(books.candidate, books.entities[books.owner[body]])
             if found:
                 excess[:, body] = _excess(books, body, found, given[:, body])
             else:

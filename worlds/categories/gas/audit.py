@@ -233,7 +233,7 @@ def _couplings(spec: WorldSpec) -> Iterator[Problem]:
     plan = spec.simulation
     for name, coupling in plan.couplings.items():
         gases = [s for s in (coupling.source, coupling.target) if s in plan.gas]
-        if gases and coupling.direction == "two_way":
+        if gases and coupling.direction == "two_way" and coupling.source not in plan.gas:
             place = f"/simulation/couplings/{name}"
-            text = f"coupling {name!r}: the gas of {gases[0]!r} pushes nothing; make it one_way from the rigid instance, or leave it out"
+            text = f"coupling {name!r}: the gas of {gases[0]!r} does not push and feel at once; let it carry {coupling.source!r} (one_way from the gas), or leave it out"
             yield Problem(place, text, removed(place))

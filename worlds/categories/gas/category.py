@@ -8,8 +8,10 @@ from ..category import Audit, CategorySpec
 from ..shared import DOMAIN, OPENING, RESOLUTION, SIDES, STEPS, TEMPERATURE
 from .audit import gas_problems
 from .burning import flammable_parts
+from .carrying import coupling_problems
 from .channels import CHANNELS, DIMENSIONS, writers
 from .facts import gas_counts, gas_seconds
+from .medium import gas_medium
 from .models import DustDriver, EmissionDriver, GasInstance, GasPhysics, IgnitionDriver, SteamDriver
 from .predicates import PREDICATES
 
@@ -18,14 +20,14 @@ __all__ = ["GAS"]
 GAS = CategorySpec(
     name="gas",
     shape=GasPhysics.shape,
-    covers="smoke, steam, dust, hot air and fire on a grid, which solids stand in the way of and wind blows; it pushes nothing",
+    covers="smoke, steam, dust, hot air and fire on a grid, which solids stand in the way of and wind blows; it drags along what a coupling lets it carry",
     physics=GasPhysics,
     instances=(GasInstance,),
     drivers=(EmissionDriver, IgnitionDriver, DustDriver, SteamDriver),
     predicates=PREDICATES,
     asked="gas_density_in, gas_temperature_in, plume_height, gas_arrives, light_through, heat_release or gas_clears of it, burnt_share of what burns in it; it burns, rises, drifts, spreads, fills",
     meets=("rises", "drifts", "spreads", "fills"),
-    groups=(GroupInfo("gas", "solver", "viscosity, conduction, confinement and ambient temperature of gases"),),
+    groups=(GroupInfo("gas", "solver", "viscosity, conduction, confinement, ambient temperature and drag coefficient of gases"),),
     parameters=(
         *TEMPERATURE,
         *RESOLUTION,
@@ -47,10 +49,10 @@ GAS = CategorySpec(
         *parameters(SETTINGS, "expands confinement", "gas", "repair", "an approximation that stands in the register"),
         *parameters(
             SETTINGS,
-            "viscosity diffusivity ambient_temperature",
+            "viscosity diffusivity ambient_temperature coefficient",
             "gas",
             "repair",
-            "how it flows and gives off heat",
+            "how it flows, gives off heat and drags what it carries",
             physical=True,
         ),
         *OPENING,
@@ -60,6 +62,8 @@ GAS = CategorySpec(
     changes=flammable_parts,
     writers=writers,
     knobs={"gas": ("resolution",)},
+    coupling=coupling_problems,
+    medium=gas_medium,
     caps=GAS_CAPS,
     estimate=gas_counts,
     audit=Audit(

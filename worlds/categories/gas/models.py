@@ -88,17 +88,26 @@ class GasSettings(SpecModel):
     )
     ambient_temperature: float = Field(default=293.15, ge=150, le=1000, description="of the air around [K]")
     iterations: int = Field(default=60, ge=2, le=1000, description="most iterations of a pressure solve")
+    coefficient: NonNegative = Field(
+        default=1.0,
+        le=5,
+        description="drag coefficient of rigid bodies that a one_way coupling lets it carry, by the area that their hull shows to the flow: "
+        "sphere 0.47, cube 1.05",
+    )
     device: Literal["cpu", "cuda"] = "cpu"
 
 
 class GasInstance(Instance):
     """A running gas and its one entity. Rigid bodies that reach into the domain are its obstacles; it does not push them.
 
-    A one_way coupling from an instance of cloth lets that cloth burn in it, where its material may.
+    A one_way coupling from it to an instance of bodies, cloth or particles drags these along, with variables ["wrench"]: it is baked first, its velocity
+    and density act on them as those of a wind do, and bodies that it carries do not stand in its way. A one_way coupling from an instance of cloth
+    lets that cloth burn in it, where its material may.
     """
 
     moves: ClassVar[tuple[str, ...]] = ("gas",)
     meets: ClassVar[tuple[str, ...]] = ("cloth",)
+    carries: ClassVar[bool] = True
     engine: Literal["gas"] = "gas"
     members: Annotated[list[EntityRef], Field(min_length=1, max_length=16)] = Field(description="one gas")
     settings: GasSettings

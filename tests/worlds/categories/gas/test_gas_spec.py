@@ -105,7 +105,7 @@ WRONG = [
     (("/simulation/drivers/push", {"kind": "force", "entity": "smoke", "force": [1, 0, 0], "end": 1}), "cannot act on a gas"),
     (("/simulation/drivers/pull", PULL), "feels no pull but gravity"),
     (("/simulation/drivers/wind", {**WIND, "region": FAR}), "blows at no time"),
-    (("/simulation/couplings", {"c": BOTH}), "pushes nothing"),
+    (("/simulation/couplings", {"c": BOTH}), "does not push and feel at once"),
 ]
 
 

@@ -1,0 +1,184 @@
+"""Impulses that a gas gives to the bodies, sheets and particles that it carries, worked out anew from its cells and from how these move (R66, R105).
+
+Another route than the solvers': cells are looked up by spline interpolation of order one, the area that a body shows is that of the outline of
+its hull across the flow, and each interval between frames is summed by Simpson's rule with the way between both ends.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....worlds.arrays import F64
+from ....worlds.categories.gas.carrying import carried_members
+from ....worlds.fields import fields_of
+from ...ledgers.balance import books_of
+from ...ledgers.fields import recorded
+from ..cloth.frames import cloth_run
+from .pushed_particles import on_particles
+from .stream import Given, Stream
+
+if TYPE_CHECKING:
+    from ....worlds.candidate import Candidate
+    from ...ledgers.balance import Books
+    from ..cloth.frames import ClothRun
+    from .frames import GasBox
+
+__all__ = ["given_by"]
+
+FLAT = 1e-12
+"""[m^2] An outline of less is none."""
+
+
+def given_by(box: GasBox) -> list[Given]:
+    """Impulses on everything that a gas carries and whose records tell of them: bodies one by one, sheets and particles by instance.
+
+    Raises:
+        EvidenceError: a cache or a channel is missing.
+    """
+    return box.candidate.memo(("given by gas", box.solver), lambda: _given(box))
+
+
+def _given(box: GasBox) -> list[Given]:
+    candidate, stream, found = box.candidate, Stream(box), []
+    for other, members in carried_members(candidate.spec, box.solver).items():
+        if other in candidate.rigid_caches and candidate.rigid_caches[other].index.bodies:
+            books = books_of(candidate, candidate.rigid_caches[other])
+            found += [_on_body(stream, books, b) for b, o in enumerate(books.owner) if books.entities[o] in members]
+        elif other in candidate.cloth_caches:
+            found.append(_on_sheets(stream, cloth_run(candidate, other)))
+        elif other in candidate.particle_caches:
+            found.append(on_particles(stream, candidate, other))
+    return found
+
+
+# ---------------------------------------------------------------- bodies
+
+
+def _on_body(stream: Stream, books: Books, body: int) -> Given:
+    """Impulses on one body."""
+    candidate, owner, h = books.candidate, books.owner[body], books.duration
+    entity, name = books.cache.index.bodies[body].split("/", 1)
+    parts = candidate.entity(entity).parts_of(name)
+    hull = _hull(np.concatenate([p.render.vertices for p in parts])) if parts else np.zeros((0, 3))
+    x, v, turn = books.body_centers[:, body], books.velocity[:, body], books.turns[:, body]
+    middle = 0.5 * (x[:-1] + x[1:]) + h / 8 * (v[:-1] - v[1:])
+    coefficient = float(stream.box.settings.coefficient)
+    count = books.frames - 1
+    ends, between = np.zeros((books.frames, 3)), np.zeros((count, 3))
+    inside = np.zeros(books.frames, dtype=bool)
+    for k in range(min(books.frames, stream.box.frames)):
+        inside[k] = stream.within(x[k : k + 1], k)[0]
+        ends[k] = _force(stream, coefficient, hull, turn[k], (x[k], v[k]), (k, 0.0)) if inside[k] else 0.0
+    for k in range(count):
+        if inside[k] and inside[k + 1]:
+            between[k] = _force(stream, coefficient, hull, turn[k], (middle[k], 0.5 * (v[k] + v[k + 1])), (k, 0.5))
+    given = recorded(books)[:, body] - float(books.body_mass[body]) * _pulled(candidate, entity, x, books.times)
+    awake = ~(books.asleep[:-1, body] | books.asleep[1:, body])
+    judged = inside[:-1] & inside[1:] & awake & (books.free_time[:, owner] > h - 1e-9)
+    worked_out = np.where((inside[:-1] & inside[1:])[:, None], h / 6 * (ends[:-1] + 4 * between + ends[1:]), 0.0)
+    return Given((entity,), given, worked_out, {entity: worked_out}, judged)
+
+
+def _hull(points: F64) -> F64:
+    """Corners of the convex hull of points."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return np.asarray(points[ConvexHull(points).vertices])
+    except QhullError:
+        return points
+
+
+def _force(stream: Stream, coefficient: float, hull: F64, turn: F64, moves: tuple[F64, F64], when: tuple[int, float]) -> F64:
+    """Drag [N] on a body of a hull, at a place with a velocity, at a frame and a share of the way to the next."""
+    place, speed = moves
+    velocity, density = stream.at(place[None], *when)
+    past = velocity[0] - speed
+    fast = float(np.linalg.norm(past))
+    if fast == 0.0:
+        return np.zeros(3)
+    return np.asarray(0.5 * density[0] * coefficient * _outline(hull @ turn.T, past / fast) * fast * past)
+
+
+def _outline(points: F64, along: F64) -> float:
+    """Area of the outline of points seen along a unit vector [m^2]."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    first = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
+    first /= np.linalg.norm(first)
+    seen = points @ np.stack([first, np.cross(along, first)], axis=1)
+    if len(seen) < 3 or min(np.ptp(seen, axis=0)) ** 2 < FLAT:
+        return 0.0
+    try:
+        return float(ConvexHull(seen).volume)
+    except QhullError:
+        return 0.0
+
+
+def _pulled(candidate: Candidate, entity: str, x: F64, times: F64) -> F64:
+    """Velocity that fields without a medium gave over each interval [m/s], shape (F - 1, 3)."""
+    fields = fields_of(candidate.spec, entity)
+    if not any(d.field.kind == "attraction" for d in fields.drivers):
+        return np.zeros((len(x) - 1, 3))
+    pull = np.array([fields.acceleration(p[None], t)[0] for p, t in zip(x, times, strict=True)])
+    return np.asarray(0.5 * np.diff(times)[:, None] * (pull[:-1] + pull[1:]))
+
+
+# ---------------------------------------------------------------- sheets
+
+
+def _on_sheets(stream: Stream, run: ClothRun) -> Given:
+    """Impulses on all sheets of an instance, whose record tells of them together."""
+    candidate, frames = run.candidate, stream.box.frames
+    h, names = stream.box.duration, tuple(dict.fromkeys(p.entity for p in run.pieces))
+    ends = {n: np.zeros((frames, 3)) for n in names}
+    middle = {n: np.zeros((frames - 1, 3)) for n in names}
+    inside, pulled = np.ones(frames, dtype=bool), np.zeros((frames, 3))
+    before: Any = None
+    for k in range(frames):
+        x, v = run.frame(k)
+        inside[k] = all(bool(stream.within(x[p.faces].mean(axis=1), k).all()) for p in run.pieces)
+        for name, force in _blown(stream, run, x, v, (k, 0.0)).items():
+            ends[name][k] = force
+        if before is not None:
+            a, b = before
+            way = 0.5 * (a + x) + h / 8 * (b - v)
+            speed = 1.5 / h * (x - a) - 0.25 * (b + v)
+            for name, force in _blown(stream, run, way, speed, (k - 1, 0.5)).items():
+                middle[name][k - 1] = force
+        pulled[k] = _weights(candidate, run, x, k * h)
+        before = x, v
+    sums = {n: h / 6 * (ends[n][:-1] + 4 * middle[n] + ends[n][1:]) for n in names}
+    told = np.stack([run.record(f"air_impulse_{a}") for a in "xyz"], axis=1)[:frames]
+    given = np.diff(told, axis=0) - 0.5 * h * (pulled[:-1] + pulled[1:])
+    free = np.arange(frames - 1) * h >= run.start - 1e-9
+    return Given(names, given, sum(sums.values(), np.zeros((frames - 1, 3))), sums, inside[:-1] & inside[1:] & free)
+
+
+def _blown(stream: Stream, run: ClothRun, x: F64, v: F64, when: tuple[int, float]) -> dict[str, F64]:
+    """Force of the gas on each sheet [N]: of its speed across each face and along it."""
+    found: dict[str, F64] = {}
+    for piece in run.pieces:
+        a, b, c = (x[piece.faces[:, j]] for j in range(3))
+        area = 0.5 * np.cross(b - a, c - a)
+        size = np.linalg.norm(area, axis=1)
+        normal = area / np.maximum(size, 1e-300)[:, None]
+        velocity, density = stream.at((a + b + c) / 3.0, *when)
+        past = velocity - v[piece.faces].mean(axis=1)
+        across = (past * normal).sum(axis=1)[:, None] * normal
+        pressure = piece.physics.drag * across + piece.physics.skin_drag * (past - across)
+        force = ((0.5 * density * size * np.linalg.norm(past, axis=1))[:, None] * pressure).sum(axis=0)
+        found[piece.entity] = found.get(piece.entity, np.zeros(3)) + force
+    return found
+
+
+def _weights(candidate: Candidate, run: ClothRun, x: F64, time: float) -> F64:
+    """Force of fields without a medium on all sheets [N]."""
+    total: F64 = np.zeros(3)
+    for piece in run.pieces:
+        fields = fields_of(candidate.spec, piece.entity)
+        if any(d.field.kind == "attraction" for d in fields.drivers):
+            total += run.mass[piece.rows] @ fields.acceleration(x[piece.rows], time)
+    return total

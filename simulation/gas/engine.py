@@ -22,6 +22,7 @@ from ..grids.columns import vec6i
 from ..grids.multigrid import Solution
 from ..grids.runner import Runner
 from . import box_kernels as boxes
+from . import carry_kernels as carries
 from . import force_kernels as forces
 from . import transport_kernels as transport
 from .border import Border, side_faces
@@ -31,18 +32,18 @@ from .pressure import Flow, Projection
 from .regions import Regions
 from .settings import GasSettings, Side
 from .solids import Solids, enclosed, passable
-from .transport import Transport
+from .transport import ALL, Transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 __all__ = ["FUEL", "LIGHTNESS", "MOTION", "PACKED", "PRODUCT", "SOOT", "Gas", "GasReport", "Solids"]
 
-TRANSPORT_COURANT = 0.4
-"""Own choice: most of a cell that leaves it through one face in a sweep; it may lose as much through the opposite one."""
 MADE = 0.5
 """Own choice: most volume that sources and heat make per volume in a step."""
 LEAST_SPEED = 1e-9
+ROWS = 64
+"""Own choice: rows of cells that are worth a thread of a CPU."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,8 @@ class Gas(GasFields):
         """Density that a unit of soot [kg/m^3] adds, relative to the air's."""
         self._sums = wp.zeros((5, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)
         self.border = Border(self.run, shape, [s == "periodic" for s in sides[::2]])
-        self.transport = Transport(self.run, self.elements, self._box, cell, self.border, expands=self.settings.expands)
+        self.transport = Transport(self.run, shape, self._box, cell, self.border, expands=self.settings.expands)
+        self.transport.fit(self._opening)
         self.fire = self._light()
         self._box.density = 0.0 if self.fire is None else self.density
         self.steps = 0
@@ -147,6 +149,8 @@ class Gas(GasFields):
             run, self.shape, self._box, self._sides, wet=wet, room=self._room, opening=self._opening, regions=self.regions
         )
         self._fastest_solid = float(np.abs(velocity).max())
+        if hasattr(self, "transport"):
+            self.transport.fit(self._opening)
 
     # ------------------------------------------------------------ sources
 
@@ -163,6 +167,7 @@ class Gas(GasFields):
             raise ValueError("fire is for gas that expands; set expands to true")
         air = (settings.ambient_temperature, self.density, AIR_HEAT_CAPACITY)
         gravity = float(np.linalg.norm(self.gravity))
+        self.transport.quantities = ALL
         return Fire(self.run, self.elements, settings.fuel, self.cell, air=air, gravity=gravity)
 
     def heat(self, rate: F64) -> None:
@@ -182,6 +187,7 @@ class Gas(GasFields):
         self.run.upload("gas/rate", self._scalar(rate), warp().float32)
         self.run.upload("gas/content", full.reshape(-1, 4), warp().vec4)
         self._emitted = np.tensordot(rate, held, axes=3)
+        self.transport.carry(held)
         self._fed = float(np.max(rate))
 
     _emitted: F64 = np.zeros(4)
@@ -283,12 +289,18 @@ class Gas(GasFields):
     def _cells(self, name: str) -> Any:
         return self.run.array(name, self.elements, warp().vec4)
 
+    def _rows(self, kernel: Any, inputs: Sequence[Any]) -> None:
+        """Run a kernel over runs of cells along z."""
+        row = self.shape[2] + 1
+        span = self.run.span(row)
+        self.run(kernel, self.elements // row * -(-row // span), [self._box, span, *inputs], grain=ROWS if span > 1 else 1)
+
     def _carry(self, source: str, carrier: str, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
-        state = [self._box, seconds / self.cell, self._face(carrier), self._face(source)]
+        state = [seconds / self.cell, self._face(carrier), self._face(source)]
         found = [self._face("velocity/once"), self._face("velocity/low"), self._face("velocity/high")]
-        self.run(boxes.carry, self.elements, [*state, *found], grain=512)
-        self.run(boxes.correct, self.elements, [*state, *found, self._face("velocity/carried")], grain=512)
+        self._rows(carries.carry, [*state, *found])
+        self._rows(carries.correct, [*state, *found, self._face("velocity/carried")])
         self.run.swap("velocity/carried", out)
 
     def _push(self, name: str, seconds: float) -> None:
@@ -344,21 +356,19 @@ class Gas(GasFields):
 
     def _transport(self, carrier: str, seconds: float, held: NDArray[np.float32] | None) -> None:
         """Move the amounts with a projected flow, in parts that take little out of each cell."""
-        parts = max(1, math.ceil(self._fastest(carrier) * seconds / (TRANSPORT_COURANT * self.cell)))
-        velocity = self._face(carrier)
+        velocity, wp = self._face(carrier), warp()
+        rate, heating = (self.run.array(name, self.elements, wp.float32) for name in ("gas/rate", "gas/heating"))
+        source = [rate, self._cells("gas/content"), heating]
         if held is not None:
-            self.transport.moving(seconds, parts, velocity, self._opening, held=held, room=self._at.room)
-            self._inject(seconds)
-        for part in range(parts if held is None else 0):
+            self.transport.moving(seconds, self._fastest(carrier), velocity, self._opening, held=held, room=self._at.room)
+            self.transport.inject(seconds, *source)
+        else:
+            parts = self.transport.parts(seconds, velocity, self._opening, self._room)
             made = [self._expansion, *self.projection.taken]
-            self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, self._room, made)
-            self._inject(seconds / parts)
+            for part in range(parts):
+                self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, self._room, made)
+                self.transport.inject(seconds / parts, *source)
         self.injected = self.injected + seconds * self._emitted
-
-    def _inject(self, seconds: float) -> None:
-        rate, heating = (self.run.array(name, self.elements, warp().float32) for name in ("gas/rate", "gas/heating"))
-        source = [seconds, int(self.settings.expands), rate, self._cells("gas/content"), heating, self._cells("state")]
-        self.run(transport.inject, self.elements, source)
 
     # ------------------------------------------------------------ sums
 

@@ -41,6 +41,10 @@ class Runner:
         """The launch of `__call__`, to be made many times."""
         return Pass(kernel, max(0, count), inputs, self.device, smallest=grain, slices=SLICES)
 
+    def span(self, many: int) -> int:
+        """Elements of one thread of a kernel that loops over runs of up to `many`: all on the CPU, one on a GPU."""
+        return many if self.device == "cpu" else 1
+
     def array(self, name: str, count: int, dtype: Any) -> Any:
         """An array of at least `count` elements that is kept under a name; its content is what was last written there."""
         found = self._arrays.get(name)

@@ -1,0 +1,238 @@
+# mypy: ignore-errors
+# The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
+"""Velocities of faces, carried by a flow (MacCormack, Selle et al. 2008, doi:10.1007/s10915-007-9166-4).
+
+Most faces are far from the sides of the box: those of a row are followed by loops in C, which compilers turn into vector instructions (as in
+`sweep_kernels.py`). They leave no number where a path nears a side, and those faces are worked out one by one.
+"""
+
+import warp as wp
+
+from .box_kernels import (
+    Box, around, blown_in, comes_in, face_place, has_face, held, incoming, index_of, run_of, sample, start_speed, traced,
+)  # fmt: skip
+
+wp.set_module_options({"enable_backward": False})
+
+__all__ = ["carry", "correct"]
+
+_FOLLOW = """
+#define GAS_MIX(a, b, f) ((a) + (f) * ((b) - (a)))
+#define GAS_BETWEEN(P, c, fx, fy, fz) \\
+    GAS_MIX( \\
+        GAS_MIX(GAS_MIX(P[3 * (c)], P[3 * (c) + 3], fz), GAS_MIX(P[3 * ((c) + row)], P[3 * ((c) + row) + 3], fz), fy), \\
+        GAS_MIX( \\
+            GAS_MIX(P[3 * ((c) + layer)], P[3 * ((c) + layer) + 3], fz), \\
+            GAS_MIX(P[3 * ((c) + layer + row)], P[3 * ((c) + layer + row) + 3], fz), fy), \\
+        fx)
+#define GAS_START(b, beside) \\
+    0.25f * (U[3 * c + b] + U[3 * (c + beside) + b] + U[3 * (c - back##b) + b] + U[3 * (c + beside - back##b) + b])
+#define GAS_WITHIN(x, y, z) \\
+    ((x) >= 0.5f && (y) >= 0.5f && (z) >= 0.5f && (x) < ends_x && (y) < ends_y && (z) < ends_z)
+#define GAS_FOLLOW \\
+        const int c = own + k; \\
+        const float px = from_x, py = from_y, pz = (float)k + shift_z; \\
+        const float u = GAS_START(0, beside0), v = GAS_START(1, beside1), w = GAS_START(2, beside2); \\
+        float x = px + 0.5f * cells * u, y = py + 0.5f * cells * v, z = pz + 0.5f * cells * w; \\
+        bool good = GAS_WITHIN(x, y, z); \\
+        x = good ? x : px; \\
+        y = good ? y : py; \\
+        z = good ? z : pz; \\
+        const int ix = (int)x, iy = (int)y, iz = (int)z; \\
+        const int jx = (int)(x - 0.5f), jy = (int)(y - 0.5f), jz = (int)(z - 0.5f); \\
+        const float fx = x - (float)ix, fy = y - (float)iy, fz = z - (float)iz; \\
+        const float gx = x - 0.5f - (float)jx, gy = y - 0.5f - (float)jy, gz = z - 0.5f - (float)jz; \\
+        const int cu = ix * layer + jy * row + jz, cv = jx * layer + iy * row + jz, cw = jx * layer + jy * row + iz; \\
+        x = px + cells * GAS_BETWEEN(U, cu, fx, gy, gz); \\
+        y = py + cells * GAS_BETWEEN(V, cv, gx, fy, gz); \\
+        z = pz + cells * GAS_BETWEEN(W, cw, gx, gy, fz); \\
+        good = good && GAS_WITHIN(x, y, z); \\
+        x = (good ? x : px) - shift_x; \\
+        y = (good ? y : py) - shift_y; \\
+        z = (good ? z : pz) - shift_z; \\
+        const int kx = (int)x, ky = (int)y, kz = (int)z; \\
+        const float hx = x - (float)kx, hy = y - (float)ky, hz = z - (float)kz; \\
+        const int at = kx * layer + ky * row + kz;
+    const float* U = (const float*)carrier.data;
+    const float* V = U + 1;
+    const float* W = U + 2;
+    const float shift_x = axis == 0 ? 0.0f : 0.5f, shift_y = axis == 1 ? 0.0f : 0.5f, shift_z = axis == 2 ? 0.0f : 0.5f;
+    const float from_x = (float)i + shift_x, from_y = (float)j + shift_y;
+    const int step = axis == 0 ? layer : axis == 1 ? row : 1;
+    const int beside0 = axis == 0 ? 0 : layer, beside1 = axis == 1 ? 0 : row, beside2 = axis == 2 ? 0 : 1;
+    const int back0 = axis == 0 ? 0 : step, back1 = axis == 1 ? 0 : step, back2 = axis == 2 ? 0 : step;
+    const float ends_x = (float)(box.nx - 1), ends_y = (float)(box.ny - 1), ends_z = (float)(box.nz - 1);
+    int missed = 0;
+"""
+
+_CARRY = (
+    _FOLLOW
+    + """
+#define GAS_LESS(a, b) ((a) < (b) ? (a) : (b))
+#define GAS_MORE(a, b) ((a) > (b) ? (a) : (b))
+    const float* S = (const float*)source.data + axis;
+    float* O = (float*)out.data + axis;
+    float* L = (float*)low.data + axis;
+    float* H = (float*)high.data + axis;
+#if defined(__clang__)
+#pragma clang loop vectorize(assume_safety)
+#endif
+    for (int k = lo; k < hi; ++k) {
+        GAS_FOLLOW
+        const float a = S[3 * at], b = S[3 * at + 3], d = S[3 * (at + row)], e = S[3 * (at + row) + 3];
+        const float f = S[3 * (at + layer)], g = S[3 * (at + layer) + 3];
+        const float h = S[3 * (at + layer + row)], m = S[3 * (at + layer + row) + 3];
+        const float found = GAS_MIX(GAS_MIX(GAS_MIX(a, b, hz), GAS_MIX(d, e, hz), hy), GAS_MIX(GAS_MIX(f, g, hz), GAS_MIX(h, m, hz), hy), hx);
+        const float ab = GAS_LESS(a, b), de = GAS_LESS(d, e), fg = GAS_LESS(f, g), hm = GAS_LESS(h, m);
+        const float ba = GAS_MORE(a, b), ed = GAS_MORE(d, e), gf = GAS_MORE(f, g), mh = GAS_MORE(h, m);
+        const float abde = GAS_LESS(ab, de), fghm = GAS_LESS(fg, hm), edba = GAS_MORE(ba, ed), mhgf = GAS_MORE(gf, mh);
+        O[3 * c] = good ? found : NAN;
+        L[3 * c] = GAS_LESS(abde, fghm);
+        H[3 * c] = GAS_MORE(edba, mhgf);
+        missed += good ? 0 : 1;
+    }
+    return missed;
+"""
+)
+
+_CORRECT = (
+    _FOLLOW
+    + """
+    const float* S = (const float*)source.data + axis;
+    const float* F = (const float*)once.data + axis;
+    const float* L = (const float*)low.data + axis;
+    const float* H = (const float*)high.data + axis;
+    float* O = (float*)out.data + axis;
+#if defined(__clang__)
+#pragma clang loop vectorize(assume_safety)
+#endif
+    for (int k = lo; k < hi; ++k) {
+        GAS_FOLLOW
+        const float again = GAS_BETWEEN(F, at, hx, hy, hz);
+        const float better = F[3 * c] + 0.5f * (S[3 * c] - again);
+        const float least = L[3 * c], most = H[3 * c];
+        const float kept = better < least ? least : better > most ? most : better;
+        O[3 * c] = good ? kept : NAN;
+        missed += good ? 0 : 1;
+    }
+    return missed;
+"""
+)
+
+
+@wp.func_native(_CARRY)
+def carry_row(
+    box: Box, axis: int, i: int, j: int, own: int, row: int, layer: int, lo: int, hi: int, cells: float,
+    carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
+    low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
+) -> int:  # fmt: skip
+    """Values that faces of a row take from where the flow comes, with the least and greatest around there; the number of faces left out."""
+    ...
+
+
+@wp.func_native(_CORRECT)
+def correct_row(
+    box: Box, axis: int, i: int, j: int, own: int, row: int, layer: int, lo: int, hi: int, cells: float,
+    carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3), once: wp.array(dtype=wp.vec3),
+    low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
+) -> int:  # fmt: skip
+    """Corrected values of faces of a row; the number of faces left out."""
+    ...
+
+
+@wp.func
+def from_afar(
+    box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3)
+):  # fmt: skip
+    """Value that a face takes, the least and the greatest around there, also beside the sides of the box."""
+    foot = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), -cells)
+    wind = blown_in(box, at, axis)
+    found = wp.vec3(wind, wind, wind)
+    if wind == 0.0:
+        if comes_in(box, foot):
+            outer = incoming(box, foot)[axis]
+            found = wp.vec3(outer, outer, outer)
+        else:
+            found = around(box, source, axis, held(box, foot))
+    return found
+
+
+@wp.func
+def put(field: wp.array(dtype=wp.vec3), c: int, axis: int, value: float):
+    """Write one component."""
+    v = field[c]
+    v[axis] = value
+    field[c] = v
+
+
+@wp.func
+def amid(box: Box, i: int, j: int):
+    """True for a row of cells that has others on all sides."""
+    return i >= 1 and j >= 1 and i + 1 < box.nx and j + 1 < box.ny
+
+
+@wp.kernel
+def carry(
+    first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
+    out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """Every face takes the value from where the flow comes, and the least and greatest around there; `cells` is time over cell size,
+    negative to look ahead."""
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
+    row = box.nz + 1
+    inner = amid(box, at[0], at[1])
+    lo = wp.max(at[2], 1)
+    hi = wp.min(at[3], box.nz - 1)
+    for axis in range(3):
+        missed = int(1)
+        if inner and lo < hi:
+            missed = carry_row(
+                box, axis, at[0], at[1], own, row, (box.ny + 1) * row, lo, hi, -cells, carrier, source, out, low, high
+            )  # fmt: skip
+        for k in range(at[2], at[3]):
+            amidst = inner and k >= lo and k < hi
+            if not amidst or missed > 0:
+                c = own + k
+                if not amidst or wp.isnan(out[c][axis]):
+                    found = wp.vec3(0.0, 0.0, 0.0)
+                    place = wp.vec3i(at[0], at[1], k)
+                    if has_face(box, place, axis):
+                        found = from_afar(box, axis, place, c, cells, carrier, source)
+                    put(out, c, axis, found[0])
+                    put(low, c, axis, found[1])
+                    put(high, c, axis, found[2])
+
+
+@wp.kernel
+def correct(
+    first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
+    once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """The second half of MacCormack: what the way there and back changes is taken out by half, within the values that were carried."""
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
+    row = box.nz + 1
+    inner = amid(box, at[0], at[1])
+    lo = wp.max(at[2], 1)
+    hi = wp.min(at[3], box.nz - 1)
+    for axis in range(3):
+        missed = int(1)
+        if inner and lo < hi:
+            missed = correct_row(
+                box, axis, at[0], at[1], own, row, (box.ny + 1) * row, lo, hi, cells, carrier, source, once, low, high, out
+            )  # fmt: skip
+        for k in range(at[2], at[3]):
+            amidst = inner and k >= lo and k < hi
+            if not amidst or missed > 0:
+                c = own + k
+                if not amidst or wp.isnan(out[c][axis]):
+                    place = wp.vec3i(at[0], at[1], k)
+                    value = float(0.0)
+                    if has_face(box, place, axis):
+                        ahead = traced(box, carrier, face_place(place, axis), start_speed(box, carrier, c, place, axis), cells)
+                        value = once[c][axis]
+                        if not comes_in(box, ahead):
+                            back = sample(box, once, axis, held(box, ahead))
+                            value = wp.clamp(value + 0.5 * (source[c][axis] - back), low[c][axis], high[c][axis])
+                    put(out, c, axis, value)

@@ -20,6 +20,7 @@ from ...physics.substances import AIR_HEAT_CAPACITY, air_density
 from ...worlds.arrays import F64
 from ..grids.columns import vec6i
 from ..grids.multigrid import Solution
+from ..grids.row_kernels import greatest_of_three
 from ..grids.runner import Runner
 from . import box_kernels as boxes
 from . import carry_kernels as carries
@@ -28,11 +29,13 @@ from . import transport_kernels as transport
 from .border import Border, side_faces
 from .fields import FUEL, LIGHTNESS, MOTION, PACKED, PRODUCT, SOOT, GasFields
 from .fire import Fire
+from .levels import BEFORE
 from .pressure import Flow, Projection
+from .pressure_kernels import densities
 from .regions import Regions
 from .settings import GasSettings, Side
 from .solids import Solids, enclosed, passable
-from .transport import ALL, Transport
+from .transport import ALL, RUNS, Transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -95,6 +98,8 @@ class Gas(GasFields):
         self._expansion = self.run.upload("gas/expansion", np.zeros(self.elements, np.float32), wp.float32)
         self._growth = self.run.upload("gas/growth", np.zeros(self.elements, np.float32), wp.float32)
         self._stand(enclosed(shape, sides, solids, widen=not moves))
+        # Air lies before the first element too, below the first row.
+        self._air = self.run.upload("gas/density", np.ones(self.elements + 2 * BEFORE, np.float32), wp.float32)[BEFORE:]
         self._content = self.run.upload("gas/content", np.zeros((self.elements, 4), np.float32), wp.vec4)
         self._rate = self.run.upload("gas/rate", np.zeros(self.elements, np.float32), wp.float32)
         self._heating = self.run.upload("gas/heating", np.zeros(self.elements, np.float32), wp.float32)
@@ -331,12 +336,19 @@ class Gas(GasFields):
     def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0) -> Solution:
         """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations."""
         expands = self.settings.expands
-        self.projection.weigh(self._cells("state"), self.load, expands=expands)
-        return self.projection(self._flow(name), expands=expands, bound=bound, cap=cap, share=share)
+        self.projection.weigh(self._densities(), expands=expands)
+        return self.projection(self._flow(name), bound=bound, cap=cap, share=share)
 
     def _flow(self, name: str) -> Flow:
-        state = self._cells("state")
-        return Flow(self._face(name), self._solid, self._expansion, self._growth, state, self.cell, self.load)
+        return Flow(self._face(name), self._solid, self._expansion, self._growth, self.cell)
+
+    def _densities(self) -> Any:
+        """Densities of elements now, over that of the ambient air."""
+        run = self.run
+        span = run.span(run.block)
+        inputs = [span, self.elements, self.load, self._cells("state"), self._air]
+        run(densities, -(-self.elements // span), inputs, grain=RUNS if span > 1 else 1)
+        return self._air
 
     def _expand(self, seconds: float) -> None:
         """Volume per volume and second that sources and heat ask for, and conduction."""
@@ -374,8 +386,8 @@ class Gas(GasFields):
 
     def _fastest(self, name: str) -> float:
         many = -(-self.elements // self.run.block)
-        out = self.run.array("fastest", many, warp().float64)
-        self.run(transport.fastest, many, [self.elements, self.run.block, self._face(name), out], grain=16)
+        out = self.run.array("fastest", many, warp().float32)
+        self.run(greatest_of_three, many, [self.elements, self.run.block, self._face(name), out], grain=RUNS)
         return float(self.run.read(out, many).max())
 
     def _totals(self) -> F64:

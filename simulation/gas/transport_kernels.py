@@ -21,7 +21,6 @@ __all__ = [
     "conduct",
     "demand",
     "expansion_of",
-    "fastest",
     "finish",
     "finish_standing",
     "inject",
@@ -291,17 +290,6 @@ def amounts(
     for n in range(4):
         out[n, b] = sums[n]
     out[4, b] = wp.float64(top)
-
-
-@wp.kernel
-def fastest(first: wp.int32, total: int, block: int, field: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.float64)):
-    """Largest component of blocks of elements."""
-    b = first + wp.tid()
-    top = float(0.0)
-    for c in range(b * block, wp.min((b + 1) * block, total)):
-        v = field[c]
-        top = wp.max(top, wp.max(wp.abs(v[0]), wp.max(wp.abs(v[1]), wp.abs(v[2]))))
-    out[b] = wp.float64(top)
 
 
 @wp.kernel

@@ -2,14 +2,14 @@
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
 """Velocities of faces, carried by a flow (MacCormack, Selle et al. 2008, doi:10.1007/s10915-007-9166-4).
 
-Most faces are far from the sides of the box: those of a row are followed by loops in C, which compilers turn into vector instructions (as in
-`sweep_kernels.py`). They leave no number where a path nears a side, and those faces are worked out one by one.
+Faces of a row are followed by loops in C, which compilers turn into vector instructions (as in `sweep_kernels.py`). They leave no number
+where a path leaves the box, and those faces, and those in its sides, are worked out one by one.
 """
 
 import warp as wp
 
 from .box_kernels import (
-    Box, around, blown_in, comes_in, face_place, has_face, held, incoming, index_of, run_of, sample, start_speed, traced,
+    Box, around, blown_in, comes_in, count_of, face_place, has_face, held, incoming, index_of, run_of, sample, start_speed, traced,
 )  # fmt: skip
 
 wp.set_module_options({"enable_backward": False})
@@ -27,29 +27,31 @@ _FOLLOW = """
         fx)
 #define GAS_START(b, beside) \\
     0.25f * (U[3 * c + b] + U[3 * (c + beside) + b] + U[3 * (c - back##b) + b] + U[3 * (c + beside - back##b) + b])
-#define GAS_WITHIN(x, y, z) \\
-    ((x) >= 0.5f && (y) >= 0.5f && (z) >= 0.5f && (x) < ends_x && (y) < ends_y && (z) < ends_z)
+#define GAS_AT_MOST(x, low, high) ((x) < (low) ? (low) : (x) > (high) ? (high) : (x))
 #define GAS_FOLLOW \\
         const int c = own + k; \\
         const float px = from_x, py = from_y, pz = (float)k + shift_z; \\
         const float u = GAS_START(0, beside0), v = GAS_START(1, beside1), w = GAS_START(2, beside2); \\
         float x = px + 0.5f * cells * u, y = py + 0.5f * cells * v, z = pz + 0.5f * cells * w; \\
-        bool good = GAS_WITHIN(x, y, z); \\
+        bool good = x >= first_x && y >= first_y && z >= first_z && x < last_x && y < last_y && z < last_z; \\
         x = good ? x : px; \\
         y = good ? y : py; \\
         z = good ? z : pz; \\
-        const int ix = (int)x, iy = (int)y, iz = (int)z; \\
-        const int jx = (int)(x - 0.5f), jy = (int)(y - 0.5f), jz = (int)(z - 0.5f); \\
+        const float rx = GAS_AT_MOST(x - 0.5f, 0.0f, mid_x), ry = GAS_AT_MOST(y - 0.5f, 0.0f, mid_y), rz = GAS_AT_MOST(z - 0.5f, 0.0f, mid_z); \\
+        x = GAS_AT_MOST(x, 0.0f, end_x); \\
+        y = GAS_AT_MOST(y, 0.0f, end_y); \\
+        z = GAS_AT_MOST(z, 0.0f, end_z); \\
+        const int ix = (int)x, iy = (int)y, iz = (int)z, jx = (int)rx, jy = (int)ry, jz = (int)rz; \\
         const float fx = x - (float)ix, fy = y - (float)iy, fz = z - (float)iz; \\
-        const float gx = x - 0.5f - (float)jx, gy = y - 0.5f - (float)jy, gz = z - 0.5f - (float)jz; \\
+        const float gx = rx - (float)jx, gy = ry - (float)jy, gz = rz - (float)jz; \\
         const int cu = ix * layer + jy * row + jz, cv = jx * layer + iy * row + jz, cw = jx * layer + jy * row + iz; \\
         x = px + cells * GAS_BETWEEN(U, cu, fx, gy, gz); \\
         y = py + cells * GAS_BETWEEN(V, cv, gx, fy, gz); \\
         z = pz + cells * GAS_BETWEEN(W, cw, gx, gy, fz); \\
-        good = good && GAS_WITHIN(x, y, z); \\
-        x = (good ? x : px) - shift_x; \\
-        y = (good ? y : py) - shift_y; \\
-        z = (good ? z : pz) - shift_z; \\
+        good = good && x >= low_x && y >= low_y && z >= low_z && x < high_x && y < high_y && z < high_z; \\
+        x = GAS_AT_MOST((good ? x : px) - shift_x, 0.0f, top_x); \\
+        y = GAS_AT_MOST((good ? y : py) - shift_y, 0.0f, top_y); \\
+        z = GAS_AT_MOST((good ? z : pz) - shift_z, 0.0f, top_z); \\
         const int kx = (int)x, ky = (int)y, kz = (int)z; \\
         const float hx = x - (float)kx, hy = y - (float)ky, hz = z - (float)kz; \\
         const int at = kx * layer + ky * row + kz;
@@ -61,7 +63,16 @@ _FOLLOW = """
     const int step = axis == 0 ? layer : axis == 1 ? row : 1;
     const int beside0 = axis == 0 ? 0 : layer, beside1 = axis == 1 ? 0 : row, beside2 = axis == 2 ? 0 : 1;
     const int back0 = axis == 0 ? 0 : step, back1 = axis == 1 ? 0 : step, back2 = axis == 2 ? 0 : step;
-    const float ends_x = (float)(box.nx - 1), ends_y = (float)(box.ny - 1), ends_z = (float)(box.nz - 1);
+    const bool turns_x = box.wraps[0] == 1, turns_y = box.wraps[1] == 1, turns_z = box.wraps[2] == 1;
+    const float nx = (float)box.nx, ny = (float)box.ny, nz = (float)box.nz, far = 1.0e9f, inside = 0.999999f;
+    // Along periodic axes only paths that stay inside are followed here; elsewhere a field goes on beyond its last samples.
+    const float first_x = turns_x ? 0.5f : -far, first_y = turns_y ? 0.5f : -far, first_z = turns_z ? 0.5f : -far;
+    const float last_x = turns_x ? nx - 1.0f : far, last_y = turns_y ? ny - 1.0f : far, last_z = turns_z ? nz - 1.0f : far;
+    const float low_x = turns_x ? 0.5f : 0.0f, low_y = turns_y ? 0.5f : 0.0f, low_z = turns_z ? 0.5f : 0.0f;
+    const float high_x = turns_x ? nx - 1.0f : nx, high_y = turns_y ? ny - 1.0f : ny, high_z = turns_z ? nz - 1.0f : nz;
+    const float end_x = nx * inside, end_y = ny * inside, end_z = nz * inside;
+    const float mid_x = (nx - 1.0f) * inside, mid_y = (ny - 1.0f) * inside, mid_z = (nz - 1.0f) * inside;
+    const float top_x = axis == 0 ? end_x : mid_x, top_y = axis == 1 ? end_y : mid_y, top_z = axis == 2 ? end_z : mid_z;
     int missed = 0;
 """
 
@@ -166,9 +177,21 @@ def put(field: wp.array(dtype=wp.vec3), c: int, axis: int, value: float):
 
 
 @wp.func
-def amid(box: Box, i: int, j: int):
-    """True for a row of cells that has others on all sides."""
-    return i >= 1 and j >= 1 and i + 1 < box.nx and j + 1 < box.ny
+def followed(box: Box, axis: int, at: wp.vec4i):
+    """The cells of a run whose lower faces along an axis `carry_row` and `correct_row` may follow, from the first to the end: those with
+    others all around where the box is periodic, and those that do not lie in a side."""
+    found = wp.vec2i(at[2], wp.min(at[3], box.nz))
+    for a in range(3):
+        n = count_of(box, a)
+        least = wp.where(box.wraps[a] == 1 or a == axis, 1, 0)
+        most = wp.where(box.wraps[a] == 1, n - 2, n - 1)
+        if a < 2:
+            if at[a] < least or at[a] > most:
+                found[1] = 0
+        else:
+            found[0] = wp.max(found[0], least)
+            found[1] = wp.min(found[1], most + 1)
+    return found
 
 
 @wp.kernel
@@ -181,20 +204,18 @@ def carry(
     at = run_of(box, span, first + wp.tid())
     own = index_of(box, at[0], at[1], 0)
     row = box.nz + 1
-    inner = amid(box, at[0], at[1])
-    lo = wp.max(at[2], 1)
-    hi = wp.min(at[3], box.nz - 1)
     for axis in range(3):
-        missed = int(1)
-        if inner and lo < hi:
+        ends = followed(box, axis, at)
+        missed = int(0)
+        if ends[0] < ends[1]:
             missed = carry_row(
-                box, axis, at[0], at[1], own, row, (box.ny + 1) * row, lo, hi, -cells, carrier, source, out, low, high
+                box, axis, at[0], at[1], own, row, (box.ny + 1) * row, ends[0], ends[1], -cells, carrier, source, out, low, high
             )  # fmt: skip
         for k in range(at[2], at[3]):
-            amidst = inner and k >= lo and k < hi
-            if not amidst or missed > 0:
+            beside = k < ends[0] or k >= ends[1]
+            if beside or missed > 0:
                 c = own + k
-                if not amidst or wp.isnan(out[c][axis]):
+                if beside or wp.isnan(out[c][axis]):
                     found = wp.vec3(0.0, 0.0, 0.0)
                     place = wp.vec3i(at[0], at[1], k)
                     if has_face(box, place, axis):
@@ -213,20 +234,18 @@ def correct(
     at = run_of(box, span, first + wp.tid())
     own = index_of(box, at[0], at[1], 0)
     row = box.nz + 1
-    inner = amid(box, at[0], at[1])
-    lo = wp.max(at[2], 1)
-    hi = wp.min(at[3], box.nz - 1)
     for axis in range(3):
-        missed = int(1)
-        if inner and lo < hi:
+        ends = followed(box, axis, at)
+        missed = int(0)
+        if ends[0] < ends[1]:
             missed = correct_row(
-                box, axis, at[0], at[1], own, row, (box.ny + 1) * row, lo, hi, cells, carrier, source, once, low, high, out
+                box, axis, at[0], at[1], own, row, (box.ny + 1) * row, ends[0], ends[1], cells, carrier, source, once, low, high, out
             )  # fmt: skip
         for k in range(at[2], at[3]):
-            amidst = inner and k >= lo and k < hi
-            if not amidst or missed > 0:
+            beside = k < ends[0] or k >= ends[1]
+            if beside or missed > 0:
                 c = own + k
-                if not amidst or wp.isnan(out[c][axis]):
+                if beside or wp.isnan(out[c][axis]):
                     place = wp.vec3i(at[0], at[1], k)
                     value = float(0.0)
                     if has_face(box, place, axis):

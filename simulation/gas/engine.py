@@ -82,10 +82,11 @@ class Gas(GasFields):
     ) -> None:  # fmt: skip
         wp = warp()
         self.shape, self.cell, self.settings, self.gravity = shape, cell, settings or GasSettings(), gravity
-        self.run = Runner(chosen_device(device))
+        self.run = Runner(chosen_device(device), keeps=True)
         self.elements = math.prod(n + 1 for n in shape)
         self._box = boxes.Box()
         self._box.nx, self._box.ny, self._box.nz = shape
+        self._pull = wp.vec3(*gravity)
         self._box.wraps = wp.vec3i(*(int(sides[2 * a] == "periodic") for a in range(3)))
         self._sides = self._box.opens = vec6i(*(int(s == "open") for s in sides))
         starts, self.outer = side_faces(shape)
@@ -312,11 +313,7 @@ class Gas(GasFields):
         """Forces on a velocity."""
         settings, run = self.settings, self.run
         expands = int(settings.expands)
-        gravity = warp().vec3(*self.gravity)
-        run(
-            forces.buoy, self.elements,
-            [self._box, gravity, seconds, self.load, expands, self._cells("state"), self._face(name)],
-        )  # fmt: skip
+        self._rows(forces.buoy, [self._pull, seconds, expands, self._densities(), self._face(name)])
         if settings.confinement > 0.0:
             run(forces.curl, self.elements, [self._box, self.cell, self._face(name), self._face("vorticity")])
             push = settings.confinement * self.cell * seconds

@@ -13,7 +13,7 @@ from .box_kernels import Box, index_of, is_cell, near, place_of, row_at, run_of
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["collect", "coarse_weights", "diagonals", "multiply", "relax", "residuals", "rest", "return_up", "start_red"]
+__all__ = ["collect", "coarse_weights", "invert", "multiply", "relax", "residuals", "rest", "return_up", "start_red"]
 
 _PULL = """
 #define GAS_PULL(V) \\
@@ -22,7 +22,7 @@ _PULL = """
     const float* X = wx.data;
     const float* Y = wy.data;
     const float* Z = wz.data;
-    const float* D = diagonal.data;
+    const float* D = inverse.data;
 """
 _LOOP = """
 #if defined(__clang__)
@@ -38,7 +38,7 @@ _RELAX = (
     + _LOOP
     + """
     for (int k = lo; k < hi; ++k) {
-        const float next = (B[own + k] + GAS_PULL(V)) / D[own + k];
+        const float next = (B[own + k] + GAS_PULL(V)) * D[own + k];
         if (((k + colour) & 1) == 0)
             V[own + k] = next;
     }
@@ -54,7 +54,7 @@ _MULTIPLY = (
     + _LOOP
     + """
     for (int k = lo; k < hi; ++k)
-        O[own + k] = with_right * B[own + k] + sign * (D[own + k] * V[own + k] - (GAS_PULL(V)));
+        O[own + k] = with_right * B[own + k] + sign * (V[own + k] / D[own + k] - (GAS_PULL(V)));
 """
 )
 
@@ -62,7 +62,7 @@ _MULTIPLY = (
 @wp.func_native(_RELAX)
 def relax_row(
     own: int, low_x: int, high_x: int, low_y: int, high_y: int, low_z: int, high_z: int, lo: int, hi: int, colour: int,
-    wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float), diagonal: wp.array(dtype=float),
+    wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float), inverse: wp.array(dtype=float),
     right: wp.array(dtype=float), x: wp.array(dtype=float),
 ):  # fmt: skip
     """Half a sweep over the cells of a row from `lo` to `hi` for which k + colour is even; the others are elements before those around."""
@@ -72,7 +72,7 @@ def relax_row(
 @wp.func_native(_MULTIPLY)
 def multiply_row(
     own: int, low_x: int, high_x: int, low_y: int, high_y: int, low_z: int, high_z: int, lo: int, hi: int, with_right: float,
-    sign: float, wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float), diagonal: wp.array(dtype=float),
+    sign: float, wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float), inverse: wp.array(dtype=float),
     right: wp.array(dtype=float), x: wp.array(dtype=float), out: wp.array(dtype=float),
 ):  # fmt: skip
     """with_right times the right side + sign times A x, over the cells of a row."""
@@ -82,7 +82,7 @@ def multiply_row(
 @wp.func
 def relax_cells(
     box: Box, i: int, j: int, start: int, stop: int, colour: int, wx: wp.array(dtype=float), wy: wp.array(dtype=float),
-    wz: wp.array(dtype=float), diagonal: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float),
+    wz: wp.array(dtype=float), inverse: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float),
 ):  # fmt: skip
     """Half a sweep over a run of cells."""
     own = index_of(box, i, j, 0)
@@ -96,18 +96,18 @@ def relax_cells(
     if box.wraps[2] == 1:
         last = box.nz - 1
         if lo == 0:
-            relax_row(own, a, b, d, e, own + last, own + near(box.nz, 1, 1), 0, 1, turn, wx, wy, wz, diagonal, right, x)
+            relax_row(own, a, b, d, e, own + last, own + near(box.nz, 1, 1), 0, 1, turn, wx, wy, wz, inverse, right, x)
             lo = 1
         if hi == box.nz and last > 0 and hi > lo:
-            relax_row(own, a, b, d, e, own - 1, own - last, last, last + 1, turn, wx, wy, wz, diagonal, right, x)
+            relax_row(own, a, b, d, e, own - 1, own - last, last, last + 1, turn, wx, wy, wz, inverse, right, x)
             hi = last
-    relax_row(own, a, b, d, e, own - 1, own + 1, lo, hi, turn, wx, wy, wz, diagonal, right, x)
+    relax_row(own, a, b, d, e, own - 1, own + 1, lo, hi, turn, wx, wy, wz, inverse, right, x)
 
 
 @wp.func
 def multiply_cells(
     box: Box, i: int, j: int, start: int, stop: int, with_right: float, sign: float, wx: wp.array(dtype=float),
-    wy: wp.array(dtype=float), wz: wp.array(dtype=float), diagonal: wp.array(dtype=float), right: wp.array(dtype=float),
+    wy: wp.array(dtype=float), wz: wp.array(dtype=float), inverse: wp.array(dtype=float), right: wp.array(dtype=float),
     x: wp.array(dtype=float), out: wp.array(dtype=float),
 ):  # fmt: skip
     """with_right times the right side + sign times A x, over a run of cells."""
@@ -122,32 +122,32 @@ def multiply_cells(
         last = box.nz - 1
         if lo == 0:
             multiply_row(
-                own, a, b, d, e, own + last, own + near(box.nz, 1, 1), 0, 1, with_right, sign, wx, wy, wz, diagonal, right, x, out
+                own, a, b, d, e, own + last, own + near(box.nz, 1, 1), 0, 1, with_right, sign, wx, wy, wz, inverse, right, x, out
             )  # fmt: skip
             lo = 1
         if hi == box.nz and last > 0 and hi > lo:
             multiply_row(
-                own, a, b, d, e, own - 1, own - last, last, last + 1, with_right, sign, wx, wy, wz, diagonal, right, x, out
+                own, a, b, d, e, own - 1, own - last, last, last + 1, with_right, sign, wx, wy, wz, inverse, right, x, out
             )  # fmt: skip
             hi = last
-    multiply_row(own, a, b, d, e, own - 1, own + 1, lo, hi, with_right, sign, wx, wy, wz, diagonal, right, x, out)
+    multiply_row(own, a, b, d, e, own - 1, own + 1, lo, hi, with_right, sign, wx, wy, wz, inverse, right, x, out)
 
 
 @wp.kernel
 def relax(
     first: wp.int32, box: Box, span: int, colour: int, wx: wp.array(dtype=float), wy: wp.array(dtype=float),
-    wz: wp.array(dtype=float), diagonal: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float),
+    wz: wp.array(dtype=float), inverse: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float),
 ):  # fmt: skip
     """Half a sweep over the cells of one colour."""
     at = run_of(box, span, first + wp.tid())
     if at[0] < box.nx and at[1] < box.ny:
-        relax_cells(box, at[0], at[1], at[2], at[3], colour, wx, wy, wz, diagonal, right, x)
+        relax_cells(box, at[0], at[1], at[2], at[3], colour, wx, wy, wz, inverse, right, x)
 
 
 @wp.kernel
 def rest(
     first: wp.int32, box: Box, sweeps: int, wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float),
-    diagonal: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float),
+    inverse: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float),
 ):  # fmt: skip
     """Sweeps down and up on few cells by one thread: what as many `relax` do, without their launches."""
     for n in range(4 * sweeps + first):
@@ -156,48 +156,48 @@ def rest(
             colour = 1
         for i in range(box.nx):
             for j in range(box.ny):
-                relax_cells(box, i, j, 0, box.nz, colour, wx, wy, wz, diagonal, right, x)
+                relax_cells(box, i, j, 0, box.nz, colour, wx, wy, wz, inverse, right, x)
 
 
 @wp.kernel
 def multiply(
     first: wp.int32, box: Box, span: int, wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float),
-    diagonal: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float), out: wp.array(dtype=float),
+    inverse: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float), out: wp.array(dtype=float),
 ):  # fmt: skip
     """A x."""
     at = run_of(box, span, first + wp.tid())
     if at[0] < box.nx and at[1] < box.ny:
-        multiply_cells(box, at[0], at[1], at[2], at[3], 0.0, 1.0, wx, wy, wz, diagonal, right, x, out)
+        multiply_cells(box, at[0], at[1], at[2], at[3], 0.0, 1.0, wx, wy, wz, inverse, right, x, out)
 
 
 @wp.kernel
 def residuals(
     first: wp.int32, box: Box, span: int, wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float),
-    diagonal: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float), out: wp.array(dtype=float),
+    inverse: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float), out: wp.array(dtype=float),
 ):  # fmt: skip
     """Right side - A x."""
     at = run_of(box, span, first + wp.tid())
     if at[0] < box.nx and at[1] < box.ny:
-        multiply_cells(box, at[0], at[1], at[2], at[3], 1.0, -1.0, wx, wy, wz, diagonal, right, x, out)
+        multiply_cells(box, at[0], at[1], at[2], at[3], 1.0, -1.0, wx, wy, wz, inverse, right, x, out)
 
 
 _START = (
     """
     const float* B = right.data;
-    const float* D = diagonal.data;
+    const float* D = inverse.data;
     float* V = x.data;
 """
     + _LOOP
     + """
     for (int k = lo; k < hi; ++k)
-        V[own + k] = ((k + colour) & 1) == 0 ? B[own + k] / D[own + k] : 0.0f;
+        V[own + k] = ((k + colour) & 1) == 0 ? B[own + k] * D[own + k] : 0.0f;
 """
 )
 
 
 @wp.func_native(_START)
 def start_row(
-    own: int, lo: int, hi: int, colour: int, diagonal: wp.array(dtype=float), right: wp.array(dtype=float),
+    own: int, lo: int, hi: int, colour: int, inverse: wp.array(dtype=float), right: wp.array(dtype=float),
     x: wp.array(dtype=float),
 ):  # fmt: skip
     """The first half sweep from zero over the cells of a row."""
@@ -206,12 +206,12 @@ def start_row(
 
 @wp.kernel
 def start_red(
-    first: wp.int32, box: Box, span: int, diagonal: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float)
+    first: wp.int32, box: Box, span: int, inverse: wp.array(dtype=float), right: wp.array(dtype=float), x: wp.array(dtype=float)
 ):
     """The first half sweep from zero, over red cells."""
     at = run_of(box, span, first + wp.tid())
     if at[0] < box.nx and at[1] < box.ny:
-        start_row(index_of(box, at[0], at[1], 0), at[2], wp.where(at[3] < box.nz, at[3], box.nz), at[0] + at[1], diagonal, right, x)
+        start_row(index_of(box, at[0], at[1], 0), at[2], wp.where(at[3] < box.nz, at[3], box.nz), at[0] + at[1], inverse, right, x)
 
 
 @wp.kernel
@@ -283,11 +283,11 @@ def coarse_weights(
 
 
 @wp.kernel
-def diagonals(
+def invert(
     first: wp.int32, box: Box, least: float, wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float),
-    diagonal: wp.array(dtype=float),
+    inverse: wp.array(dtype=float),
 ):  # fmt: skip
-    """Sums of the weights around cells; 1 where there are none."""
+    """1 over the sums of the weights around cells."""
     c = first + wp.tid()
     at = place_of(box, c)
     total = float(1.0)
@@ -296,4 +296,4 @@ def diagonals(
         x_up = row_at(box, 0, at[0], at[1], 1) + at[2]
         y_up = row_at(box, 1, at[0], at[1], 1) + at[2]
         total = wp.max(wx[c] + wx[x_up] + wy[c] + wy[y_up] + wz[c] + wz[up], least)
-    diagonal[c] = total
+    inverse[c] = 1.0 / total

@@ -22,7 +22,7 @@ __all__ = ["Level", "Levels"]
 BEFORE = 8
 """Elements kept free before a field: a row's first cell has an element below it."""
 LEAST = 1e-4
-"""Least diagonal of blocks."""
+"""Least sum of the weights around a block."""
 SOME = 16384
 """Own choice: cells of a sweep worth a thread of a CPU: some 20 microseconds."""
 
@@ -36,7 +36,8 @@ class Level:
     shape: tuple[int, int, int]
     weights: list[Any]
     """Of the lower faces along x, y, z."""
-    diagonal: Any
+    inverse: Any
+    """1 over the sum of the weights around a cell."""
     right: Any
     x: Any
     left: Any
@@ -50,7 +51,7 @@ class Level:
     @property
     def system(self) -> list[Any]:
         """What kernels know of a level's matrix."""
-        return [*self.weights, self.diagonal]
+        return [*self.weights, self.inverse]
 
 
 def field(run: Runner, name: str, elements: int) -> Any:
@@ -61,7 +62,7 @@ def field(run: Runner, name: str, elements: int) -> Any:
 def _level(run: Runner, box: Any, shape: tuple[int, int, int], depth: int) -> Level:
     elements = math.prod(n + 1 for n in shape)
     weights = [field(run, f"levels/weight/{axis}/{depth}", elements) for axis in range(3)]
-    names = ("diagonal", "right", "x", "left")
+    names = ("inverse", "right", "x", "left")
     return Level(box, shape, weights, *(field(run, f"levels/{name}/{depth}", elements) for name in names))
 
 
@@ -114,7 +115,7 @@ class Levels:
                 for axis in range(3):
                     inputs = [level.box, fine.box, axis, level.shape[axis], fine.shape[axis], fine.weights[axis], level.weights[axis]]
                     run(kernels.coarse_weights, level.elements, inputs)
-                run(kernels.diagonals, level.elements, [level.box, LEAST, *level.system])
+                run(kernels.invert, level.elements, [level.box, LEAST, *level.system])
 
     def _prepare_cycle(self) -> list[Pass]:
         """One V-cycle from `right` to `x` of the finest level, symmetric."""

@@ -98,7 +98,7 @@ class Projection:
         for axis in range(3):
             inputs = [axis, self.sides, int(expands), self.opening, density, self.wet, self._lifts[axis], fine.weights[axis]]
             self._rows(kernels.weigh, inputs)
-        self.run(level_kernels.diagonals, self.elements, [self.box, LEAST, *fine.system])
+        self.run(level_kernels.invert, self.elements, [self.box, LEAST, *fine.system])
         self._levels.refresh()
         self._weighed = True
 

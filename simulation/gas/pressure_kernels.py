@@ -41,7 +41,7 @@ _DENSITIES = (
 
 @wp.func_native(_DENSITIES)
 def density_run(lo: int, hi: int, load: float, state: wp.array(dtype=wp.vec4), density: wp.array(dtype=float)):
-    """Densities of elements over that of the ambient air, as `force_kernels.density_of`."""
+    """Densities of elements over that of the ambient air."""
     ...
 
 

@@ -25,17 +25,40 @@ BLOCK = 1024
 BLOCK_GPU = 32
 
 
-class Runner:
-    """Launches and arrays on one device."""
+KEPT = 512
+"""Own choice: launches that are kept; an engine of fixed cells has some hundred."""
 
-    def __init__(self, device: str) -> None:
-        self.device = device
+
+class Runner:
+    """Launches and arrays on one device.
+
+    Args:
+        device: `cpu`, `cuda`, ...
+        keeps: keep launches for the next call with the same kernel, arrays and count, as an engine makes whose fields stay; only their
+            numbers may differ.
+    """
+
+    def __init__(self, device: str, *, keeps: bool = False) -> None:
+        self.device, self.keeps = device, keeps
+        self._kept: dict[tuple[Any, ...], tuple[Pass, list[Any]]] = {}
         self.block = BLOCK if device == "cpu" else BLOCK_GPU
         self._arrays: dict[str, Any] = {}
 
     def __call__(self, kernel: Any, count: int, inputs: Sequence[Any], *, grain: int = GRAIN) -> None:
         """Run a kernel over `count` elements; in slices of at least `grain` on the CPU."""
-        self.prepare(kernel, count, inputs, grain=grain)()
+        if not self.keeps:
+            self.prepare(kernel, count, inputs, grain=grain)()
+            return
+        key = (kernel, count, grain, *(None if isinstance(one, int | float) else id(one) for one in inputs))
+        if key not in self._kept:
+            if len(self._kept) >= KEPT:
+                self._kept.clear()
+            # The pass holds what it was made of, so that no other array takes its place in memory.
+            self._kept[key] = self.prepare(kernel, count, inputs, grain=grain), list(inputs)
+        one, before = self._kept[key]
+        changed = {k + 1: new for k, (new, old) in enumerate(zip(inputs, before, strict=True)) if new is not old and new != old}
+        before[:] = inputs
+        one(changed)
 
     def prepare(self, kernel: Any, count: int, inputs: Sequence[Any], *, grain: int = GRAIN) -> Pass:
         """The launch of `__call__`, to be made many times."""

@@ -265,7 +265,7 @@ class Gas(GasFields):
             self._carry("velocity", "velocity", half, "velocity/raw")
             self._push("velocity/raw", half)
             warp().copy(self._face("velocity/middle"), self._face("velocity/raw"), count=self.elements)
-            first = self._project("velocity/middle")
+            first = self._project("velocity/middle", coarser=True)
             self._transport("velocity/middle", seconds, held)
             reflected = [1.0, self._face("velocity/middle"), self._face("velocity/raw"), self._face("velocity/back")]
             self.run(forces.extrapolate, self.elements, reflected)
@@ -280,7 +280,7 @@ class Gas(GasFields):
             self._carry("velocity", "velocity/middle", seconds, "velocity/raw")
             self.run.swap("velocity", "velocity/raw")
             self._push("velocity", seconds)
-        last = self._project("velocity")
+        last = self._project("velocity", coarser=self.settings.scheme != "reflection")
         if self.settings.scheme != "reflection":
             self._transport("velocity", seconds, held)
         self.steps += 1
@@ -303,7 +303,9 @@ class Gas(GasFields):
 
     def _carry(self, source: str, carrier: str, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
-        state = [seconds / self.cell, self._face(carrier), self._face(source)]
+        way = [seconds / self.cell, self._face(carrier), self._face("velocity/bend")]
+        state = [*way, self._face(source)]
+        self._rows(carries.bends, way)
         found = [self._face("velocity/once"), self._face("velocity/low"), self._face("velocity/high")]
         self._rows(carries.carry, [*state, *found])
         self._rows(carries.correct, [*state, *found, self._face("velocity/carried")])
@@ -323,17 +325,18 @@ class Gas(GasFields):
             run(forces.spread, self.elements, [self._box, number, self._no_slip, self._face(name), self._face("spread")])
             run.swap("spread", name)
 
-    def _project(self, name: str) -> Solution:
+    def _project(self, name: str, *, coarser: bool) -> Solution:
         # Half of what is allowed: the residual that the solver knows is rounded otherwise than the flow's.
         tolerance = 0.5 * self.settings.tolerance
         bound = tolerance * max(self._fastest(name), LEAST_SPEED)
         # Gas that starts from rest: a cell whose outflow is r has a face of speed r / 6 at least.
-        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0)
+        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0, coarser=coarser)
 
-    def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0) -> Solution:
-        """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations."""
+    def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0, coarser: bool = True) -> Solution:
+        """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations; `coarser`:
+        the coarser levels of the pressure take over the densities too."""
         expands = self.settings.expands
-        self.projection.weigh(self._densities(), expands=expands)
+        self.projection.weigh(self._densities(), expands=expands, coarser=coarser)
         return self.projection(self._flow(name), bound=bound, cap=cap, share=share)
 
     def _flow(self, name: str) -> Flow:

@@ -9,7 +9,7 @@ its cells and keeps those of one colour, which is faster than to leave every oth
 
 import warp as wp
 
-from .box_kernels import Box, index_of, is_cell, near, place_of, row_at, run_of
+from .box_kernels import Box, index_of, near, place_of, row_at, run_of
 
 wp.set_module_options({"enable_backward": False})
 
@@ -214,20 +214,44 @@ def start_red(
         start_row(index_of(box, at[0], at[1], 0), at[2], wp.where(at[3] < box.nz, at[3], box.nz), at[0] + at[1], inverse, right, x)
 
 
+_COLLECT = (
+    """
+    const float* A = left.data + first_row;
+    const float* B = left.data + second_row;
+    const float* C = left.data + third_row;
+    const float* D = left.data + fourth_row;
+    float* R = right.data + own;
+"""
+    + _LOOP
+    + """
+    for (int k = lo; k < hi; ++k)
+        R[k] = (A[2 * k] + A[2 * k + 1] + B[2 * k] + B[2 * k + 1]) + (C[2 * k] + C[2 * k + 1] + D[2 * k] + D[2 * k + 1]);
+"""
+)
+
+
+@wp.func_native(_COLLECT)
+def collect_row(
+    own: int, first_row: int, second_row: int, third_row: int, fourth_row: int, lo: int, hi: int, left: wp.array(dtype=float),
+    right: wp.array(dtype=float),
+):  # fmt: skip
+    """Sums of residuals in a row of blocks, from four rows of cells."""
+    ...
+
+
 @wp.kernel
-def collect(first: wp.int32, coarse: Box, fine: Box, left: wp.array(dtype=float), right: wp.array(dtype=float)):
-    """Sum of the residuals in a block."""
-    c = first + wp.tid()
-    at = place_of(coarse, c)
-    if is_cell(coarse, at):
-        total = float(0.0)
-        for s in range(8):
-            i = 2 * at[0] + s // 4
-            j = 2 * at[1] + (s // 2) % 2
-            k = 2 * at[2] + s % 2
-            if i < fine.nx and j < fine.ny and k < fine.nz:
-                total += left[index_of(fine, i, j, k)]
-        right[c] = total
+def collect(
+    first: wp.int32, box: Box, span: int, fine: Box, left: wp.array(dtype=float), right: wp.array(dtype=float)
+):
+    """Sum of the residuals in a block. Beyond the last cells, where a block has fewer, they are 0."""
+    at = run_of(box, span, first + wp.tid())
+    if at[0] < box.nx and at[1] < box.ny:
+        i = 2 * at[0]
+        j = 2 * at[1]
+        collect_row(
+            index_of(box, at[0], at[1], 0), index_of(fine, i, j, 0), index_of(fine, i, j + 1, 0), index_of(fine, i + 1, j, 0),
+            index_of(fine, i + 1, j + 1, 0), at[2], wp.min(at[3], box.nz), left, right,
+        )  # fmt: skip
 
 
 _RETURN = (
@@ -282,18 +306,45 @@ def coarse_weights(
     out[c] = total
 
 
+_INVERT = (
+    """
+    const float* X = wx.data;
+    const float* Y = wy.data;
+    const float* Z = wz.data;
+    float* D = inverse.data;
+"""
+    + _LOOP
+    + """
+    for (int k = lo; k < hi; ++k) {
+        const float total = X[own + k] + X[high_x + k] + Y[own + k] + Y[high_y + k] + Z[own + k] + Z[high_z + k];
+        D[own + k] = 1.0f / (total > least ? total : least);
+    }
+"""
+)
+
+
+@wp.func_native(_INVERT)
+def invert_row(
+    own: int, high_x: int, high_y: int, high_z: int, lo: int, hi: int, least: float, wx: wp.array(dtype=float),
+    wy: wp.array(dtype=float), wz: wp.array(dtype=float), inverse: wp.array(dtype=float),
+):  # fmt: skip
+    """1 over the sums of the weights around the cells of a row."""
+    ...
+
+
 @wp.kernel
 def invert(
-    first: wp.int32, box: Box, least: float, wx: wp.array(dtype=float), wy: wp.array(dtype=float), wz: wp.array(dtype=float),
-    inverse: wp.array(dtype=float),
+    first: wp.int32, box: Box, span: int, least: float, wx: wp.array(dtype=float), wy: wp.array(dtype=float),
+    wz: wp.array(dtype=float), inverse: wp.array(dtype=float),
 ):  # fmt: skip
     """1 over the sums of the weights around cells."""
-    c = first + wp.tid()
-    at = place_of(box, c)
-    total = float(1.0)
-    if is_cell(box, at):
-        up = index_of(box, at[0], at[1], wp.where(box.wraps[2] == 1 and at[2] == box.nz - 1, 0, at[2] + 1))
-        x_up = row_at(box, 0, at[0], at[1], 1) + at[2]
-        y_up = row_at(box, 1, at[0], at[1], 1) + at[2]
-        total = wp.max(wx[c] + wx[x_up] + wy[c] + wy[y_up] + wz[c] + wz[up], least)
-    inverse[c] = 1.0 / total
+    at = run_of(box, span, first + wp.tid())
+    if at[0] < box.nx and at[1] < box.ny:
+        own = index_of(box, at[0], at[1], 0)
+        x = row_at(box, 0, at[0], at[1], 1)
+        y = row_at(box, 1, at[0], at[1], 1)
+        hi = wp.min(at[3], box.nz)
+        end = wp.where(box.wraps[2] == 1, wp.min(hi, box.nz - 1), hi)
+        invert_row(own, x, y, own + 1, at[2], end, least, wx, wy, wz, inverse)
+        if end < hi:
+            invert_row(own, x, y, own - end, end, hi, least, wx, wy, wz, inverse)

@@ -21,8 +21,8 @@ __all__ = ["Level", "Levels"]
 
 BEFORE = 8
 """Elements kept free before a field: a row's first cell has an element below it."""
-LEAST = 1e-4
-"""Least sum of the weights around a block."""
+LEAST, LEAST_OF_CELLS = 1e-4, 1e-6
+"""Least sum of the weights around a block, and around a cell of the finest level."""
 SOME = 16384
 """Own choice: cells of a sweep worth a thread of a CPU: some 20 microseconds."""
 
@@ -91,6 +91,8 @@ class Levels:
         self._p, self._ap = field(run, "levels/p", self.elements), field(run, "levels/ap", self.elements)
         self._sums, self._tops = (run.array(n, self.blocks, t) for n, t in (("levels/sums", warp().float64), ("levels/tops", warp().float32)))
         self._cycle = self._prepare_cycle()
+        least = [LEAST_OF_CELLS, *[LEAST] * len(self.all)]
+        self._invert = [self._rows(kernels.invert, one, [least[depth], *one.system]) for depth, one in enumerate(self.all)]
         many = [self.elements, run.block]
         self._inner = self._flat(row_kernels.inner, [*many, fine.right, fine.x, self._sums])
         self._along = self._flat(row_kernels.inner, [*many, self._p, self._ap, self._sums])
@@ -106,16 +108,15 @@ class Levels:
         span = self.run.span(row)
         return self.run.prepare(kernel, level.elements // row * -(-row // span), [level.box, span, *inputs], grain=max(1, SOME // span))
 
-    def refresh(self) -> None:
-        """Weights of all levels anew, after those of the finest one changed."""
-        run = self.run
-        for depth, level in enumerate(self.all):
+    def refresh(self, *, coarser: bool = True) -> None:
+        """Take over new weights of the finest level; `coarser`: in the others too, which only guide the solve."""
+        for depth, level in enumerate(self.all[: None if coarser else 1]):
             if depth > 0:
                 fine = self.all[depth - 1]
                 for axis in range(3):
                     inputs = [level.box, fine.box, axis, level.shape[axis], fine.shape[axis], fine.weights[axis], level.weights[axis]]
-                    run(kernels.coarse_weights, level.elements, inputs)
-                run(kernels.invert, level.elements, [level.box, LEAST, *level.system])
+                    self.run(kernels.coarse_weights, level.elements, inputs)
+            self._invert[depth]()
 
     def _prepare_cycle(self) -> list[Pass]:
         """One V-cycle from `right` to `x` of the finest level, symmetric."""
@@ -129,7 +130,7 @@ class Levels:
                 continue
             coarse = self.all[depth + 1]
             down.append(self._rows(kernels.residuals, level, [*system, level.left]))
-            down.append(self.run.prepare(kernels.collect, coarse.elements, [coarse.box, level.box, level.left, coarse.right], grain=8192))
+            down.append(self._rows(kernels.collect, coarse, [level.box, level.left, coarse.right]))
             up.append([self._rows(kernels.return_up, level, [coarse.box, coarse.x, level.x]), *[black, red] * self.sweeps])
         return down + [one for calls in reversed(up) for one in calls]
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...geometry.launch import warp
-from . import level_kernels
 from . import pressure_kernels as kernels
 from .levels import Level, Levels, field
 
@@ -36,8 +35,6 @@ class Flow(NamedTuple):
 
 SWEEPS = 2
 """Measured (`bench gas`): the residual falls by a decade per two iterations, which one sweep misses at 128^3."""
-LEAST = 1e-6
-"""Least sum of the weights around a cell."""
 ROWS = 256
 """Own choice: rows of cells worth a thread of a CPU."""
 
@@ -90,16 +87,15 @@ class Projection:
         count = self.elements // self.row * -(-self.row // span)
         self.run(kernel, count, [self.box, span, *inputs], grain=ROWS if span > 1 else 1)
 
-    def weigh(self, density: Any, *, expands: bool) -> None:
-        """Take over the densities of the gas; without expansion they never change."""
+    def weigh(self, density: Any, *, expands: bool, coarser: bool = True) -> None:
+        """Take over the densities of the gas; without expansion they never change. `coarser`: in coarser levels too, which need not be as new."""
         if self._weighed and not expands:
             return
         fine = self._levels.fine
         for axis in range(3):
             inputs = [axis, self.sides, int(expands), self.opening, density, self.wet, self._lifts[axis], fine.weights[axis]]
             self._rows(kernels.weigh, inputs)
-        self.run(level_kernels.invert, self.elements, [self.box, LEAST, *fine.system])
-        self._levels.refresh()
+        self._levels.refresh(coarser=coarser or not self._weighed)
         self._weighed = True
 
     def __call__(self, flow: Flow, *, bound: float, cap: int, share: float = 0.0) -> Solution:

@@ -373,13 +373,12 @@ class Gas(GasFields):
         source = [rate, self._cells("gas/content"), heating]
         if held is not None:
             self.transport.moving(seconds, self._fastest(carrier), velocity, self._opening, held=held, room=self._at.room)
-            self.transport.inject(seconds, *source)
+            self.transport.inject(seconds, source)
         else:
             parts = self.transport.parts(seconds, velocity, self._opening, self._room)
-            made = [self._expansion, *self.projection.taken]
+            fields = {"room": self._room, "made": [self._expansion, *self.projection.taken], "source": source}
             for part in range(parts):
-                self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, self._room, made)
-                self.transport.inject(seconds / parts, *source)
+                self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, **fields)
         self.injected = self.injected + seconds * self._emitted
 
     # ------------------------------------------------------------ sums

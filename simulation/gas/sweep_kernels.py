@@ -231,12 +231,13 @@ def volume_run(
 
 @wp.kernel
 def crossed(
-    first: wp.int32, span: int, elements: int, cells: float, velocity: wp.array(dtype=wp.vec3), opening: wp.array(dtype=wp.vec3),
+    first: wp.int32, box: Box, span: int, cells: float, velocity: wp.array(dtype=wp.vec3), opening: wp.array(dtype=wp.vec3),
     x: wp.array(dtype=float), y: wp.array(dtype=float), z: wp.array(dtype=float),
 ):  # fmt: skip
     """Volumes that are to pass through lower faces, in cells; `cells` is time over cell size."""
-    lo = (first + wp.tid()) * span
-    volume_run(lo, wp.where(lo + span < elements, lo + span, elements), cells, velocity, opening, x, y, z)
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
+    volume_run(own + at[2], own + at[3], cells, velocity, opening, x, y, z)
 
 
 _SHARES = """
@@ -270,9 +271,10 @@ def share_run(
 
 @wp.kernel
 def shares(
-    first: wp.int32, span: int, elements: int, planes: int, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
+    first: wp.int32, box: Box, span: int, elements: int, planes: int, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
     amount: wp.array(dtype=float), volume: wp.array(dtype=float), share: wp.array(dtype=float),
 ):  # fmt: skip
     """Amounts, volume and concentrations of each cell before the sweeps."""
-    lo = (first + wp.tid()) * span
-    share_run(lo, wp.where(lo + span < elements, lo + span, elements), elements, planes, room, state, amount, volume, share)
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
+    share_run(own + at[2], own + at[3], elements, planes, room, state, amount, volume, share)

@@ -32,7 +32,7 @@ SPENT = 1e-6
 ALL, FIRST = 4, 2
 """Quantities that are carried: all, or lightness and soot where there is neither fuel nor product."""
 ROWS, RUNS = 512, 16
-"""Own choice: rows of cells, and runs of elements, that are worth a thread of a CPU: some 50 microseconds of work."""
+"""Own choice: rows of cells, and blocks of elements, that are worth a thread of a CPU: some 50 microseconds of work."""
 
 
 class Transport:
@@ -49,7 +49,8 @@ class Transport:
 
     def __init__(self, run: Runner, shape: tuple[int, int, int], box: Any, cell: float, border: Border, *, expands: bool) -> None:
         self.run, self.box, self.cell, self.border = run, box, cell, border
-        self.rows, self.row = (shape[0] + 1) * (shape[1] + 1), shape[2] + 1
+        self.layer, self.row = shape[1] + 1, shape[2] + 1
+        self.rows = (shape[0] + 1) * self.layer
         self.elements = self.rows * self.row
         self.expands = int(expands)
         self.quantities = FIRST
@@ -63,7 +64,7 @@ class Transport:
         wp = warp()
         if name == "state":
             return self.run.array(name, self.elements, wp.vec4)
-        planes = 4 if name in {"share", "moved", "amount"} else 1
+        planes = 4 if name.split("/")[0] in {"share", "moved", "amount"} else 1
         return self.run.array(f"gas/{name}", planes * self.elements, wp.float32)
 
     def _axes(self, name: str) -> list[Any]:
@@ -79,28 +80,34 @@ class Transport:
         if np.any(contents[..., FIRST:]):
             self.quantities = ALL
 
-    def _flat(self, kernel: Any, inputs: Sequence[Any]) -> None:
-        """Run a kernel over runs of elements."""
-        span = self.run.span(self.run.block)
-        self.run(kernel, -(-self.elements // span), [span, *inputs], grain=RUNS if span > 1 else 1)
-
     def _start(self, room: Any) -> None:
         state = [room, self._array("state"), *map(self._array, ("amount", "volume", "share"))]
-        self._flat(sweeps.shares, [self.elements, self.quantities, *state])
+        self._together([(sweeps.shares, [self.elements, self.quantities, *state])])
 
     def _ask(self, cells: float, velocity: Any, opening: Any, names: str) -> None:
-        self._flat(sweeps.crossed, [self.elements, cells, velocity, opening, *self._axes(names)])
+        self._together([(sweeps.crossed, [cells, velocity, opening, *self._axes(names)])])
+
+    def _together(self, calls: Sequence[tuple[Any, Sequence[Any]]]) -> None:
+        """Run kernels over runs of cells along z one after the other, in slices of whole layers: only sweeps along x look beyond these."""
+        span = self.run.span(self.row)
+        pieces = -(-self.row // span)
+        inputs = [(kernel, [self.box, span, *more]) for kernel, more in calls]
+        self.run.together(inputs, self.rows * pieces, grain=ROWS if span > 1 else 1, align=self.layer * pieces)
+
+    def _fluxes(self, axis: int, through: Any) -> tuple[Any, list[Any]]:
+        """What passes lower faces along an axis, into the array "moved/axis"."""
+        fields = [self._array(n) for n in (f"slopes/{axis}", "volume", "share", f"moved/{axis}")]
+        return sweeps.fluxes, [axis, self.quantities, self.elements, through, *fields]
+
+    def _settle(self, axis: int, through: Any) -> tuple[Any, list[Any]]:
+        fields = [self._array(n) for n in (f"moved/{axis}", "amount", "volume", "share")]
+        return sweeps.settle, [axis, self.quantities, self.elements, through, *fields]
 
     def _sweep(self, axis: int, through: Any) -> None:
         """Move amounts along one axis with the volumes that pass lower faces."""
-        slopes, share, volume, moved, amount = (self._array(n) for n in (f"slopes/{axis}", "share", "volume", "moved", "amount"))
-        span = self.run.span(self.row)
-        count = self.rows * -(-self.row // span)
-        grain = ROWS if span > 1 else 1
-        cut = [self.box, span, axis, self.quantities, self.elements, through]
-        self.run(sweeps.fluxes, count, [*cut, slopes, volume, share, moved], grain=grain)
-        self.border.count(self.box, axis, through, moved)
-        self.run(sweeps.settle, count, [*cut, moved, amount, volume, share], grain=grain)
+        self._together([self._fluxes(axis, through)])
+        self._together([self._settle(axis, through)])
+        self.border.count(self.box, axis, through, self._array(f"moved/{axis}"))
 
     def parts(self, seconds: float, velocity: Any, opening: Any, room: Any) -> int:
         """Parts in which `standing` carries amounts over a step."""
@@ -110,7 +117,9 @@ class Transport:
         run(kernels.demand, self.rows, [self.box, MOST_TAKEN, room, *self._axes("through"), out], grain=ROWS)
         return max(1, math.ceil(float(run.read(out, self.rows).max())))
 
-    def standing(self, seconds: float, turn: int, velocity: Any, opening: Any, room: Any, made: Sequence[Any]) -> None:
+    def standing(
+        self, seconds: float, turn: int, velocity: Any, opening: Any, *, room: Any, made: Sequence[Any], source: Sequence[Any]
+    ) -> None:
         """A part of a step between solids that stand.
 
         Args:
@@ -120,17 +129,33 @@ class Transport:
             opening: open shares of faces.
             room: of cells.
             made: volume that cells make per volume and second [1/s], their regions, and what each of these takes up by its pressure [m/s].
+            source: as of `inject`.
         """
-        self._start(room)
-        self._ask(seconds / self.cell, velocity, opening, "through")
-        for axis in (0, 1, 2) if turn % 2 == 0 else (2, 1, 0):
-            self._sweep(axis, self._array(f"through/{axis}"))
-        inputs = [self.expands, self.elements, self.quantities, room, self._array("amount"), seconds, self.cell, *made]
-        self._flat(kernels.finish_standing, [*inputs, self._array("state")])
+        throughs = self._axes("through")
+        x, y, z = ([self._fluxes(axis, through), self._settle(axis, through)] for axis, through in enumerate(throughs))
+        state = [self.elements, self.quantities, room, self._array("amount")]
+        begin = [
+            (sweeps.shares, [*state[:3], self._array("state"), *map(self._array, ("amount", "volume", "share"))]),
+            (sweeps.crossed, [seconds / self.cell, velocity, opening, *throughs]),
+        ]
+        end = [
+            (kernels.finish_standing, [self.expands, *state, seconds, self.cell, *made, self._array("state")]),
+            (kernels.inject, [seconds, self.expands, *source, self._array("state")]),
+        ]
+        if turn % 2 == 0:
+            self._together(begin)
+            self._together(x[:1])
+            self._together([*x[1:], *y, *z, *end])
+        else:
+            self._together([*begin, *z, *y])
+            self._together(x[:1])
+            self._together([*x[1:], *end])
+        for axis, through in enumerate(throughs):
+            self.border.count(self.box, axis, through, self._array(f"moved/{axis}"))
 
-    def inject(self, seconds: float, rate: Any, content: Any, heating: Any) -> None:
-        """Let sources add gas."""
-        self._flat(kernels.inject, [self.elements, seconds, self.expands, rate, content, heating, self._array("state")])
+    def inject(self, seconds: float, source: Sequence[Any]) -> None:
+        """Let a source add gas: volume per volume and time [1/s], its composition, heating."""
+        self._together([(kernels.inject, [seconds, self.expands, *source, self._array("state")])])
 
     def moving(
         self, seconds: float, fastest: float, velocity: Any, opening: Any, *, held: NDArray[np.float32], room: NDArray[np.float32]

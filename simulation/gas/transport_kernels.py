@@ -9,7 +9,7 @@ doi:10.1016/j.jcp.2009.12.018). What comes in from outside is ambient air.
 
 import warp as wp
 
-from .box_kernels import Box, beside, count_of, has_face, is_cell, place_of, upper
+from .box_kernels import Box, beside, count_of, has_face, index_of, is_cell, place_of, run_of, upper
 
 wp.set_module_options({"enable_backward": False})
 
@@ -169,15 +169,15 @@ def finish_run(
 
 @wp.kernel
 def finish_standing(
-    first: wp.int32, span: int, expands: int, elements: int, planes: int, room: wp.array(dtype=float), amount: wp.array(dtype=float),
+    first: wp.int32, box: Box, span: int, expands: int, elements: int, planes: int, room: wp.array(dtype=float), amount: wp.array(dtype=float),
     seconds: float, size: float, expansion: wp.array(dtype=float), region: wp.array(dtype=wp.int32), taken: wp.array(dtype=float),
     state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Concentrations after sweeps between solids that stand. Where the gas expands, what it was asked to make of a cell's room left it, so
     that it became lighter by that; the volume that the sweeps left says the same but for its rounding, which adds up."""
-    lo = (first + wp.tid()) * span
-    hi = wp.where(lo + span < elements, lo + span, elements)
-    finish_run(lo, hi, expands, elements, planes, room, amount, seconds, size, expansion, region, taken, state)
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
+    finish_run(own + at[2], own + at[3], expands, elements, planes, room, amount, seconds, size, expansion, region, taken, state)
 
 
 _INJECT = """
@@ -210,14 +210,14 @@ def inject_run(
 
 @wp.kernel
 def inject(
-    first: wp.int32, span: int, elements: int, seconds: float, expands: int, rate: wp.array(dtype=float),
+    first: wp.int32, box: Box, span: int, seconds: float, expands: int, rate: wp.array(dtype=float),
     content: wp.array(dtype=wp.vec4), heating: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Gas of a composition that a source adds: volume per volume and second. What it displaces has left by the fluxes; gas that does not
     expand takes up heat as it is."""
-    lo = (first + wp.tid()) * span
-    hi = wp.where(lo + span < elements, lo + span, elements)
-    inject_run(lo, hi, seconds, expands, rate, content, heating, state)
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
+    inject_run(own + at[2], own + at[3], seconds, expands, rate, content, heating, state)
 
 
 @wp.kernel

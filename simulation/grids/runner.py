@@ -46,23 +46,31 @@ class Runner:
 
     def __call__(self, kernel: Any, count: int, inputs: Sequence[Any], *, grain: int = GRAIN) -> None:
         """Run a kernel over `count` elements; in slices of at least `grain` on the CPU."""
+        self._ready(kernel, count, inputs, grain, 1)()
+
+    def together(self, calls: Sequence[tuple[Any, Sequence[Any]]], count: int, *, grain: int, align: int) -> None:
+        """Run kernels, with their parameters, one after the other over the same elements; slices, which begin at whole multiples of `align`,
+        are independent of each other in all of them."""
+        Pass.together([self._ready(kernel, count, inputs, grain, align) for kernel, inputs in calls])
+
+    def _ready(self, kernel: Any, count: int, inputs: Sequence[Any], grain: int, align: int) -> Pass:
+        """A launch, perhaps a kept one."""
         if not self.keeps:
-            self.prepare(kernel, count, inputs, grain=grain)()
-            return
-        key = (kernel, count, grain, *(None if isinstance(one, int | float) else id(one) for one in inputs))
+            return self.prepare(kernel, count, inputs, grain=grain, align=align)
+        key = (kernel, count, grain, align, *(None if isinstance(one, int | float) else id(one) for one in inputs))
         if key not in self._kept:
             if len(self._kept) >= KEPT:
                 self._kept.clear()
             # The pass holds what it was made of, so that no other array takes its place in memory.
-            self._kept[key] = self.prepare(kernel, count, inputs, grain=grain), list(inputs)
+            self._kept[key] = self.prepare(kernel, count, inputs, grain=grain, align=align), list(inputs)
         one, before = self._kept[key]
-        changed = {k + 1: new for k, (new, old) in enumerate(zip(inputs, before, strict=True)) if new is not old and new != old}
+        one.change({k + 1: new for k, (new, old) in enumerate(zip(inputs, before, strict=True)) if new is not old and new != old})
         before[:] = inputs
-        one(changed)
+        return one
 
-    def prepare(self, kernel: Any, count: int, inputs: Sequence[Any], *, grain: int = GRAIN) -> Pass:
+    def prepare(self, kernel: Any, count: int, inputs: Sequence[Any], *, grain: int = GRAIN, align: int = 1) -> Pass:
         """The launch of `__call__`, to be made many times."""
-        return Pass(kernel, max(0, count), inputs, self.device, smallest=grain, slices=SLICES)
+        return Pass(kernel, max(0, count), inputs, self.device, smallest=grain, slices=SLICES, align=align)
 
     def span(self, many: int) -> int:
         """Elements of one thread of a kernel that loops over runs of up to `many`: all on the CPU, one on a GPU."""

@@ -9,7 +9,7 @@ where a path leaves the box, and those faces, and those in its sides, are worked
 import warp as wp
 
 from .box_kernels import (
-    Box, around, blown_in, comes_in, count_of, face_place, has_face, held, incoming, index_of, run_of, sample, speed, start_speed,
+    Box, around, blown_in, comes_in, count_of, face_place, held, incoming, index_of, run_of, sample, speed, start_speed,
     traced,
 )  # fmt: skip
 
@@ -215,6 +215,19 @@ def put(field: wp.array(dtype=wp.vec3), c: int, axis: int, value: float):
 
 
 @wp.func
+def faces_end(box: Box, axis: int, at: wp.vec4i):
+    """End of the cells of a run that have a lower face along an axis."""
+    found = wp.min(at[3], box.nz)
+    if axis == 2 and box.wraps[2] == 0:
+        found = at[3]
+    if at[0] >= box.nx and (axis != 0 or box.wraps[0] == 1):
+        found = 0
+    if at[1] >= box.ny and (axis != 1 or box.wraps[1] == 1):
+        found = 0
+    return found
+
+
+@wp.func
 def followed(box: Box, axis: int, at: wp.vec4i):
     """The cells of a run whose lower faces along an axis `carry_row` and `correct_row` may follow, from the first to the end: those with
     others all around where the box is periodic, and those that do not lie in a side."""
@@ -255,66 +268,89 @@ def bends(
                     bend[own + k] = speed(box, carrier, held(box, x - 0.5 * cells * here)) - here
 
 
+@wp.func
+def carry_one(
+    box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
+    out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """What `carry` does for one face."""
+    found = from_afar(box, axis, at, c, cells, carrier, source)
+    put(out, c, axis, found[0])
+    put(low, c, axis, found[1])
+    put(high, c, axis, found[2])
+
+
 @wp.kernel
 def carry(
     first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3),
-    source: wp.array(dtype=wp.vec3),
-    out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
+    source: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Every face takes the value from where the flow comes, and the least and greatest around there; `cells` is time over cell size,
-    negative to look ahead."""
+    """Every face takes the value from where the flow comes, and the least and greatest around there; `cells` is time over cell size."""
     at = run_of(box, span, first + wp.tid())
     own = index_of(box, at[0], at[1], 0)
     row = box.nz + 1
     for axis in range(3):
+        end = faces_end(box, axis, at)
         ends = followed(box, axis, at)
         missed = int(0)
         if ends[0] < ends[1]:
             missed = carry_row(
                 box, axis, at[0], at[1], own, row, (box.ny + 1) * row, ends[0], ends[1], -cells, 1.0, carrier, bend, source, out, low, high
             )  # fmt: skip
-        for k in range(at[2], at[3]):
-            beside = k < ends[0] or k >= ends[1]
-            if beside or missed > 0:
-                c = own + k
-                if beside or wp.isnan(out[c][axis]):
-                    found = wp.vec3(0.0, 0.0, 0.0)
-                    place = wp.vec3i(at[0], at[1], k)
-                    if has_face(box, place, axis):
-                        found = from_afar(box, axis, place, c, cells, carrier, source)
-                    put(out, c, axis, found[0])
-                    put(low, c, axis, found[1])
-                    put(high, c, axis, found[2])
+        else:
+            ends = wp.vec2i(end, end)
+        for k in range(at[2], ends[0]):
+            carry_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, out, low, high)
+        if missed > 0:
+            for k in range(ends[0], ends[1]):
+                if wp.isnan(out[own + k][axis]):
+                    carry_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, out, low, high)
+        for k in range(ends[1], end):
+            carry_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, out, low, high)
+
+
+@wp.func
+def correct_one(
+    box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
+    once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """What `correct` does for one face."""
+    ahead = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), cells)
+    value = once[c][axis]
+    if not comes_in(box, ahead):
+        back = sample(box, once, axis, held(box, ahead))
+        value = wp.clamp(value + 0.5 * (source[c][axis] - back), low[c][axis], high[c][axis])
+    put(out, c, axis, value)
 
 
 @wp.kernel
 def correct(
     first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3),
-    source: wp.array(dtype=wp.vec3),
-    once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
+    source: wp.array(dtype=wp.vec3), once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
+    out: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """The second half of MacCormack: what the way there and back changes is taken out by half, within the values that were carried."""
     at = run_of(box, span, first + wp.tid())
     own = index_of(box, at[0], at[1], 0)
     row = box.nz + 1
     for axis in range(3):
+        end = faces_end(box, axis, at)
         ends = followed(box, axis, at)
         missed = int(0)
         if ends[0] < ends[1]:
             missed = correct_row(
-                box, axis, at[0], at[1], own, row, (box.ny + 1) * row, ends[0], ends[1], cells, -1.0, carrier, bend, source, once, low, high, out
+                box, axis, at[0], at[1], own, row, (box.ny + 1) * row, ends[0], ends[1], cells, -1.0, carrier, bend, source, once, low,
+                high, out,
             )  # fmt: skip
-        for k in range(at[2], at[3]):
-            beside = k < ends[0] or k >= ends[1]
-            if beside or missed > 0:
-                c = own + k
-                if beside or wp.isnan(out[c][axis]):
-                    place = wp.vec3i(at[0], at[1], k)
-                    value = float(0.0)
-                    if has_face(box, place, axis):
-                        ahead = traced(box, carrier, face_place(place, axis), start_speed(box, carrier, c, place, axis), cells)
-                        value = once[c][axis]
-                        if not comes_in(box, ahead):
-                            back = sample(box, once, axis, held(box, ahead))
-                            value = wp.clamp(value + 0.5 * (source[c][axis] - back), low[c][axis], high[c][axis])
-                    put(out, c, axis, value)
+        else:
+            ends = wp.vec2i(end, end)
+        for k in range(at[2], ends[0]):
+            correct_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, once, low, high, out)
+        if missed > 0:
+            for k in range(ends[0], ends[1]):
+                if wp.isnan(out[own + k][axis]):
+                    correct_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, once, low, high, out)
+        for k in range(ends[1], end):
+            correct_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, once, low, high, out)
+        for k in range(wp.max(at[2], end), at[3]):
+            put(out, own + k, axis, 0.0)

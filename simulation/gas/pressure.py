@@ -11,6 +11,8 @@ from . import pressure_kernels as kernels
 from .levels import Level, Levels, field
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..grids.multigrid import Solution
     from ..grids.runner import Runner
     from .regions import Regions
@@ -69,6 +71,7 @@ class Projection:
         self.wet, self.room, self.opening = wet, room, opening
         self._levels = Levels(run, box, shape, sweeps=SWEEPS)
         self.elements, self.row = self._levels.elements, shape[2] + 1
+        self.layer = shape[1] + 1
         self.pressure, self.right = (field(run, f"gas/{name}", self.elements) for name in ("pressure", "right"))
         self._lifts = [field(run, f"gas/lift/{axis}", self.elements) for axis in range(3)]
         self._weighed = False
@@ -81,20 +84,20 @@ class Projection:
         """Levels of the solver, the finest first."""
         return self._levels.all
 
-    def _rows(self, kernel: Any, inputs: list[Any]) -> None:
-        """Run a kernel over runs of cells along z."""
+    def _rows(self, calls: Sequence[tuple[Any, list[Any]]]) -> None:
+        """Run kernels over runs of cells along z one after the other, in slices of layers that none looks beyond for what another writes."""
         span = self.run.span(self.row)
-        count = self.elements // self.row * -(-self.row // span)
-        self.run(kernel, count, [self.box, span, *inputs], grain=ROWS if span > 1 else 1)
+        pieces = -(-self.row // span)
+        inputs = [(kernel, [self.box, span, *more]) for kernel, more in calls]
+        self.run.together(inputs, self.elements // self.row * pieces, grain=ROWS if span > 1 else 1, align=self.layer * pieces)
 
     def weigh(self, density: Any, *, expands: bool, coarser: bool = True) -> None:
         """Take over the densities of the gas; without expansion they never change. `coarser`: in coarser levels too, which need not be as new."""
         if self._weighed and not expands:
             return
         fine = self._levels.fine
-        for axis in range(3):
-            inputs = [axis, self.sides, int(expands), self.opening, density, self.wet, self._lifts[axis], fine.weights[axis]]
-            self._rows(kernels.weigh, inputs)
+        known = [self.sides, int(expands), self.opening, density, self.wet]
+        self._rows([(kernels.weigh, [axis, *known, self._lifts[axis], fine.weights[axis]]) for axis in range(3)])
         self._levels.refresh(coarser=coarser or not self._weighed)
         self._weighed = True
 
@@ -115,14 +118,14 @@ class Projection:
         if share > 0.0:
             bound = max(bound, share * self._levels.largest(self.right))
         found = self._levels.solve(self.right, self.pressure, bound, cap)
-        for axis in range(3):
-            self._rows(kernels.project, [axis, self._lifts[axis], self.pressure, self.opening, flow.solid, flow.velocity])
+        known = [self.pressure, self.opening, flow.solid, flow.velocity]
+        self._rows([(kernels.project, [axis, self._lifts[axis], *known]) for axis in range(3)])
         return found
 
     def _outflow(self, flow: Flow, sign: float, given: float, out: Any) -> None:
         """Difference between the flux out of each cell and what it should be, times a sign."""
         fields = [flow.velocity, self.opening, flow.growth, self.room, flow.expansion]
-        self._rows(kernels.outflow, [flow.cell, sign, given, *fields, *self.taken, self.wet, out])
+        self._rows([(kernels.outflow, [flow.cell, sign, given, *fields, *self.taken, self.wet, out])])
 
     def _share(self) -> None:
         """Let sealed regions' gas take up by its pressure what their right sides have in excess."""

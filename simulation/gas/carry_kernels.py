@@ -9,7 +9,19 @@ where a path leaves the box, and those faces, and those in its sides, are worked
 import warp as wp
 
 from .box_kernels import (
-    Box, around, blown_in, comes_in, count_of, face_place, held, incoming, index_of, run_of, sample, speed, start_speed,
+    Box,
+    around,
+    blown_in,
+    comes_in,
+    count_of,
+    face_place,
+    held,
+    incoming,
+    index_of,
+    run_of,
+    sample,
+    speed,
+    start_speed,
     traced,
 )  # fmt: skip
 
@@ -166,7 +178,6 @@ def bend_row(
     bend: wp.array(dtype=wp.vec3),
 ) -> int:  # fmt: skip
     """What `bends` says of a row of cells; the number of cells left out."""
-    ...
 
 
 @wp.func_native(_CARRY)
@@ -176,7 +187,6 @@ def carry_row(
     low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
 ) -> int:  # fmt: skip
     """Values that faces of a row take from where the flow comes, with the least and greatest around there; the number of faces left out."""
-    ...
 
 
 @wp.func_native(_CORRECT)
@@ -186,7 +196,6 @@ def correct_row(
     low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
 ) -> int:  # fmt: skip
     """Corrected values of faces of a row; the number of faces left out."""
-    ...
 
 
 @wp.func
@@ -246,9 +255,7 @@ def followed(box: Box, axis: int, at: wp.vec4i):
 
 
 @wp.kernel
-def bends(
-    first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3)
-):
+def bends(first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3)):
     """How much faster the flow is half a step back on the path to a cell's middle than there: paths back and ahead bend by as much, which
     makes them second order in time."""
     at = run_of(box, span, first + wp.tid())
@@ -268,28 +275,17 @@ def bends(
                     bend[own + k] = speed(box, carrier, held(box, x - 0.5 * cells * here)) - here
 
 
-@wp.func
-def carry_one(
-    box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
-    out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
-):  # fmt: skip
-    """What `carry` does for one face."""
-    found = from_afar(box, axis, at, c, cells, carrier, source)
-    put(out, c, axis, found[0])
-    put(low, c, axis, found[1])
-    put(high, c, axis, found[2])
-
-
 @wp.kernel
 def carry(
-    first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3),
+    first: wp.int32, box: Box, span: int, axes: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3),
     source: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """Every face takes the value from where the flow comes, and the least and greatest around there; `cells` is time over cell size."""
+    """Every face takes the value from where the flow comes, and the least and greatest around there; `cells` is time over cell size.
+    `axes` is 3: the compiler is not to make three of all this."""
     at = run_of(box, span, first + wp.tid())
     own = index_of(box, at[0], at[1], 0)
     row = box.nz + 1
-    for axis in range(3):
+    for axis in range(axes):
         end = faces_end(box, axis, at)
         ends = followed(box, axis, at)
         missed = int(0)
@@ -299,14 +295,18 @@ def carry(
             )  # fmt: skip
         else:
             ends = wp.vec2i(end, end)
-        for k in range(at[2], ends[0]):
-            carry_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, out, low, high)
-        if missed > 0:
-            for k in range(ends[0], ends[1]):
-                if wp.isnan(out[own + k][axis]):
-                    carry_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, out, low, high)
-        for k in range(ends[1], end):
-            carry_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, out, low, high)
+        k = at[2]
+        while k < end:
+            if k == ends[0] and missed == 0:
+                k = ends[1]
+            if k < end:
+                c = own + k
+                if k < ends[0] or k >= ends[1] or wp.isnan(out[c][axis]):
+                    found = from_afar(box, axis, wp.vec3i(at[0], at[1], k), c, cells, carrier, source)
+                    put(out, c, axis, found[0])
+                    put(low, c, axis, found[1])
+                    put(high, c, axis, found[2])
+            k += 1
 
 
 @wp.func
@@ -325,7 +325,7 @@ def correct_one(
 
 @wp.kernel
 def correct(
-    first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3),
+    first: wp.int32, box: Box, span: int, axes: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3),
     source: wp.array(dtype=wp.vec3), once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
     out: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
@@ -333,7 +333,7 @@ def correct(
     at = run_of(box, span, first + wp.tid())
     own = index_of(box, at[0], at[1], 0)
     row = box.nz + 1
-    for axis in range(3):
+    for axis in range(axes):
         end = faces_end(box, axis, at)
         ends = followed(box, axis, at)
         missed = int(0)
@@ -344,13 +344,14 @@ def correct(
             )  # fmt: skip
         else:
             ends = wp.vec2i(end, end)
-        for k in range(at[2], ends[0]):
-            correct_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, once, low, high, out)
-        if missed > 0:
-            for k in range(ends[0], ends[1]):
-                if wp.isnan(out[own + k][axis]):
-                    correct_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, once, low, high, out)
-        for k in range(ends[1], end):
-            correct_one(box, axis, wp.vec3i(at[0], at[1], k), own + k, cells, carrier, source, once, low, high, out)
+        k = at[2]
+        while k < end:
+            if k == ends[0] and missed == 0:
+                k = ends[1]
+            if k < end:
+                c = own + k
+                if k < ends[0] or k >= ends[1] or wp.isnan(out[c][axis]):
+                    correct_one(box, axis, wp.vec3i(at[0], at[1], k), c, cells, carrier, source, once, low, high, out)
+            k += 1
         for k in range(wp.max(at[2], end), at[3]):
             put(out, own + k, axis, 0.0)

@@ -295,27 +295,24 @@ class Gas(GasFields):
     def _cells(self, name: str) -> Any:
         return self.run.array(name, self.elements, warp().vec4)
 
-    def _rows(self, kernel: Any, inputs: Sequence[Any]) -> None:
-        """Run a kernel over runs of cells along z."""
-        row = self.shape[2] + 1
-        span = self.run.span(row)
-        self.run(kernel, self.elements // row * -(-row // span), [self._box, span, *inputs], grain=ROWS if span > 1 else 1)
+    def _rows(self, *calls: tuple[Any, Sequence[Any]]) -> None:
+        self.run.rows(self._box, self.shape, calls, grain=ROWS)
 
     def _carry(self, source: str, carrier: str, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
         way = [seconds / self.cell, self._face(carrier), self._face("velocity/bend")]
-        state = [*way, self._face(source)]
-        self._rows(carries.bends, way)
+        state = [len(self.shape), *way, self._face(source)]
+        self._rows((carries.bends, way))
         found = [self._face("velocity/once"), self._face("velocity/low"), self._face("velocity/high")]
-        self._rows(carries.carry, [*state, *found])
-        self._rows(carries.correct, [*state, *found, self._face("velocity/carried")])
+        self._rows((carries.carry, [*state, *found]))
+        self._rows((carries.correct, [*state, *found, self._face("velocity/carried")]))
         self.run.swap("velocity/carried", out)
 
     def _push(self, name: str, seconds: float) -> None:
         """Forces on a velocity."""
         settings, run = self.settings, self.run
         expands = int(settings.expands)
-        self._rows(forces.buoy, [self._pull, seconds, expands, self._densities(), self._face(name)])
+        self._rows((forces.buoy, [self._pull, seconds, expands, self._densities(), self._face(name)]))
         if settings.confinement > 0.0:
             run(forces.curl, self.elements, [self._box, self.cell, self._face(name), self._face("vorticity")])
             push = settings.confinement * self.cell * seconds

@@ -30,7 +30,6 @@ def buoy_row(
     velocity: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """Buoyancy on the lower faces of a row of cells."""
-    ...
 
 
 @wp.kernel

@@ -13,7 +13,7 @@ from .box_kernels import Box, index_of, near, place_of, row_at, run_of
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["collect", "coarse_weights", "invert", "multiply", "relax", "residuals", "rest", "return_up", "start_red"]
+__all__ = ["coarse_weights", "collect", "invert", "multiply", "relax", "residuals", "rest", "return_up", "start_red"]
 
 _PULL = """
 #define GAS_PULL(V) \\
@@ -66,7 +66,6 @@ def relax_row(
     right: wp.array(dtype=float), x: wp.array(dtype=float),
 ):  # fmt: skip
     """Half a sweep over the cells of a row from `lo` to `hi` for which k + colour is even; the others are elements before those around."""
-    ...
 
 
 @wp.func_native(_MULTIPLY)
@@ -76,7 +75,6 @@ def multiply_row(
     right: wp.array(dtype=float), x: wp.array(dtype=float), out: wp.array(dtype=float),
 ):  # fmt: skip
     """with_right times the right side + sign times A x, over the cells of a row."""
-    ...
 
 
 @wp.func
@@ -201,7 +199,6 @@ def start_row(
     x: wp.array(dtype=float),
 ):  # fmt: skip
     """The first half sweep from zero over the cells of a row."""
-    ...
 
 
 @wp.kernel
@@ -211,7 +208,9 @@ def start_red(
     """The first half sweep from zero, over red cells."""
     at = run_of(box, span, first + wp.tid())
     if at[0] < box.nx and at[1] < box.ny:
-        start_row(index_of(box, at[0], at[1], 0), at[2], wp.where(at[3] < box.nz, at[3], box.nz), at[0] + at[1], inverse, right, x)
+        start_row(
+            index_of(box, at[0], at[1], 0), at[2], wp.where(at[3] < box.nz, at[3], box.nz), at[0] + at[1], inverse, right, x
+        )
 
 
 _COLLECT = (
@@ -236,13 +235,10 @@ def collect_row(
     right: wp.array(dtype=float),
 ):  # fmt: skip
     """Sums of residuals in a row of blocks, from four rows of cells."""
-    ...
 
 
 @wp.kernel
-def collect(
-    first: wp.int32, box: Box, span: int, fine: Box, left: wp.array(dtype=float), right: wp.array(dtype=float)
-):
+def collect(first: wp.int32, box: Box, span: int, fine: Box, left: wp.array(dtype=float), right: wp.array(dtype=float)):
     """Sum of the residuals in a block. Beyond the last cells, where a block has fewer, they are 0."""
     at = run_of(box, span, first + wp.tid())
     if at[0] < box.nx and at[1] < box.ny:
@@ -270,13 +266,10 @@ _RETURN = (
 @wp.func_native(_RETURN)
 def return_row(own: int, parent: int, lo: int, hi: int, coarse: wp.array(dtype=float), x: wp.array(dtype=float)):
     """Add corrections of blocks to the cells of a row."""
-    ...
 
 
 @wp.kernel
-def return_up(
-    first: wp.int32, box: Box, span: int, coarse_box: Box, coarse: wp.array(dtype=float), x: wp.array(dtype=float)
-):
+def return_up(first: wp.int32, box: Box, span: int, coarse_box: Box, coarse: wp.array(dtype=float), x: wp.array(dtype=float)):
     """Add the blocks' correction; the black half sweep that follows reads only red cells."""
     at = run_of(box, span, first + wp.tid())
     if at[0] < box.nx and at[1] < box.ny:
@@ -329,7 +322,6 @@ def invert_row(
     wy: wp.array(dtype=float), wz: wp.array(dtype=float), inverse: wp.array(dtype=float),
 ):  # fmt: skip
     """1 over the sums of the weights around the cells of a row."""
-    ...
 
 
 @wp.kernel

@@ -89,7 +89,9 @@ class Levels:
         self.elements = fine.elements
         self.blocks = -(-self.elements // run.block)
         self._p, self._ap = field(run, "levels/p", self.elements), field(run, "levels/ap", self.elements)
-        self._sums, self._tops = (run.array(n, self.blocks, t) for n, t in (("levels/sums", warp().float64), ("levels/tops", warp().float32)))
+        self._sums, self._tops = (
+            run.array(n, self.blocks, t) for n, t in (("levels/sums", warp().float64), ("levels/tops", warp().float32))
+        )
         self._cycle = self._prepare_cycle()
         least = [LEAST_OF_CELLS, *[LEAST] * len(self.all)]
         self._invert = [self._rows(kernels.invert, one, [least[depth], *one.system]) for depth, one in enumerate(self.all)]
@@ -106,7 +108,9 @@ class Levels:
         """A pass over runs of cells along z."""
         row = level.shape[2] + 1
         span = self.run.span(row)
-        return self.run.prepare(kernel, level.elements // row * -(-row // span), [level.box, span, *inputs], grain=max(1, SOME // span))
+        return self.run.prepare(
+            kernel, level.elements // row * -(-row // span), [level.box, span, *inputs], grain=max(1, SOME // span)
+        )
 
     def refresh(self, *, coarser: bool = True) -> None:
         """Take over new weights of the finest level; `coarser`: in the others too, which only guide the solve."""
@@ -114,7 +118,15 @@ class Levels:
             if depth > 0:
                 fine = self.all[depth - 1]
                 for axis in range(3):
-                    inputs = [level.box, fine.box, axis, level.shape[axis], fine.shape[axis], fine.weights[axis], level.weights[axis]]
+                    inputs = [
+                        level.box,
+                        fine.box,
+                        axis,
+                        level.shape[axis],
+                        fine.shape[axis],
+                        fine.weights[axis],
+                        level.weights[axis],
+                    ]
                     self.run(kernels.coarse_weights, level.elements, inputs)
             self._invert[depth]()
 
@@ -142,7 +154,12 @@ class Levels:
 
     def largest(self, values: Any) -> float:
         """Largest size of a field of the finest level."""
-        self.run(row_kernels.greatest, self.blocks, [self.elements, self.run.block, values, self._tops], grain=max(1, 65536 // self.run.block))
+        self.run(
+            row_kernels.greatest,
+            self.blocks,
+            [self.elements, self.run.block, values, self._tops],
+            grain=max(1, 65536 // self.run.block),
+        )
         return float(self.run.read(self._tops, self.blocks).max())
 
     def solve(self, right: Any, x: Any, bound: float, cap: int) -> Solution:

@@ -70,8 +70,7 @@ class Projection:
         self.run, self.box, self.sides, self.regions = run, box, sides, regions
         self.wet, self.room, self.opening = wet, room, opening
         self._levels = Levels(run, box, shape, sweeps=SWEEPS)
-        self.elements, self.row = self._levels.elements, shape[2] + 1
-        self.layer = shape[1] + 1
+        self.shape, self.elements = shape, self._levels.elements
         self.pressure, self.right = (field(run, f"gas/{name}", self.elements) for name in ("pressure", "right"))
         self._lifts = [field(run, f"gas/lift/{axis}", self.elements) for axis in range(3)]
         self._weighed = False
@@ -86,10 +85,7 @@ class Projection:
 
     def _rows(self, calls: Sequence[tuple[Any, list[Any]]]) -> None:
         """Run kernels over runs of cells along z one after the other, in slices of layers that none looks beyond for what another writes."""
-        span = self.run.span(self.row)
-        pieces = -(-self.row // span)
-        inputs = [(kernel, [self.box, span, *more]) for kernel, more in calls]
-        self.run.together(inputs, self.elements // self.row * pieces, grain=ROWS if span > 1 else 1, align=self.layer * pieces)
+        self.run.rows(self.box, self.shape, calls, grain=ROWS)
 
     def weigh(self, density: Any, *, expands: bool, coarser: bool = True) -> None:
         """Take over the densities of the gas; without expansion they never change. `coarser`: in coarser levels too, which need not be as new."""

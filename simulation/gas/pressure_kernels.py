@@ -42,7 +42,6 @@ _DENSITIES = (
 @wp.func_native(_DENSITIES)
 def density_run(lo: int, hi: int, load: float, state: wp.array(dtype=wp.vec4), density: wp.array(dtype=float)):
     """Densities of elements over that of the ambient air."""
-    ...
 
 
 @wp.kernel
@@ -81,7 +80,6 @@ def weigh_row(
     weight: wp.array(dtype=float),
 ):  # fmt: skip
     """Lifts and weights of the lower faces of a row of cells that both need gas in them, `one` and `other`."""
-    ...
 
 
 @wp.func
@@ -163,7 +161,6 @@ def outflow_row(
     wet: wp.array(dtype=float), out: wp.array(dtype=float),
 ):  # fmt: skip
     """What `outflow` says of a row of cells."""
-    ...
 
 
 @wp.kernel
@@ -215,7 +212,6 @@ def project_row(
     opening: wp.array(dtype=wp.vec3), solid: wp.array(dtype=wp.vec3), velocity: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """Speeds of the lower faces of a row of cells after the pressure."""
-    ...
 
 
 @wp.kernel

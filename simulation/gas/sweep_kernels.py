@@ -77,7 +77,6 @@ def flux_row(
     moved: wp.array(dtype=float),
 ):  # fmt: skip
     """Fluxes through the lower faces of a row of cells from `lo` to `hi`; the others are first elements of the rows around these."""
-    ...
 
 
 _SETTLE = """
@@ -112,7 +111,6 @@ def settle_row(
     moved: wp.array(dtype=float), amount: wp.array(dtype=float), volume: wp.array(dtype=float), share: wp.array(dtype=float),
 ):  # fmt: skip
     """Volumes, amounts and concentrations of a row of cells after what passed its faces."""
-    ...
 
 
 @wp.kernel
@@ -141,7 +139,9 @@ def fluxes(
         free = int(box.wraps[2] == 0 and own > 0)
         start = wp.where(free == 1 or lo > 2, lo, 2)
         end = wp.where(free == 1 or hi < box.nz - 1, hi, box.nz - 1)
-        flux_row(own - 2, own - 1, own, own + 1, own, start, end, elements, planes, box.density, through, slopes, volume, share, moved)
+        flux_row(
+            own - 2, own - 1, own, own + 1, own, start, end, elements, planes, box.density, through, slopes, volume, share, moved
+        )
         if free == 0:
             for k in range(lo, hi):
                 if k < 2 or k >= box.nz - 1:
@@ -186,9 +186,7 @@ def settle(
 
 
 @wp.kernel
-def smooth(
-    first: wp.int32, box: Box, axis: int, opening: wp.array(dtype=wp.vec3), slopes: wp.array(dtype=float)
-):
+def smooth(first: wp.int32, box: Box, axis: int, opening: wp.array(dtype=wp.vec3), slopes: wp.array(dtype=float)):
     """1 where a cell has neighbours on both sides along an axis, through open faces: its concentrations then have a slope."""
     c = first + wp.tid()
     row = c // (box.nz + 1)
@@ -226,7 +224,6 @@ def volume_run(
     x: wp.array(dtype=float), y: wp.array(dtype=float), z: wp.array(dtype=float),
 ):  # fmt: skip
     """Volumes through the lower faces of elements along the three axes."""
-    ...
 
 
 @wp.kernel
@@ -266,7 +263,6 @@ def share_run(
     amount: wp.array(dtype=float), volume: wp.array(dtype=float), share: wp.array(dtype=float),
 ):  # fmt: skip
     """Amounts, volumes and concentrations of elements."""
-    ...
 
 
 @wp.kernel

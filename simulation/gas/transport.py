@@ -49,9 +49,9 @@ class Transport:
 
     def __init__(self, run: Runner, shape: tuple[int, int, int], box: Any, cell: float, border: Border, *, expands: bool) -> None:
         self.run, self.box, self.cell, self.border = run, box, cell, border
-        self.layer, self.row = shape[1] + 1, shape[2] + 1
-        self.rows = (shape[0] + 1) * self.layer
-        self.elements = self.rows * self.row
+        self.shape = shape
+        self.rows = (shape[0] + 1) * (shape[1] + 1)
+        self.elements = self.rows * (shape[2] + 1)
         self.expands = int(expands)
         self.quantities = FIRST
         """What is carried: `ALL` or `FIRST`."""
@@ -89,10 +89,7 @@ class Transport:
 
     def _together(self, calls: Sequence[tuple[Any, Sequence[Any]]]) -> None:
         """Run kernels over runs of cells along z one after the other, in slices of whole layers: only sweeps along x look beyond these."""
-        span = self.run.span(self.row)
-        pieces = -(-self.row // span)
-        inputs = [(kernel, [self.box, span, *more]) for kernel, more in calls]
-        self.run.together(inputs, self.rows * pieces, grain=ROWS if span > 1 else 1, align=self.layer * pieces)
+        self.run.rows(self.box, self.shape, calls, grain=ROWS)
 
     def _fluxes(self, axis: int, through: Any) -> tuple[Any, list[Any]]:
         """What passes lower faces along an axis, into the array "moved/axis"."""

@@ -9,7 +9,7 @@ doi:10.1016/j.jcp.2009.12.018). What comes in from outside is ambient air.
 
 import warp as wp
 
-from .box_kernels import Box, beside, count_of, has_face, index_of, is_cell, place_of, run_of, upper
+from .box_kernels import Box, beside, has_face, index_of, is_cell, place_of, run_of, upper
 
 wp.set_module_options({"enable_backward": False})
 
@@ -164,7 +164,6 @@ def finish_run(
     state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Concentrations of elements after the sweeps."""
-    ...
 
 
 @wp.kernel
@@ -205,7 +204,6 @@ def inject_run(
     heating: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """What sources add to elements."""
-    ...
 
 
 @wp.kernel

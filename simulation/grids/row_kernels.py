@@ -39,13 +39,11 @@ _GREATEST = (
 @wp.func_native(_GREATEST)
 def greatest_run(lo: int, hi: int, values: wp.array(dtype=float)) -> float:
     """Largest size of values."""
-    ...
 
 
 @wp.func_native(_GREATEST)
 def greatest_run_of_three(lo: int, hi: int, values: wp.array(dtype=wp.vec3)) -> float:
     """Largest size of numbers, three an element."""
-    ...
 
 
 @wp.kernel
@@ -87,7 +85,6 @@ _INNER = """
 @wp.func_native(_INNER)
 def inner_run(lo: int, hi: int, a: wp.array(dtype=float), b: wp.array(dtype=float)) -> wp.float64:
     """Sum of products."""
-    ...
 
 
 @wp.kernel
@@ -130,7 +127,6 @@ def advance_run(
     r: wp.array(dtype=float),
 ) -> float:  # fmt: skip
     """x += alpha p, r -= alpha A p; largest residual."""
-    ...
 
 
 @wp.kernel
@@ -159,7 +155,6 @@ _NEXT = (
 @wp.func_native(_NEXT)
 def next_run(lo: int, hi: int, beta: float, z: wp.array(dtype=float), p: wp.array(dtype=float)):
     """z + beta p."""
-    ...
 
 
 @wp.kernel

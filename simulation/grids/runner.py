@@ -53,6 +53,21 @@ class Runner:
         are independent of each other in all of them."""
         Pass.together([self._ready(kernel, count, inputs, grain, align) for kernel, inputs in calls])
 
+    def rows(self, box: Any, shape: tuple[int, int, int], calls: Sequence[tuple[Any, Sequence[Any]]], *, grain: int) -> None:
+        """Run kernels one after the other over the rows along z of fields with (nx + 1)(ny + 1)(nz + 1) elements, in slices of whole layers.
+
+        Args:
+            box: the first parameter of the kernels; the second is how many elements of a row a thread takes.
+            shape: cells.
+            calls: kernels, with their other parameters; in a slice, none reads what another slice writes.
+            grain: rows of the smallest slice worth a thread.
+        """
+        span = self.span(shape[2] + 1)
+        pieces = -(-(shape[2] + 1) // span)
+        layer = (shape[1] + 1) * pieces
+        made = [(kernel, [box, span, *more]) for kernel, more in calls]
+        self.together(made, (shape[0] + 1) * layer, grain=grain if span > 1 else 1, align=layer)
+
     def _ready(self, kernel: Any, count: int, inputs: Sequence[Any], grain: int, align: int) -> Pass:
         """A launch, perhaps a kept one."""
         if not self.keeps:

@@ -21,7 +21,7 @@ from ...worlds.arrays import F64
 from ..grids.columns import vec6i
 from ..grids.multigrid import Solution
 from ..grids.row_kernels import greatest_of_three
-from ..grids.runner import Runner
+from ..grids.runner import BEFORE, Runner
 from . import box_kernels as boxes
 from . import carry_kernels as carries
 from . import force_kernels as forces
@@ -29,7 +29,7 @@ from . import transport_kernels as transport
 from .border import Border, side_faces
 from .fields import FUEL, LIGHTNESS, MOTION, PACKED, PRODUCT, SOOT, GasFields
 from .fire import Fire
-from .levels import BEFORE
+from .levels import Levels
 from .pressure import Flow, Projection
 from .pressure_kernels import densities
 from .regions import Regions
@@ -98,6 +98,7 @@ class Gas(GasFields):
         self._walls = self.run.upload("gas/walls", np.zeros((6, 2), np.float32), wp.vec2)
         self._expansion = self.run.upload("gas/expansion", np.zeros(self.elements, np.float32), wp.float32)
         self._growth = self.run.upload("gas/growth", np.zeros(self.elements, np.float32), wp.float32)
+        self._levels = Levels(self.run, self._box, shape)
         self._stand(enclosed(shape, sides, solids, widen=not moves))
         # Air lies before the first element too, below the first row.
         self._air = self.run.upload("gas/density", np.ones(self.elements + 2 * BEFORE, np.float32), wp.float32)[BEFORE:]
@@ -152,7 +153,7 @@ class Gas(GasFields):
         self.regions = Regions.find(run, solids, end, self._named, before)
         self._grown = np.zeros(len(self.regions.sealed))
         self.projection = Projection(
-            run, self.shape, self._box, self._sides, wet=wet, room=self._room, opening=self._opening, regions=self.regions
+            self._levels, self._sides, wet=wet, room=self._room, opening=self._opening, regions=self.regions
         )
         self._fastest_solid = float(np.abs(velocity).max())
         if hasattr(self, "transport"):

@@ -53,8 +53,16 @@ _MULTIPLY = (
 """
     + _LOOP
     + """
-    for (int k = lo; k < hi; ++k)
-        O[own + k] = with_right * B[own + k] + sign * (V[own + k] / D[own + k] - (GAS_PULL(V)));
+    for (int k = lo; k < hi; ++k) {
+        // Differences, so that a pressure which is the same everywhere is none, to the last bit: sealed gas has no other.
+        const float here = V[own + k];
+        const float found = X[own + k] * (here - V[low_x + k]) + X[high_x + k] * (here - V[high_x + k])
+            + Y[own + k] * (here - V[low_y + k]) + Y[high_y + k] * (here - V[high_y + k])
+            + Z[own + k] * (here - V[low_z + k]) + Z[high_z + k] * (here - V[high_z + k]);
+        // A cell without open faces is held by the least sum of weights.
+        const float alone = D[own + k] > 5.0e3f ? here / D[own + k] : 0.0f;
+        O[own + k] = with_right * B[own + k] + sign * (found + alone);
+    }
 """
 )
 

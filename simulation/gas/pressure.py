@@ -8,13 +8,12 @@ import numpy as np
 
 from ...geometry.launch import warp
 from . import pressure_kernels as kernels
-from .levels import Level, Levels, field
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..grids.multigrid import Solution
-    from ..grids.runner import Runner
+    from .levels import Level, Levels
     from .regions import Regions
 
 __all__ = ["Flow", "Projection"]
@@ -35,8 +34,6 @@ class Flow(NamedTuple):
     """Size of a cell [m]."""
 
 
-SWEEPS = 2
-"""Measured (`bench gas`): the residual falls by a decade per two iterations, which one sweep misses at 128^3."""
 ROWS = 256
 """Own choice: rows of cells worth a thread of a CPU."""
 
@@ -45,9 +42,7 @@ class Projection:
     """The pressure system of a box between solids as they stand.
 
     Args:
-        run: arrays and launches.
-        shape: cells along each axis.
-        box: `Box` of the kernels.
+        levels: of the box.
         sides: of the six sides, 1 where open.
         wet: per element, above 0 where there is gas within the step.
         room: open share of each cell's volume at its end.
@@ -55,24 +50,13 @@ class Projection:
         regions: of the gas.
     """
 
-    def __init__(
-        self,
-        run: Runner,
-        shape: tuple[int, int, int],
-        box: Any,
-        sides: Any,
-        *,
-        wet: Any,
-        room: Any,
-        opening: Any,
-        regions: Regions,
-    ) -> None:
-        self.run, self.box, self.sides, self.regions = run, box, sides, regions
+    def __init__(self, levels: Levels, sides: Any, *, wet: Any, room: Any, opening: Any, regions: Regions) -> None:
+        run = levels.run
+        self.run, self.box, self.shape, self.elements = run, levels.box, levels.shape, levels.elements
+        self.sides, self.regions, self._levels = sides, regions, levels
         self.wet, self.room, self.opening = wet, room, opening
-        self._levels = Levels(run, box, shape, sweeps=SWEEPS)
-        self.shape, self.elements = shape, self._levels.elements
-        self.pressure, self.right = (field(run, f"gas/{name}", self.elements) for name in ("pressure", "right"))
-        self._lifts = [field(run, f"gas/lift/{axis}", self.elements) for axis in range(3)]
+        self.pressure, self.right = (run.field(f"gas/{name}", self.elements) for name in ("pressure", "right"))
+        self._lifts = [run.field(f"gas/lift/{axis}", self.elements) for axis in range(3)]
         self._weighed = False
         self.asked = np.zeros(len(regions.sealed))
         """Mean outflow that sealed regions cannot give [m/s]: it changes the pressure of all their gas instead."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...geometry.launch import warp
 from ..passes import Pass
 
-__all__ = ["Runner"]
+__all__ = ["BEFORE", "Runner"]
 
 GRAIN = 4096
 """Cells of the smallest slice worth a thread. Own choice: some 50 microseconds of work, against 20 for a launch."""
@@ -25,6 +25,8 @@ BLOCK = 1024
 BLOCK_GPU = 32
 
 
+BEFORE = 8
+"""Elements kept free on both sides of a field: a row's first cell has an element below it."""
 KEPT = 512
 """Own choice: launches that are kept; an engine of fixed cells has some hundred."""
 
@@ -40,6 +42,7 @@ class Runner:
 
     def __init__(self, device: str, *, keeps: bool = False) -> None:
         self.device, self.keeps = device, keeps
+        self._views: dict[str, tuple[Any, Any]] = {}
         self._kept: dict[tuple[Any, ...], tuple[Pass, list[Any]]] = {}
         self.block = BLOCK if device == "cpu" else BLOCK_GPU
         self._arrays: dict[str, Any] = {}
@@ -98,6 +101,14 @@ class Runner:
             found = warp().zeros(max(16, count + count // 4), dtype=dtype, device=self.device)
             self._arrays[name] = found
         return found
+
+    def field(self, name: str, count: int) -> Any:
+        """As `array`, of float32, with some elements before the first one and after the last; the same view at each call."""
+        base = self.array(name, count + 2 * BEFORE, warp().float32)
+        known = self._views.get(name)
+        if known is None or known[0] is not base or known[1].size != count:
+            known = self._views[name] = base, base[BEFORE : BEFORE + count]
+        return known[1]
 
     def swap(self, a: str, b: str) -> None:
         """Exchange two kept arrays; one that is not there yet is made at its next use."""

@@ -177,7 +177,7 @@ def bend_row(
     box: Box, i: int, j: int, own: int, row: int, layer: int, lo: int, hi: int, cells: float, carrier: wp.array(dtype=wp.vec3),
     bend: wp.array(dtype=wp.vec3),
 ) -> int:  # fmt: skip
-    """What `bends` says of a row of cells; the number of cells left out."""
+    """As `bends`, over a row of cells; the number of cells left out."""
 
 
 @wp.func_native(_CARRY)
@@ -256,7 +256,7 @@ def followed(box: Box, axis: int, at: wp.vec4i):
 
 @wp.kernel
 def bends(first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3)):
-    """How much faster the flow is half a step back on the path to a cell's middle than there: paths back and ahead bend by as much, which
+    """Excess of the speed half a step back on the path to a cell's middle over that there: paths back and ahead bend by as much, which
     makes them second order in time."""
     at = run_of(box, span, first + wp.tid())
     own = index_of(box, at[0], at[1], 0)
@@ -314,7 +314,7 @@ def correct_one(
     box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
     once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
-    """What `correct` does for one face."""
+    """One face of `correct`."""
     ahead = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), cells)
     value = once[c][axis]
     if not comes_in(box, ahead):

@@ -84,7 +84,7 @@ def weigh_row(
 
 @wp.func
 def beyond(box: Box, sides: vec6i, axis: int, upper_side: int):
-    """What the face of a side counts: 2 where it is open, since the pressure beyond is half a cell away."""
+    """Count of the face of a side: 2 where it is open, since the pressure beyond is half a cell away."""
     return 2.0 * float(sides[2 * axis + upper_side])
 
 
@@ -160,7 +160,7 @@ def outflow_row(
     room: wp.array(dtype=float), expansion: wp.array(dtype=float), region: wp.array(dtype=wp.int32), by: wp.array(dtype=float),
     wet: wp.array(dtype=float), out: wp.array(dtype=float),
 ):  # fmt: skip
-    """What `outflow` says of a row of cells."""
+    """As `outflow`, over a row of cells."""
 
 
 @wp.kernel

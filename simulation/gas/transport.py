@@ -92,7 +92,7 @@ class Transport:
         self.run.rows(self.box, self.shape, calls, grain=ROWS)
 
     def _fluxes(self, axis: int, through: Any) -> tuple[Any, list[Any]]:
-        """What passes lower faces along an axis, into the array "moved/axis"."""
+        """Amounts that pass lower faces along an axis, into the array "moved/axis"."""
         fields = [self._array(n) for n in (f"slopes/{axis}", "volume", "share", f"moved/{axis}")]
         return sweeps.fluxes, [axis, self.quantities, self.elements, through, *fields]
 

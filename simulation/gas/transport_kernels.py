@@ -68,7 +68,7 @@ def limit(
 
 @wp.kernel
 def spend(first: wp.int32, through: wp.array(dtype=float), left: wp.array(dtype=float)):
-    """What is left to pass."""
+    """Volume that is left to pass."""
     c = first + wp.tid()
     left[c] = left[c] - through[c]
 
@@ -203,7 +203,7 @@ def inject_run(
     lo: int, hi: int, seconds: float, expands: int, rate: wp.array(dtype=float), content: wp.array(dtype=wp.vec4),
     heating: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
-    """What sources add to elements."""
+    """Gas that sources add to elements."""
 
 
 @wp.kernel

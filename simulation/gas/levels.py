@@ -35,7 +35,7 @@ class Level:
     """`Box` of the kernels; only its cells and whether axes are periodic count."""
     shape: tuple[int, int, int]
     weights: list[Any]
-    """Of the lower faces along x, y, z."""
+    """Weights of the lower faces along x, y, z."""
     inverse: Any
     """1 over the sum of the weights around a cell."""
     right: Any
@@ -50,7 +50,7 @@ class Level:
 
     @property
     def system(self) -> list[Any]:
-        """What kernels know of a level's matrix."""
+        """Matrix of a level, as kernels take it."""
         return [*self.weights, self.inverse]
 
 

@@ -54,7 +54,7 @@ class Transport:
         self.elements = self.rows * (shape[2] + 1)
         self.expands = int(expands)
         self.quantities = FIRST
-        """What is carried: `ALL` or `FIRST`."""
+        """Count of what is carried: `ALL` or `FIRST`."""
         self.crushed = np.zeros(4)
         """Air [cells of ambient density], soot, fuel and product in cells that solids have filled before they could leave."""
         self.let_in = 0.0

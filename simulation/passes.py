@@ -20,6 +20,7 @@ A second kernel of `width` threads closes it over the `Passes.parts(total)` part
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 from operator import is_
 from typing import Any
@@ -51,6 +52,7 @@ class Pass:
         device: where they are.
         smallest: elements below which a slice is not worth a thread.
         slices: of each core.
+        align: slices begin at whole multiples of so many elements.
         block: threads of a block on a GPU.
     """
 
@@ -63,11 +65,12 @@ class Pass:
         *,
         smallest: int = SMALLEST,
         slices: int = SLICES,
+        align: int = 1,
         block: int = BLOCK,
     ) -> None:
         self._block: dict[str, Any] = {} if device == "cpu" else {"block_dim": block}
         load(kernel, device, **self._block)
-        self.kernel, self.device, self.smallest, self.slices = kernel, device, smallest, slices
+        self.kernel, self.device, self.smallest, self.slices, self.align = kernel, device, smallest, slices, align
         self.name = str(kernel.key)
         self.changes = 0
         """Number of times that its numbers have changed."""
@@ -77,7 +80,7 @@ class Pass:
         wp = warp()
         self.count, self.inputs = count, tuple(inputs)
         parts = self._parts(count)
-        cuts = [count * k // parts for k in range(parts + 1)]
+        cuts = [count * k // parts // self.align * self.align for k in range(parts)] + [count]
         self.launches = [
             wp.launch(self.kernel, dim=end - first, inputs=[first, *inputs], device=self.device, record_cmd=True, **self._block)
             for first, end in pairwise(cuts)
@@ -115,14 +118,34 @@ class Pass:
         Args:
             changed: new values of numbers, by their place among the kernel's parameters.
         """
-        for place, value in (changed or {}).items():
-            for one in self.launches:
-                one.set_param_at_index(place, value)
+        self.change(changed or {})
         if len(self.launches) > 1:
             team(cores() - 1)(self._calls)
             return
         for call in self._calls:
             call()
+
+    def change(self, changed: dict[int, float]) -> None:
+        """Take over new values of numbers, by their place among the kernel's parameters."""
+        for place, value in changed.items():
+            for one in self.launches:
+                one.set_param_at_index(place, value)
+
+    @staticmethod
+    def together(passes: Sequence[Pass]) -> None:
+        """Run passes of one count and alignment one after the other, each slice through all of them while its fields are at hand: what a
+        slice reads, no other one writes."""
+        if passes[0].device != "cpu" or len({len(one.launches) for one in passes}) > 1 or len(passes[0].launches) == 1:
+            for one in passes:
+                one()
+            return
+
+        def follow(calls: tuple[Callable[[], None], ...]) -> None:
+            for call in calls:
+                call()
+
+        slices = zip(*(one._calls for one in passes), strict=True)
+        team(cores() - 1)([partial(follow, calls) for calls in slices])
 
 
 class Passes:

@@ -13,7 +13,7 @@ __all__ = ["leave"]
 
 @wp.kernel
 def leave(
-    first: wp.int32, box: Box, axis: int, through: wp.array(dtype=wp.vec3), moved: wp.array(dtype=wp.vec4), offset: int,
+    first: wp.int32, box: Box, axis: int, elements: int, through: wp.array(dtype=float), moved: wp.array(dtype=float), offset: int,
     out: wp.array2d(dtype=wp.float64),
 ):  # fmt: skip
     """Amounts and volume out through the faces of both sides along an axis, one thread per face, added to `out` from row `offset` on."""
@@ -33,5 +33,5 @@ def leave(
         sign = 1.0
     f = index_of(box, face[0], face[1], face[2])
     for k in range(4):
-        out[offset + n, k] = out[offset + n, k] + wp.float64(sign * moved[f][k])
-    out[offset + n, 4] = out[offset + n, 4] + wp.float64(sign * through[f][axis])
+        out[offset + n, k] = out[offset + n, k] + wp.float64(sign * moved[k * elements + f])
+    out[offset + n, 4] = out[offset + n, 4] + wp.float64(sign * through[f])

@@ -1,7 +1,6 @@
 # mypy: ignore-errors
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
-"""A box of cells and the velocities of their faces, and how these are carried by themselves (MacCormack, Selle et al. 2008,
-doi:10.1007/s10915-007-9166-4).
+"""A box of cells, the velocities of their faces, and where these take a position.
 
 All fields have (nx + 1)(ny + 1)(nz + 1) elements. Element (i, j, k) of a velocity holds the three lower faces of that cell, so that
 the last layers hold the upper faces of the box; elements beyond the cells of a scalar are not used. Positions are in cells.
@@ -13,7 +12,7 @@ from ..grids.columns import vec6i
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["Box", "beside", "carry", "correct", "index_of", "is_cell", "place_of", "sample"]
+__all__ = ["Box", "beside", "index_of", "is_cell", "near", "place_of", "row_at", "run_of", "sample"]
 
 vec8 = wp.types.vector(length=8, dtype=wp.float32)
 
@@ -104,6 +103,40 @@ def upper(box: Box, at: wp.vec3i, axis: wp.int32):
     if box.wraps[axis] == 1 and to[axis] == count_of(box, axis):
         to[axis] = 0
     return index_of(box, to[0], to[1], to[2])
+
+
+@wp.func
+def run_of(box: Box, span: int, t: int):
+    """The run of cells of a thread: row along x, row along y, first cell, end."""
+    many = box.nz + 1
+    pieces = (many + span - 1) // span
+    row = t // pieces
+    lo = (t - row * pieces) * span
+    i = row // (box.ny + 1)
+    return wp.vec4i(i, row - i * (box.ny + 1), lo, wp.where(lo + span < many, lo + span, many))
+
+
+@wp.func
+def near(n: int, wraps: int, x: int):
+    """Index of a cell along an axis of n: repeated, or that of the elements that are no cells."""
+    y = x
+    if wraps == 1:
+        y = (x + 2 * n) % n
+    elif x < 0 or x > n:
+        y = n
+    return y
+
+
+@wp.func
+def row_at(box: Box, axis: int, i: int, j: int, step: int):
+    """First element of the row some steps beside another along x or y."""
+    a = i
+    b = j
+    if axis == 0:
+        a = near(box.nx, box.wraps[0], i + step)
+    else:
+        b = near(box.ny, box.wraps[1], j + step)
+    return index_of(box, a, b, 0)
 
 
 @wp.func
@@ -341,53 +374,3 @@ def start_speed(box: Box, carrier: wp.array(dtype=wp.vec3), c: wp.int32, at: wp.
     else:
         v = speed(box, carrier, face_place(at, axis))
     return v
-
-
-@wp.kernel
-def carry(
-    first: wp.int32, box: Box, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
-    out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
-):  # fmt: skip
-    """Every face takes the value from where the flow comes, and the least and greatest around there; `cells` is time over cell size,
-    negative to look ahead."""
-    c = first + wp.tid()
-    at = place_of(box, c)
-    v = wp.vec3(0.0, 0.0, 0.0)
-    least = wp.vec3(0.0, 0.0, 0.0)
-    most = wp.vec3(0.0, 0.0, 0.0)
-    for axis in range(3):
-        if has_face(box, at, axis):
-            foot = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), -cells)
-            wind = blown_in(box, at, axis)
-            found = wp.vec3(wind, wind, wind)
-            if wind == 0.0:
-                if comes_in(box, foot):
-                    outer = incoming(box, foot)[axis]
-                    found = wp.vec3(outer, outer, outer)
-                else:
-                    found = around(box, source, axis, held(box, foot))
-            v[axis] = found[0]
-            least[axis] = found[1]
-            most[axis] = found[2]
-    out[c] = v
-    low[c] = least
-    high[c] = most
-
-
-@wp.kernel
-def correct(
-    first: wp.int32, box: Box, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
-    once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
-):  # fmt: skip
-    """The second half of MacCormack: what the way there and back changes is taken out by half, within the values that were carried."""
-    c = first + wp.tid()
-    at = place_of(box, c)
-    v = wp.vec3(0.0, 0.0, 0.0)
-    for axis in range(3):
-        if has_face(box, at, axis):
-            ahead = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), cells)
-            v[axis] = once[c][axis]
-            if not comes_in(box, ahead):
-                back = sample(box, once, axis, held(box, ahead))
-                v[axis] = wp.clamp(v[axis] + 0.5 * (source[c][axis] - back), low[c][axis], high[c][axis])
-    out[c] = v

@@ -20,29 +20,33 @@ from ...physics.substances import AIR_HEAT_CAPACITY, air_density
 from ...worlds.arrays import F64
 from ..grids.columns import vec6i
 from ..grids.multigrid import Solution
-from ..grids.runner import Runner
+from ..grids.row_kernels import greatest_of_three
+from ..grids.runner import BEFORE, Runner
 from . import box_kernels as boxes
+from . import carry_kernels as carries
 from . import force_kernels as forces
 from . import transport_kernels as transport
 from .border import Border, side_faces
 from .fields import FUEL, LIGHTNESS, MOTION, PACKED, PRODUCT, SOOT, GasFields
 from .fire import Fire
+from .levels import Levels
 from .pressure import Flow, Projection
+from .pressure_kernels import densities
 from .regions import Regions
 from .settings import GasSettings, Side
 from .solids import Solids, enclosed, passable
-from .transport import Transport
+from .transport import ALL, RUNS, Transport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 __all__ = ["FUEL", "LIGHTNESS", "MOTION", "PACKED", "PRODUCT", "SOOT", "Gas", "GasReport", "Solids"]
 
-TRANSPORT_COURANT = 0.4
-"""Own choice: most of a cell that leaves it through one face in a sweep; it may lose as much through the opposite one."""
 MADE = 0.5
 """Own choice: most volume that sources and heat make per volume in a step."""
 LEAST_SPEED = 1e-9
+ROWS = 64
+"""Own choice: rows of cells that are worth a thread of a CPU."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +82,11 @@ class Gas(GasFields):
     ) -> None:  # fmt: skip
         wp = warp()
         self.shape, self.cell, self.settings, self.gravity = shape, cell, settings or GasSettings(), gravity
-        self.run = Runner(chosen_device(device))
+        self.run = Runner(chosen_device(device), keeps=True)
         self.elements = math.prod(n + 1 for n in shape)
         self._box = boxes.Box()
         self._box.nx, self._box.ny, self._box.nz = shape
+        self._pull = wp.vec3(*gravity)
         self._box.wraps = wp.vec3i(*(int(sides[2 * a] == "periodic") for a in range(3)))
         self._sides = self._box.opens = vec6i(*(int(s == "open") for s in sides))
         starts, self.outer = side_faces(shape)
@@ -93,7 +98,10 @@ class Gas(GasFields):
         self._walls = self.run.upload("gas/walls", np.zeros((6, 2), np.float32), wp.vec2)
         self._expansion = self.run.upload("gas/expansion", np.zeros(self.elements, np.float32), wp.float32)
         self._growth = self.run.upload("gas/growth", np.zeros(self.elements, np.float32), wp.float32)
+        self._levels = Levels(self.run, self._box, shape)
         self._stand(enclosed(shape, sides, solids, widen=not moves))
+        # Air lies before the first element too, below the first row.
+        self._air = self.run.upload("gas/density", np.ones(self.elements + 2 * BEFORE, np.float32), wp.float32)[BEFORE:]
         self._content = self.run.upload("gas/content", np.zeros((self.elements, 4), np.float32), wp.vec4)
         self._rate = self.run.upload("gas/rate", np.zeros(self.elements, np.float32), wp.float32)
         self._heating = self.run.upload("gas/heating", np.zeros(self.elements, np.float32), wp.float32)
@@ -103,7 +111,8 @@ class Gas(GasFields):
         """Density that a unit of soot [kg/m^3] adds, relative to the air's."""
         self._sums = wp.zeros((5, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)
         self.border = Border(self.run, shape, [s == "periodic" for s in sides[::2]])
-        self.transport = Transport(self.run, self.elements, self._box, cell, self.border, expands=self.settings.expands)
+        self.transport = Transport(self.run, shape, self._box, cell, self.border, expands=self.settings.expands)
+        self.transport.fit(self._opening)
         self.fire = self._light()
         self._box.density = 0.0 if self.fire is None else self.density
         self.steps = 0
@@ -144,9 +153,11 @@ class Gas(GasFields):
         self.regions = Regions.find(run, solids, end, self._named, before)
         self._grown = np.zeros(len(self.regions.sealed))
         self.projection = Projection(
-            run, self.shape, self._box, self._sides, wet=wet, room=self._room, opening=self._opening, regions=self.regions
+            self._levels, self._sides, wet=wet, room=self._room, opening=self._opening, regions=self.regions
         )
         self._fastest_solid = float(np.abs(velocity).max())
+        if hasattr(self, "transport"):
+            self.transport.fit(self._opening)
 
     # ------------------------------------------------------------ sources
 
@@ -163,6 +174,7 @@ class Gas(GasFields):
             raise ValueError("fire is for gas that expands; set expands to true")
         air = (settings.ambient_temperature, self.density, AIR_HEAT_CAPACITY)
         gravity = float(np.linalg.norm(self.gravity))
+        self.transport.quantities = ALL
         return Fire(self.run, self.elements, settings.fuel, self.cell, air=air, gravity=gravity)
 
     def heat(self, rate: F64) -> None:
@@ -182,6 +194,7 @@ class Gas(GasFields):
         self.run.upload("gas/rate", self._scalar(rate), warp().float32)
         self.run.upload("gas/content", full.reshape(-1, 4), warp().vec4)
         self._emitted = np.tensordot(rate, held, axes=3)
+        self.transport.carry(held)
         self._fed = float(np.max(rate))
 
     _emitted: F64 = np.zeros(4)
@@ -253,7 +266,7 @@ class Gas(GasFields):
             self._carry("velocity", "velocity", half, "velocity/raw")
             self._push("velocity/raw", half)
             warp().copy(self._face("velocity/middle"), self._face("velocity/raw"), count=self.elements)
-            first = self._project("velocity/middle")
+            first = self._project("velocity/middle", coarser=True)
             self._transport("velocity/middle", seconds, held)
             reflected = [1.0, self._face("velocity/middle"), self._face("velocity/raw"), self._face("velocity/back")]
             self.run(forces.extrapolate, self.elements, reflected)
@@ -268,7 +281,7 @@ class Gas(GasFields):
             self._carry("velocity", "velocity/middle", seconds, "velocity/raw")
             self.run.swap("velocity", "velocity/raw")
             self._push("velocity", seconds)
-        last = self._project("velocity")
+        last = self._project("velocity", coarser=self.settings.scheme != "reflection")
         if self.settings.scheme != "reflection":
             self._transport("velocity", seconds, held)
         self.steps += 1
@@ -283,23 +296,24 @@ class Gas(GasFields):
     def _cells(self, name: str) -> Any:
         return self.run.array(name, self.elements, warp().vec4)
 
+    def _rows(self, *calls: tuple[Any, Sequence[Any]]) -> None:
+        self.run.rows(self._box, self.shape, calls, grain=ROWS)
+
     def _carry(self, source: str, carrier: str, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
-        state = [self._box, seconds / self.cell, self._face(carrier), self._face(source)]
+        way = [seconds / self.cell, self._face(carrier), self._face("velocity/bend")]
+        state = [len(self.shape), *way, self._face(source)]
+        self._rows((carries.bends, way))
         found = [self._face("velocity/once"), self._face("velocity/low"), self._face("velocity/high")]
-        self.run(boxes.carry, self.elements, [*state, *found], grain=512)
-        self.run(boxes.correct, self.elements, [*state, *found, self._face("velocity/carried")], grain=512)
+        self._rows((carries.carry, [*state, *found]))
+        self._rows((carries.correct, [*state, *found, self._face("velocity/carried")]))
         self.run.swap("velocity/carried", out)
 
     def _push(self, name: str, seconds: float) -> None:
         """Forces on a velocity."""
         settings, run = self.settings, self.run
         expands = int(settings.expands)
-        gravity = warp().vec3(*self.gravity)
-        run(
-            forces.buoy, self.elements,
-            [self._box, gravity, seconds, self.load, expands, self._cells("state"), self._face(name)],
-        )  # fmt: skip
+        self._rows((forces.buoy, [self._pull, seconds, expands, self._densities(), self._face(name)]))
         if settings.confinement > 0.0:
             run(forces.curl, self.elements, [self._box, self.cell, self._face(name), self._face("vorticity")])
             push = settings.confinement * self.cell * seconds
@@ -309,22 +323,30 @@ class Gas(GasFields):
             run(forces.spread, self.elements, [self._box, number, self._no_slip, self._face(name), self._face("spread")])
             run.swap("spread", name)
 
-    def _project(self, name: str) -> Solution:
+    def _project(self, name: str, *, coarser: bool) -> Solution:
         # Half of what is allowed: the residual that the solver knows is rounded otherwise than the flow's.
         tolerance = 0.5 * self.settings.tolerance
         bound = tolerance * max(self._fastest(name), LEAST_SPEED)
         # Gas that starts from rest: a cell whose outflow is r has a face of speed r / 6 at least.
-        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0)
+        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0, coarser=coarser)
 
-    def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0) -> Solution:
-        """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations."""
+    def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0, coarser: bool = True) -> Solution:
+        """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations; `coarser`:
+        the coarser levels of the pressure take over the densities too."""
         expands = self.settings.expands
-        self.projection.weigh(self._cells("state"), self.load, expands=expands)
-        return self.projection(self._flow(name), expands=expands, bound=bound, cap=cap, share=share)
+        self.projection.weigh(self._densities(), expands=expands, coarser=coarser)
+        return self.projection(self._flow(name), bound=bound, cap=cap, share=share)
 
     def _flow(self, name: str) -> Flow:
-        state = self._cells("state")
-        return Flow(self._face(name), self._solid, self._expansion, self._growth, state, self.cell, self.load)
+        return Flow(self._face(name), self._solid, self._expansion, self._growth, self.cell)
+
+    def _densities(self) -> Any:
+        """Densities of elements now, over that of the ambient air."""
+        run = self.run
+        span = run.span(run.block)
+        inputs = [span, self.elements, self.load, self._cells("state"), self._air]
+        run(densities, -(-self.elements // span), inputs, grain=RUNS if span > 1 else 1)
+        return self._air
 
     def _expand(self, seconds: float) -> None:
         """Volume per volume and second that sources and heat ask for, and conduction."""
@@ -344,28 +366,25 @@ class Gas(GasFields):
 
     def _transport(self, carrier: str, seconds: float, held: NDArray[np.float32] | None) -> None:
         """Move the amounts with a projected flow, in parts that take little out of each cell."""
-        parts = max(1, math.ceil(self._fastest(carrier) * seconds / (TRANSPORT_COURANT * self.cell)))
-        velocity = self._face(carrier)
+        velocity, wp = self._face(carrier), warp()
+        rate, heating = (self.run.array(name, self.elements, wp.float32) for name in ("gas/rate", "gas/heating"))
+        source = [rate, self._cells("gas/content"), heating]
         if held is not None:
-            self.transport.moving(seconds, parts, velocity, self._opening, held=held, room=self._at.room)
-            self._inject(seconds)
-        for part in range(parts if held is None else 0):
-            made = [self._expansion, *self.projection.taken]
-            self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, self._room, made)
-            self._inject(seconds / parts)
+            self.transport.moving(seconds, self._fastest(carrier), velocity, self._opening, held=held, room=self._at.room)
+            self.transport.inject(seconds, source)
+        else:
+            parts = self.transport.parts(seconds, velocity, self._opening, self._room)
+            fields = {"room": self._room, "made": [self._expansion, *self.projection.taken], "source": source}
+            for part in range(parts):
+                self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, **fields)
         self.injected = self.injected + seconds * self._emitted
-
-    def _inject(self, seconds: float) -> None:
-        rate, heating = (self.run.array(name, self.elements, warp().float32) for name in ("gas/rate", "gas/heating"))
-        source = [seconds, int(self.settings.expands), rate, self._cells("gas/content"), heating, self._cells("state")]
-        self.run(transport.inject, self.elements, source)
 
     # ------------------------------------------------------------ sums
 
     def _fastest(self, name: str) -> float:
         many = -(-self.elements // self.run.block)
-        out = self.run.array("fastest", many, warp().float64)
-        self.run(transport.fastest, many, [self.elements, self.run.block, self._face(name), out], grain=16)
+        out = self.run.array("fastest", many, warp().float32)
+        self.run(greatest_of_three, many, [self.elements, self.run.block, self._face(name), out], grain=RUNS)
         return float(self.run.read(out, many).max())
 
     def _totals(self) -> F64:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..grids.runner import Runner
     from .regions import Regions
     from .settings import GasSettings
+    from .transport import Transport
 
 __all__ = ["FUEL", "LIGHTNESS", "MOTION", "PACKED", "PRODUCT", "SOOT", "GasFields"]
 
@@ -37,6 +38,7 @@ class GasFields(ABC):
     elements: int
     settings: GasSettings
     regions: Regions
+    transport: Transport
     steps: int
     _at: Solids
     _last: float
@@ -67,6 +69,7 @@ class GasFields(ABC):
         full = np.zeros((*(n + 1 for n in self.shape), 4), np.float32)
         full[tuple(slice(0, n) for n in self.shape)] = values
         self.run.upload("state", full.reshape(-1, 4), warp().vec4)
+        self.transport.carry(full)
 
     def _padded(self, name: str, dtype: Any, width: int) -> NDArray[np.float32]:
         found = self.run.read(self.run.array(name, self.elements, dtype), self.elements)

@@ -4,49 +4,57 @@
 
 import warp as wp
 
-from .box_kernels import Box, along, beside, count_of, has_face, index_of, is_cell, place_of, upper
+from .box_kernels import Box, along, count_of, has_face, index_of, is_cell, place_of, row_at, run_of, upper
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["buoy", "confine", "curl", "density_of", "extrapolate", "face_density", "middle", "spread"]
+__all__ = ["buoy", "confine", "curl", "extrapolate", "middle", "spread"]
 
 
-@wp.func
-def density_of(q: wp.vec4, load: float):
-    """Density over that of the ambient air; `load` is what a unit of soot adds."""
-    return wp.max(1.0 - q[0] + load * q[1], 0.05)
+_BUOY = """
+    const float* R = density.data;
+    float* V = (float*)velocity.data + axis;
+#if defined(__clang__)
+#pragma clang loop vectorize(assume_safety)
+#endif
+    for (int k = lo; k < hi; ++k) {
+        const float rho = 0.5f * (R[lower + k] + R[own + k]);
+        V[3 * (own + k)] += push * (rho - 1.0f) / (expands == 1 ? rho : 1.0f);
+    }
+"""
 
 
-@wp.func
-def face_density(box: Box, at: wp.vec3i, axis: wp.int32, load: float, state: wp.array(dtype=wp.vec4)):
-    """Mean density of the two cells of an element's lower face; ambient air outside."""
-    low = float(1.0)
-    high = float(1.0)
-    below = beside(box, at, axis, -1)
-    if below >= 0:
-        low = density_of(state[below], load)
-    if is_cell(box, at):
-        high = density_of(state[index_of(box, at[0], at[1], at[2])], load)
-    return 0.5 * (low + high)
+@wp.func_native(_BUOY)
+def buoy_row(
+    own: int, lower: int, lo: int, hi: int, axis: int, push: float, expands: int, density: wp.array(dtype=float),
+    velocity: wp.array(dtype=wp.vec3),
+):  # fmt: skip
+    """Buoyancy on the lower faces of a row of cells."""
 
 
 @wp.kernel
 def buoy(
-    first: wp.int32, box: Box, gravity: wp.vec3, seconds: float, load: float, expands: int, state: wp.array(dtype=wp.vec4),
+    first: wp.int32, box: Box, span: int, gravity: wp.vec3, seconds: float, expands: int, density: wp.array(dtype=float),
     velocity: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """Gravity less that of the ambient air; divided by the density where that counts, else by the ambient one (Boussinesq)."""
-    c = first + wp.tid()
-    at = place_of(box, c)
-    v = velocity[c]
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
     for axis in range(3):
-        if gravity[axis] != 0.0 and has_face(box, at, axis):
-            rho = face_density(box, at, axis, load, state)
-            a = gravity[axis] * (rho - 1.0)
-            if expands == 1:
-                a = a / rho
-            v[axis] = v[axis] + seconds * a
-    velocity[c] = v
+        ends = wp.vec3i(box.nx, box.ny, box.nz)
+        if box.wraps[axis] == 0:
+            ends[axis] = ends[axis] + 1
+        if gravity[axis] != 0.0 and at[0] < ends[0] and at[1] < ends[1]:
+            lo = at[2]
+            hi = wp.min(at[3], ends[2])
+            lower = own - 1
+            push = seconds * gravity[axis]
+            if axis < 2:
+                lower = row_at(box, axis, at[0], at[1], -1)
+            elif box.wraps[2] == 1 and lo == 0:
+                buoy_row(own, own + box.nz - 1, 0, 1, axis, push, expands, density, velocity)
+                lo = 1
+            buoy_row(own, lower, lo, hi, axis, push, expands, density, velocity)
 
 
 @wp.kernel

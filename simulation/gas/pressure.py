@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...geometry.launch import warp
-from ..grids import columns, multigrid
 from . import pressure_kernels as kernels
 
 if TYPE_CHECKING:
-    from ..grids.runner import Runner
+    from collections.abc import Sequence
+
+    from ..grids.multigrid import Solution
+    from .levels import Level, Levels
     from .regions import Regions
 
 __all__ = ["Flow", "Projection"]
@@ -28,25 +30,19 @@ class Flow(NamedTuple):
     """Volume that cells make per volume and second [1/s]."""
     growth: Any
     """Room that solids leave free in cells, as shares of them per second [1/s]."""
-    state: Any
-    """Concentrations, for densities."""
     cell: float
     """Size of a cell [m]."""
-    load: float
-    """Density that a unit of soot adds, relative to the air's."""
 
 
-SWEEPS = 2
-"""Measured (`bench gas`): the residual falls by a decade per two iterations, which one sweep misses at 128^3."""
+ROWS = 256
+"""Own choice: rows of cells worth a thread of a CPU."""
 
 
 class Projection:
     """The pressure system of a box between solids as they stand.
 
     Args:
-        run: arrays and launches.
-        shape: cells along each axis.
-        box: `Box` of the kernels.
+        levels: of the box.
         sides: of the six sides, 1 where open.
         wet: per element, above 0 where there is gas within the step.
         room: open share of each cell's volume at its end.
@@ -54,95 +50,70 @@ class Projection:
         regions: of the gas.
     """
 
-    def __init__(
-        self,
-        run: Runner,
-        shape: tuple[int, int, int],
-        box: Any,
-        sides: Any,
-        *,
-        wet: Any,
-        room: Any,
-        opening: Any,
-        regions: Regions,
-    ) -> None:
-        wp = warp()
-        self.run, self.box, self.sides, self.room, self.opening, self.regions = run, box, sides, room, opening, regions
-        nx, ny, nz = shape
-        total = nx * ny * nz
-        self.elements = (nx + 1) * (ny + 1) * (nz + 1)
-        self.grid = columns.Columns()
-        self.grid.nx, self.grid.ny, self.grid.nz = nx, ny, nz
-        self.grid.low = run.upload("gas/low", np.zeros(nx * ny + 1, np.int32), wp.int32)
-        self.grid.start = run.upload("gas/start", np.arange(nx * ny + 1, dtype=np.int32) * nz, wp.int32)
-        self.grid.column = run.upload("gas/column", np.repeat(np.arange(nx * ny, dtype=np.int32), nz), wp.int32)
-        red, marked = run.array("gas/red", total + 1, wp.int32), run.array("gas/wet", total + 1, wp.int32)
-        run(kernels.mark, total, [self.grid, box, wet, red, marked])
-        self.row, cell, rows, reds = multigrid.number(run, run.array, total, red, marked)
-        self.fine = multigrid.rows_of(run.array, self.grid, total, self.row, rows, reds)
-        self.element = run.array("gas/element", rows, wp.int32)
-        self.pressure = run.array("gas/pressure", rows, wp.float32)
-        self.right = run.array("gas/right", rows, wp.float32)
-        run(kernels.link, rows, [self.grid, box, cell, self.row, self.fine.link, self.element])
-        self._solver: multigrid.Solver | None = None
-        self.levels: list[multigrid.Level] = []
+    def __init__(self, levels: Levels, sides: Any, *, wet: Any, room: Any, opening: Any, regions: Regions) -> None:
+        run = levels.run
+        self.run, self.box, self.shape, self.elements = run, levels.box, levels.shape, levels.elements
+        self.sides, self.regions, self._levels = sides, regions, levels
+        self.wet, self.room, self.opening = wet, room, opening
+        self.pressure, self.right = (run.field(f"gas/{name}", self.elements) for name in ("pressure", "right"))
+        self._lifts = [run.field(f"gas/lift/{axis}", self.elements) for axis in range(3)]
+        self._weighed = False
         self.asked = np.zeros(len(regions.sealed))
         """Mean outflow that sealed regions cannot give [m/s]: it changes the pressure of all their gas instead."""
-        self._asked = run.upload("gas/asked", self.asked.astype(np.float32), wp.float32)
-        self._region_of_row = np.zeros(0, np.int32)
-        if regions.sealed.any():
-            self._region_of_row = regions.number[run.read(self.element, rows)]
+        self._asked = run.upload("gas/asked", self.asked.astype(np.float32), warp().float32)
 
     @property
-    def rows(self) -> int:
-        """Cells with gas."""
-        return self.fine.rows
+    def levels(self) -> list[Level]:
+        """Levels of the solver, the finest first."""
+        return self._levels.all
 
-    def weigh(self, state: Any, load: float, *, expands: bool) -> None:
-        """Take over the densities of the gas; without expansion they never change."""
-        if self._solver is not None and not expands:
+    def _rows(self, calls: Sequence[tuple[Any, list[Any]]]) -> None:
+        """Run kernels over runs of cells along z one after the other, in slices of layers that none looks beyond for what another writes."""
+        self.run.rows(self.box, self.shape, calls, grain=ROWS)
+
+    def weigh(self, density: Any, *, expands: bool, coarser: bool = True) -> None:
+        """Take over the densities of the gas; without expansion they never change. `coarser`: in coarser levels too, which need not be as new."""
+        if self._weighed and not expands:
             return
-        fine = self.fine
-        inputs = [self.box, self.sides, load, int(expands), self.element, fine.link, self.opening, state]
-        self.run(kernels.weigh, fine.rows, [*inputs, fine.coefficient, fine.diagonal])
-        if self._solver is None:
-            self.levels = multigrid.hierarchy(self.run, fine)
-            self._solver = multigrid.Solver(self.run, self.levels, sweeps=SWEEPS)
-        else:
-            multigrid.refresh(self.run, self.levels)
+        fine = self._levels.fine
+        known = [self.sides, int(expands), self.opening, density, self.wet]
+        self._rows([(kernels.weigh, [axis, *known, self._lifts[axis], fine.weights[axis]]) for axis in range(3)])
+        self._levels.refresh(coarser=coarser or not self._weighed)
+        self._weighed = True
 
-    def __call__(self, flow: Flow, *, expands: bool, bound: float, cap: int, share: float = 0.0) -> multigrid.Solution:
+    def __call__(self, flow: Flow, *, bound: float, cap: int, share: float = 0.0) -> Solution:
         """Make the flow through each cell what its expansion asks for.
 
         Args:
             flow: its velocity is changed.
-            expands: whether densities count.
             bound: largest residual [m/s].
             cap: most iterations.
             share: a residual that is this share of the largest before, or less, is small enough too.
         """
-        run, rows = self.run, self.rows
-        assert self._solver is not None
-        inputs = [self.box, flow.cell, self.element, flow.velocity, self.opening, flow.growth, self.room, flow.expansion]
-        run(kernels.gather, rows, [*inputs, self.right])
-        if len(self._region_of_row):
+        assert self._weighed
+        self._outflow(flow, -1.0, 0.0, self.right)
+        if self.regions.sealed.any():
             self._share()
-        if share > 0.0 and rows:
-            bound = max(bound, share * float(np.abs(run.read(self.right, rows)).max()))
-        found = self._solver(self.right, self.pressure, bound, cap)
-        inputs = [self.grid, self.box, self.sides, flow.load, int(expands), self.row, self.pressure, self.opening, flow.solid]
-        run(kernels.project, self.elements, [*inputs, flow.state, flow.velocity])
+            self._outflow(flow, -1.0, 1.0, self.right)
+        if share > 0.0:
+            bound = max(bound, share * self._levels.largest(self.right))
+        found = self._levels.solve(self.right, self.pressure, bound, cap)
+        known = [self.pressure, self.opening, flow.solid, flow.velocity]
+        self._rows([(kernels.project, [axis, self._lifts[axis], *known]) for axis in range(3)])
         return found
+
+    def _outflow(self, flow: Flow, sign: float, given: float, out: Any) -> None:
+        """Difference between the flux out of each cell and what it should be, times a sign."""
+        fields = [flow.velocity, self.opening, flow.growth, self.room, flow.expansion]
+        self._rows([(kernels.outflow, [flow.cell, sign, given, *fields, *self.taken, self.wet, out])])
 
     def _share(self) -> None:
         """Let sealed regions' gas take up by its pressure what their right sides have in excess."""
-        run, regions, rows = self.run, self.regions, self.rows
-        right = run.read(self.right, rows).astype(np.float64)
-        sums = np.bincount(self._region_of_row, right, len(regions.sealed))
+        regions = self.regions
+        sums = regions.sums(self.run.read(self.right, self.elements))
         # Rounding alone would be an endless pressure where nothing is left at the end.
         self.asked = np.where(regions.sealed & (regions.volume > 0.0), sums / np.maximum(regions.volume, 1e-30), 0.0)
-        self._asked = run.upload("gas/asked", self.asked.astype(np.float32), warp().float32)
-        run(kernels.shift, rows, [self.element, regions.numbers, self.room, self._asked, self.right])
+        self._asked = self.run.upload("gas/asked", self.asked.astype(np.float32), warp().float32)
 
     @property
     def taken(self) -> list[Any]:
@@ -151,9 +122,5 @@ class Projection:
 
     def residual(self, flow: Flow) -> float:
         """Largest difference between the flux out of a cell and what it should be [m/s]."""
-        run, rows = self.run, self.rows
-        many = -(-rows // run.block)
-        out = run.array("gas/divergence", many, warp().float64)
-        inputs = [rows, run.block, self.box, flow.cell, self.element, flow.velocity, self.opening, flow.growth, self.room]
-        run(kernels.divergence, many, [*inputs, flow.expansion, self.regions.numbers, self._asked, out], grain=16)
-        return float(run.read(out, many).max())
+        self._outflow(flow, 1.0, 1.0, self.right)
+        return self._levels.largest(self.right)

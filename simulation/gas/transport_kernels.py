@@ -2,14 +2,14 @@
 # The language of kernels looks like Python and is none: Warp checks the types when it compiles them.
 """Amounts that the gas carries, per cell, moved by fluxes through faces, so that their sums stay.
 
-Lightness is 1 - density / density of the ambient air. The others are amounts per volume. Sweeps along one axis after the other, second
-order (slopes limited, monotonized central, van Leer 1977, doi:10.1016/0021-9991(77)90095-X), with the volume that the same fluxes leave in each cell: a uniform
-concentration stays uniform (as Weymouth and Yue 2010, doi:10.1016/j.jcp.2009.12.018). What comes in from outside is ambient air.
+Lightness is 1 - density / density of the ambient air. The others are amounts per volume. Sweeps (`sweep_kernels.py`) go along one axis after
+the other, with the volume that the same fluxes leave in each cell: a uniform concentration stays uniform (as Weymouth and Yue 2010,
+doi:10.1016/j.jcp.2009.12.018). What comes in from outside is ambient air.
 """
 
 import warp as wp
 
-from .box_kernels import Box, beside, count_of, has_face, is_cell, place_of, upper
+from .box_kernels import Box, beside, has_face, index_of, is_cell, place_of, run_of, upper
 
 wp.set_module_options({"enable_backward": False})
 
@@ -18,148 +18,31 @@ NO_AIR = wp.constant(1.0e-6)
 
 __all__ = [
     "amounts",
-    "ask",
     "conduct",
+    "demand",
     "expansion_of",
-    "fastest",
     "finish",
     "finish_standing",
-    "fluxes",
     "inject",
+    "largest",
     "limit",
-    "settle",
-    "start",
+    "spend",
 ]
 
 
 @wp.func
-def limited(a: float, b: float):
-    """Slope between the differences to the lower and the upper neighbour."""
-    s = float(0.0)
-    if a * b > 0.0:
-        s = wp.sign(a) * wp.min(wp.min(2.0 * wp.abs(a), 2.0 * wp.abs(b)), 0.5 * wp.abs(a + b))
-    return s
-
-
-@wp.func
-def slope_of(a: wp.vec4, b: wp.vec4):
-    """Limited slopes of four quantities."""
-    return wp.vec4(limited(a[0], b[0]), limited(a[1], b[1]), limited(a[2], b[2]), limited(a[3], b[3]))
-
-
-@wp.func
-def flux(
-    box: Box, axis: wp.int32, below: wp.int32, above: wp.int32, below_at: wp.vec3i, above_at: wp.vec3i, through: float,
-    share: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3),
-):  # fmt: skip
-    """Amounts that a volume takes along from a cell to the one above it, or back where it is negative; elements are -1 outside."""
-    moved = wp.vec4(0.0, 0.0, 0.0, 0.0)
-    donor = above
-    at = above_at
-    side = float(-1.0)
-    if through > 0.0:
-        donor = below
-        at = below_at
-        side = 1.0
-    if donor >= 0:
-        here = share[donor]
-        lower = beside(box, at, axis, -1)
-        higher = beside(box, at, axis, 1)
-        if lower >= 0 and higher >= 0:
-            up = upper(box, at, axis)
-            if opening[donor][axis] > 0.0 and opening[up][axis] > 0.0:
-                s = slope_of(here - share[lower], share[higher] - here)
-                edge = here + 0.5 * side * (1.0 - wp.min(wp.abs(through) / wp.max(volume[donor], 1.0e-9), 1.0)) * s
-                # What is neither fuel nor product is air: slopes that are limited one by one could take more than there is.
-                if box.density == 0.0 or box.density * (1.0 - edge[0]) >= edge[2] + edge[3]:
-                    here = edge
-        moved = through * here
-    return moved
-
-
-@wp.func
-def held_share(amount: wp.vec4, volume: float):
-    """Concentrations of amounts in a volume."""
-    return amount / wp.max(volume, 1.0e-9)
-
-
-@wp.kernel
-def start(
-    first: wp.int32, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4), amount: wp.array(dtype=wp.vec4),
-    volume: wp.array(dtype=float), share: wp.array(dtype=wp.vec4),
-):  # fmt: skip
-    """Amounts, volume and concentrations of each cell before the sweeps."""
-    c = first + wp.tid()
-    volume[c] = room[c]
-    amount[c] = state[c] * room[c]
-    share[c] = held_share(amount[c], volume[c])
-
-
-@wp.kernel
-def fluxes(
-    first: wp.int32, box: Box, axis: int, through: wp.array(dtype=wp.vec3), share: wp.array(dtype=wp.vec4),
-    volume: wp.array(dtype=float), opening: wp.array(dtype=wp.vec3), moved: wp.array(dtype=wp.vec4),
-):  # fmt: skip
-    """Amounts that pass the lower faces of all elements along one axis with the volumes that do, each once for the cells on both sides."""
-    c = first + wp.tid()
-    at = place_of(box, c)
-    if has_face(box, at, axis):
-        volume_through = through[c][axis]
-        found = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        if volume_through != 0.0:
-            above = int(-1)
-            if is_cell(box, at):
-                above = c
-            below = beside(box, at, axis, -1)
-            below_at = at
-            below_at[axis] = at[axis] - 1
-            if below_at[axis] < 0:
-                below_at[axis] = count_of(box, axis) - 1
-            found = flux(box, axis, below, above, below_at, at, volume_through, share, volume, opening)
-        moved[c] = found
-
-
-@wp.kernel
-def settle(
-    first: wp.int32, box: Box, axis: int, through: wp.array(dtype=wp.vec3), moved: wp.array(dtype=wp.vec4),
-    amount: wp.array(dtype=wp.vec4), volume: wp.array(dtype=float), share: wp.array(dtype=wp.vec4),
-):  # fmt: skip
-    """Amounts, volume and concentrations of each cell after what passed its two faces along one axis."""
-    c = first + wp.tid()
-    at = place_of(box, c)
-    if is_cell(box, at):
-        up = upper(box, at, axis)
-        volume[c] = volume[c] + through[c][axis] - through[up][axis]
-        amount[c] = amount[c] + (moved[c] - moved[up])
-        share[c] = held_share(amount[c], volume[c])
-
-
-@wp.kernel
-def ask(
-    first: wp.int32,
-    cells: float,
-    velocity: wp.array(dtype=wp.vec3),
-    opening: wp.array(dtype=wp.vec3),
-    left: wp.array(dtype=wp.vec3),
-):
-    """Volumes that are to pass through lower faces, in cells."""
-    c = first + wp.tid()
-    left[c] = wp.cw_mul(cells * velocity[c], opening[c])
-
-
-@wp.func
 def allowed(
-    box: Box, axis: wp.int32, face: wp.int32, below: wp.int32, above: wp.int32, left: wp.array(dtype=wp.vec3),
+    box: Box, axis: wp.int32, face: wp.int32, below: wp.int32, above: wp.int32, left: wp.array(dtype=float),
     volume: wp.array(dtype=float),
 ):  # fmt: skip
     """Volume that may pass through a face now: no cell gives more than it has."""
-    through = left[face][axis]
+    through = left[face]
     donor = above
     if through > 0.0:
         donor = below
     if donor >= 0:
         up = upper(box, place_of(box, donor), axis)
-        out = wp.max(-left[donor][axis], 0.0) + wp.max(left[up][axis], 0.0)
+        out = wp.max(-left[donor], 0.0) + wp.max(left[up], 0.0)
         held = wp.max(volume[donor], 0.0)
         if out > held:
             through = through * held / out
@@ -168,28 +51,73 @@ def allowed(
 
 @wp.kernel
 def limit(
-    first: wp.int32, box: Box, axis: int, left: wp.array(dtype=wp.vec3), volume: wp.array(dtype=float),
-    left_after: wp.array(dtype=wp.vec3), through: wp.array(dtype=wp.vec3),
+    first: wp.int32, box: Box, axis: int, left: wp.array(dtype=float), volume: wp.array(dtype=float),
+    through: wp.array(dtype=float),
 ):  # fmt: skip
-    """Volumes that pass along one axis as far as cells have what is asked of them, and what is left to pass: cells that solids are about to
-    fill give all they have."""
+    """Volumes that pass along one axis as far as cells have what is asked of them: cells that solids are about to fill give all they have."""
     c = first + wp.tid()
     at = place_of(box, c)
-    rest = left[c]
-    now = wp.vec3(0.0, 0.0, 0.0)
+    now = float(0.0)
     if has_face(box, at, axis):
         here = int(-1)
         if is_cell(box, at):
             here = c
-        now[axis] = allowed(box, axis, c, beside(box, at, axis, -1), here, left, volume)
-        rest[axis] = rest[axis] - now[axis]
-    left_after[c] = rest
+        now = allowed(box, axis, c, beside(box, at, axis, -1), here, left, volume)
     through[c] = now
 
 
 @wp.kernel
+def spend(first: wp.int32, through: wp.array(dtype=float), left: wp.array(dtype=float)):
+    """Volume that is left to pass."""
+    c = first + wp.tid()
+    left[c] = left[c] - through[c]
+
+
+@wp.func
+def more(a: float, b: float):
+    """The greater one."""
+    return wp.where(a > b, a, b)
+
+
+@wp.kernel
+def demand(
+    first: wp.int32, box: Box, most: float, room: wp.array(dtype=float), x: wp.array(dtype=float), y: wp.array(dtype=float),
+    z: wp.array(dtype=float), out: wp.array(dtype=float),
+):  # fmt: skip
+    """Least number of parts of a step, per row of cells along z, in which no sweep takes more than the share `most` out of what a cell holds
+    at its begin, in either order of the axes."""
+    row = first + wp.tid()
+    own = row * (box.nz + 1)
+    at = place_of(box, own)
+    found = float(0.0)
+    if at[0] < box.nx and at[1] < box.ny:
+        along_x = upper(box, at, 0)
+        along_y = upper(box, at, 1)
+        for k in range(box.nz):
+            c = own + k
+            if room[c] > 0.0:
+                a = x[c]
+                b = x[along_x + k]
+                d = y[c]
+                e = y[along_y + k]
+                f = z[c]
+                up = c + 1
+                if box.wraps[2] == 1 and k == box.nz - 1:
+                    up = own
+                g = z[up]
+                out_x = more(-a, 0.0) + more(b, 0.0)
+                out_y = more(-d, 0.0) + more(e, 0.0)
+                out_z = more(-f, 0.0) + more(g, 0.0)
+                # What a sweep may take is a share of what those before it left: volumes go down by what leaves less what comes.
+                first_two = more(out_y + most * (b - a), out_z + most * (b - a + e - d))
+                last_two = more(out_y + most * (g - f), out_x + most * (g - f + e - d))
+                found = more(found, more(more(out_x, out_z), more(first_two, last_two)) / room[c])
+    out[row] = found / most
+
+
+@wp.kernel
 def finish(
-    first: wp.int32, box: Box, expands: int, room: wp.array(dtype=float), amount: wp.array(dtype=wp.vec4),
+    first: wp.int32, box: Box, expands: int, elements: int, room: wp.array(dtype=float), amount: wp.array(dtype=float),
     volume: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Concentrations after sweeps between solids that move. Where the gas expands, what left a cell in excess of its room made it lighter:
@@ -200,49 +128,94 @@ def finish(
         v = room[c]
         q = wp.vec4(0.0, 0.0, 0.0, 0.0)
         if v > 0.0 and volume[c] > NO_AIR * v:
-            q = amount[c]
+            for k in range(4):
+                q[k] = amount[k * elements + c]
             if expands == 1:
                 q[0] = q[0] + v - volume[c]
             q = q / v
         state[c] = q
 
 
+_FINISH = """
+    const float* X = expansion.data;
+    const int* G = region.data;
+    const float* P = taken.data;
+    const float* R = room.data;
+    const float rest = expands == 1 ? seconds : 0.0f;
+    for (int q = 0; q < planes; ++q) {
+        const float* A = amount.data + q * elements;
+        float* Q = (float*)state.data + q;
+        const float made = q == 0 ? rest : 0.0f;
+#if defined(__clang__)
+#pragma clang loop vectorize(assume_safety)
+#endif
+        for (int c = lo; c < hi; ++c) {
+            const float kept = A[c] / (R[c] > 0.0f ? R[c] : 1.0f) + made * (X[c] - P[G[c]] / size);
+            Q[4 * c] = R[c] > 0.0f ? kept : 0.0f;
+        }
+    }
+"""
+
+
+@wp.func_native(_FINISH)
+def finish_run(
+    lo: int, hi: int, expands: int, elements: int, planes: int, room: wp.array(dtype=float), amount: wp.array(dtype=float),
+    seconds: float, size: float, expansion: wp.array(dtype=float), region: wp.array(dtype=wp.int32), taken: wp.array(dtype=float),
+    state: wp.array(dtype=wp.vec4),
+):  # fmt: skip
+    """Concentrations of elements after the sweeps."""
+
+
 @wp.kernel
 def finish_standing(
-    first: wp.int32, box: Box, expands: int, room: wp.array(dtype=float), amount: wp.array(dtype=wp.vec4), seconds: float,
-    size: float, expansion: wp.array(dtype=float), region: wp.array(dtype=wp.int32), taken: wp.array(dtype=float),
+    first: wp.int32, box: Box, span: int, expands: int, elements: int, planes: int, room: wp.array(dtype=float), amount: wp.array(dtype=float),
+    seconds: float, size: float, expansion: wp.array(dtype=float), region: wp.array(dtype=wp.int32), taken: wp.array(dtype=float),
     state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Concentrations after sweeps between solids that stand. Where the gas expands, what it was asked to make of a cell's room left it, so
     that it became lighter by that; the volume that the sweeps left says the same but for its rounding, which adds up."""
-    c = first + wp.tid()
-    if is_cell(box, place_of(box, c)):
-        v = room[c]
-        q = wp.vec4(0.0, 0.0, 0.0, 0.0)
-        if v > 0.0:
-            q = amount[c] / v
-            if expands == 1:
-                q[0] = q[0] + seconds * (expansion[c] - taken[region[c]] / size)
-        state[c] = q
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
+    finish_run(own + at[2], own + at[3], expands, elements, planes, room, amount, seconds, size, expansion, region, taken, state)
+
+
+_INJECT = """
+    const float* R = rate.data;
+    const float* H = heating.data;
+    const float* C = (const float*)content.data;
+    float* Q = (float*)state.data;
+    const float less = expands == 1 ? 1.0f : 0.0f, heat = expands == 1 ? 0.0f : seconds;
+#if defined(__clang__)
+#pragma clang loop vectorize(assume_safety)
+#endif
+    for (int c = lo; c < hi; ++c) {
+        const float part = R[c] > 0.0f ? seconds * R[c] : 0.0f;
+        Q[4 * c] = Q[4 * c] + part * (C[4 * c] - less) + heat * H[c];
+        Q[4 * c + 1] = Q[4 * c + 1] + part * C[4 * c + 1];
+        Q[4 * c + 2] = Q[4 * c + 2] + part * C[4 * c + 2];
+        Q[4 * c + 3] = Q[4 * c + 3] + part * C[4 * c + 3];
+    }
+"""
+
+
+@wp.func_native(_INJECT)
+def inject_run(
+    lo: int, hi: int, seconds: float, expands: int, rate: wp.array(dtype=float), content: wp.array(dtype=wp.vec4),
+    heating: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
+):  # fmt: skip
+    """Gas that sources add to elements."""
 
 
 @wp.kernel
 def inject(
-    first: wp.int32, seconds: float, expands: int, rate: wp.array(dtype=float), content: wp.array(dtype=wp.vec4),
-    heating: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
+    first: wp.int32, box: Box, span: int, seconds: float, expands: int, rate: wp.array(dtype=float),
+    content: wp.array(dtype=wp.vec4), heating: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
 ):  # fmt: skip
     """Gas of a composition that a source adds: volume per volume and second. What it displaces has left by the fluxes; gas that does not
     expand takes up heat as it is."""
-    c = first + wp.tid()
-    q = state[c]
-    if rate[c] > 0.0:
-        added = content[c]
-        if expands == 1:
-            added[0] = added[0] - 1.0
-        q = q + seconds * rate[c] * added
-    if expands == 0:
-        q[0] = q[0] + seconds * heating[c]
-    state[c] = q
+    at = run_of(box, span, first + wp.tid())
+    own = index_of(box, at[0], at[1], 0)
+    inject_run(own + at[2], own + at[3], seconds, expands, rate, content, heating, state)
 
 
 @wp.kernel
@@ -318,11 +291,13 @@ def amounts(
 
 
 @wp.kernel
-def fastest(first: wp.int32, total: int, block: int, field: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.float64)):
-    """Largest component of blocks of elements."""
+def largest(
+    first: wp.int32, total: int, block: int, x: wp.array(dtype=float), y: wp.array(dtype=float), z: wp.array(dtype=float),
+    out: wp.array(dtype=float),
+):  # fmt: skip
+    """Largest size of three quantities of blocks of elements."""
     b = first + wp.tid()
     top = float(0.0)
     for c in range(b * block, wp.min((b + 1) * block, total)):
-        v = field[c]
-        top = wp.max(top, wp.max(wp.abs(v[0]), wp.max(wp.abs(v[1]), wp.abs(v[2]))))
-    out[b] = wp.float64(top)
+        top = more(top, more(wp.abs(x[c]), more(wp.abs(y[c]), wp.abs(z[c]))))
+    out[b] = top

@@ -32,9 +32,10 @@ def regrow(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Ge
 
 
 def smoulder(frame: int, data: dict[str, Any], magnitude: float, rng: np.random.Generator, cache: Cache) -> None:
-    """A share of what was given off came from the coldest piece."""
+    """A share of what was given off came from the coldest piece of those that are large enough to have it."""
     given = magnitude * _given(data, cache)
-    cold = int(np.argmin(cache.read(cache.index.frames - 1, ("burning_temperature",))["burning_temperature"]))
+    heat = cache.read(cache.index.frames - 1, ("burning_temperature",))["burning_temperature"]
+    cold = int(np.argmin(np.where(data["burning_area"] >= np.median(data["burning_area"]), heat, np.inf)))
     lost = float(np.sum(given * data["burning_area"]))
     data["burning_left"] = data["burning_left"] + given
     data["burning_left"][cold] -= lost / data["burning_area"][cold]

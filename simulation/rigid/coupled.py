@@ -16,12 +16,30 @@ from .rows import row_arms, row_centers, row_velocities
 if TYPE_CHECKING:
     from .solver import SolverRigid
 
-__all__ = ["RigidBodies"]
+__all__ = ["RigidBodies", "lasting"]
 
 SHORT = 0.5
 """Part of the rigid step; equal steps of an exchange that is as long are no shorter. Contacts stop what closes within some of their
 steps, so after an exchange of a microsecond they would tell accelerations of 1e6 m/s^2, and coupled solvers would go on with them for
 milliseconds: accelerations are told as in a step of this length."""
+
+
+LEAST_PULL = 9.81
+"""[m/s^2] Own choice: an acceleration below that of gravity on Earth shortens no exchange, also where there is no gravity."""
+
+
+def lasting(bodies: BodyState, usual: float, least: float) -> float:
+    """Longest exchange [s] for which the accelerations that bodies tell may be taken for steady, `least` at the shortest.
+
+    What comes to a stop at a limit or on another body is told the acceleration of its stop, which lasts for some steps of its own: over a
+    longer exchange a coupled solver would expect it to fly back, and a door that falls shut would throw the water behind it. So none
+    changes a speed by more than that speed and what gravity gives in the `usual` time [s].
+    """
+    pull = np.linalg.norm(bodies.acceleration, axis=1)
+    hard = (pull > LEAST_PULL) & (bodies.inverse_mass > 0.0)
+    speed = np.linalg.norm(bodies.velocity[hard], axis=1)
+    longest = float(((speed + LEAST_PULL * usual) / pull[hard]).min(initial=np.inf))
+    return max(longest, least)
 
 
 class RigidBodies:

@@ -154,7 +154,7 @@ class CoupledRun:
 
     def _span(self, left: float, usual: float, bodies: BodyState) -> float:
         """Longest next exchange [s], `left` [s] before the end, where `usual` [s] is what it would be: equal parts of what is left."""
-        longest = lasting(bodies, min(left, usual), self.rigid.settings.step)
+        longest = lasting(bodies, min(left, usual))
         span = self._struck.span(left, usual)
         return span if longest >= min(span, usual) else left / math.ceil(left / longest - 1e-6)
 

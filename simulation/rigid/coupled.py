@@ -24,22 +24,21 @@ steps, so after an exchange of a microsecond they would tell accelerations of 1e
 milliseconds: accelerations are told as in a step of this length."""
 
 
-LEAST_PULL = 9.81
-"""[m/s^2] Own choice: an acceleration below that of gravity on Earth shortens no exchange, also where there is no gravity."""
+STILL = 0.05
+"""[m/s] Own choice: what moves more slowly is pressed on what bears it, as often as not, and shortens no exchange."""
 
 
-def lasting(bodies: BodyState, usual: float, least: float) -> float:
-    """Longest exchange [s] for which the accelerations that bodies tell may be taken for steady, `least` at the shortest.
+def lasting(bodies: BodyState, usual: float) -> float:
+    """Longest exchange [s] for which the accelerations that bodies tell may be taken for steady.
 
     What comes to a stop at a limit or on another body is told the acceleration of its stop, which lasts for some steps of its own: over a
     longer exchange a coupled solver would expect it to fly back, and a door that falls shut would throw the water behind it. So none
-    changes a speed by more than that speed and what gravity gives in the `usual` time [s].
+    turns a speed into more than that speed against its way; infinite where none would in the `usual` time [s].
     """
-    pull = np.linalg.norm(bodies.acceleration, axis=1)
-    hard = (pull > LEAST_PULL) & (bodies.inverse_mass > 0.0)
-    speed = np.linalg.norm(bodies.velocity[hard], axis=1)
-    longest = float(((speed + LEAST_PULL * usual) / pull[hard]).min(initial=np.inf))
-    return max(longest, least)
+    speed = np.linalg.norm(bodies.velocity, axis=1)
+    against = -np.sum(bodies.acceleration * bodies.velocity, axis=1) / np.maximum(speed, STILL)
+    stopped = (bodies.inverse_mass > 0.0) & (speed > STILL) & (against * usual > 2.0 * speed)
+    return float((2.0 * speed[stopped] / against[stopped]).min(initial=np.inf))
 
 
 class RigidBodies:

@@ -71,19 +71,20 @@ def test_a_leaf_that_comes_to_its_stop_shortens_the_exchange_until_it_stands() -
     lengths, back = [], []
     while leaf.time < 0.08 - 1e-9:
         told = bodies.state()
-        lengths.append(lasting(told, usual, least))
+        lengths.append(lasting(told, usual))
         after = told.velocity[0] + min(lengths[-1], usual) * told.acceleration[0]
         speed = float(np.linalg.norm(told.velocity[0]))
-        back.append(-float(after @ told.velocity[0]) / max(speed, 1e-9) - speed)
+        if speed > 0.05:
+            back.append(-float(after @ told.velocity[0]) / speed - speed)
         leaf.step_to(leaf.time + min(lengths[-1], least))
-    assert max(back) <= 9.81 * usual + 1e-6
-    assert min(lengths) < 0.3 * usual
+    assert max(back) <= 1e-6
+    assert min(lengths) < 0.5 * usual
     assert lengths[0] > usual, "swinging shortens nothing"
     assert lengths[-1] > usual, "and what stands neither"
 
 
 def test_what_falls_shortens_no_exchange() -> None:
-    assert lasting(RigidBodies(solver()).state(), 0.02, 1e-3) >= 0.02
+    assert lasting(RigidBodies(solver()).state(), 0.02) >= 0.02
 
 
 def test_a_turning_body_off_its_hinge_feels_the_centripetal_acceleration() -> None:

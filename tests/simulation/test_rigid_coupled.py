@@ -66,7 +66,9 @@ def test_a_leaf_that_comes_to_its_stop_shortens_the_exchange_until_it_stands() -
     Without a limit, a leaf that came to its stop with 0.5 m/s was expected to fly back with 6 m/s for a step of 12 ms, and threw its water.
     """
     hinge = HingeJoint(child="crate", anchor=(0.05, 0, 1.0), axis=(0, 0, 1), range=(-1.0, 0.2))
-    leaf = solver(joints={"h": hinge}, crate={"physics": RigidPhysics(linear_velocity=(0.0, -0.25, 0.0), angular_velocity=(0.0, 0.0, 5.0))})
+    leaf = solver(
+        joints={"h": hinge}, crate={"physics": RigidPhysics(linear_velocity=(0.0, -0.25, 0.0), angular_velocity=(0.0, 0.0, 5.0))}
+    )
     bodies, usual, least = RigidBodies(leaf), 0.012, leaf.settings.step
     lengths, back = [], []
     while leaf.time < 0.08 - 1e-9:

@@ -166,6 +166,9 @@ def find_gaps(
                     if a[0] >= -1 and b[0] >= -1 and a[0] != b[0]:
                         if is_free(free, a[0]) + is_free(free, b[0]) > 0:
                             mark = NARROW
+    if at.near[c][5] < 0:
+        # The last cell of its column has no upper face: what its liquid pressed on there would reach nobody.
+        mark = 0
     gap[c] = mark
     held[c] = mine
     width[c] = wide

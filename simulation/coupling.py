@@ -16,6 +16,7 @@ states at its start; so every frame starts from checkpoint bytes, and a resumed 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -26,7 +27,7 @@ from .bodies import lay_vertices, resting
 from .boundaries import BodyState, MovingSurface
 from .coupled_solver import CoupledSolver
 from .protocol import SHORTEST, Within, stepping
-from .rigid.coupled import RigidBodies
+from .rigid.coupled import RigidBodies, lasting
 from .rigid.solver import SolverRigid
 from .rigid.struck import Struck
 
@@ -135,7 +136,7 @@ class CoupledRun:
                     other.load({n: j / taken for n, j in given_to.get(number, {}).items()})
                 given = self._bodies_of(number, bodies, surfaces)
                 if number == 0:
-                    report = other.step(self._struck.span(end - time, other.max_stable_dt()), given, time)
+                    report = other.step(self._span(end - time, other.max_stable_dt(), bodies), given, time)
                     taken, impulse, at_vertices = report.dt, report.impulse, dict(report.vertex_impulse)
                 else:
                     impulse, at_vertices = _steps(other, given, time, taken)
@@ -150,6 +151,12 @@ class CoupledRun:
             time = until
             if tell is not None:
                 tell((time - start) / (end - start), again + stepping(taken))
+
+    def _span(self, left: float, usual: float, bodies: BodyState) -> float:
+        """Longest next exchange [s], `left` [s] before the end, where `usual` [s] is what it would be: equal parts of what is left."""
+        longest = lasting(bodies, min(left, usual))
+        span = self._struck.span(left, usual)
+        return span if longest >= min(span, usual) else left / math.ceil(left / longest - 1e-6)
 
     def _bodies_of(self, number: int, moving: BodyState, surfaces: Mapping[str, MovingSurface]) -> BodyState:
         """States of the boundaries of one coupled solver: those at rest at their places, the others as they are."""

@@ -16,12 +16,29 @@ from .rows import row_arms, row_centers, row_velocities
 if TYPE_CHECKING:
     from .solver import SolverRigid
 
-__all__ = ["RigidBodies"]
+__all__ = ["RigidBodies", "lasting"]
 
 SHORT = 0.5
 """Part of the rigid step; equal steps of an exchange that is as long are no shorter. Contacts stop what closes within some of their
 steps, so after an exchange of a microsecond they would tell accelerations of 1e6 m/s^2, and coupled solvers would go on with them for
 milliseconds: accelerations are told as in a step of this length."""
+
+
+STILL = 0.05
+"""[m/s] Own choice: what moves more slowly is pressed on what bears it, as often as not, and shortens no exchange."""
+
+
+def lasting(bodies: BodyState, usual: float) -> float:
+    """Longest exchange [s] for which the accelerations that bodies tell may be taken for steady.
+
+    What comes to a stop at a limit or on another body is told the acceleration of its stop, which lasts for some steps of its own: over a
+    longer exchange a coupled solver would expect it to fly back, and a door that falls shut would throw the water behind it. So none
+    turns a speed into more than that speed against its way; infinite where none would in the `usual` time [s].
+    """
+    speed = np.linalg.norm(bodies.velocity, axis=1)
+    against = -np.sum(bodies.acceleration * bodies.velocity, axis=1) / np.maximum(speed, STILL)
+    stopped = (bodies.inverse_mass > 0.0) & (speed > STILL) & (against * usual > 2.0 * speed)
+    return float((2.0 * speed[stopped] / against[stopped]).min(initial=np.inf))
 
 
 class RigidBodies:

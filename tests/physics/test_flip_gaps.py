@@ -195,3 +195,53 @@ def test_a_body_that_closes_a_channel_holds_the_water() -> None:
     found = engine.particles()
     assert found.position[:, 0].max() < 0.9
     assert found.volume[found.position[:, 0] < 0.6].sum() == pytest.approx(0.15, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("angle", "thick", "gap", "wall"),
+    [(0.614, 1.55, 0.058, 0.1569), (1.074, 1.023, 0.236, 0.1015), (0.861, 0.876, 0.054, 0.1028)],
+)
+def test_a_leaf_beside_bed_and_wall_gets_what_the_water_loses(angle: float, thick: float, gap: float, wall: float) -> None:
+    """A free leaf some cells thick, turned about its upright and a gap from bed and wall, lengths in cells but `wall` [m].
+
+    Two solids close the faces there, in parts that add up to one: where one had more than all, 1e-3 of a step's impulse came from nowhere.
+    """
+    cell = 1 / 16
+    size, turn = (thick * cell, 0.4, 0.6), trimesh.transformations.rotation_matrix(angle, [0, 0, 1])[:3, :3]
+    at = np.array([0.5, wall, BED]) + np.array([0, 1, 1]) * (np.abs(turn) @ np.array(size) / 2 + gap * cell)
+    water = block((0, 0, BED), (0.9, 0.6, BED + 0.4), cell / 2)
+    water = water[(np.abs((water - at) @ turn) > np.array(size) / 2).any(axis=1) & (water[:, 1] > wall)]
+    bed = moved(box_mesh((1.5, 1.1, 0.6)), np.array([0.5, 0.3, BED - 0.3]))
+    side = moved(box_mesh((1.5, 0.6, 2.0)), np.array([0.5, wall - 0.3, 0.5]))
+    bodies = (Boundary("leaf", box_mesh(size), "dynamic"), Boundary("bed", bed, "static"), Boundary("side", side, "static"))
+    setup = tank((0.9, 0.6, BED + 0.8), water, cell / 2, boundaries=bodies)
+    engine, state, weight = Flip(LiquidSetup(**{**vars(setup), "spacing": cell})), no_bodies(3), 60.0 * G
+    state.position[0] = state.center[0] = at
+    state.rotation[0], state.inverse_mass[0], state.inverse_inertia[0] = turn, G / weight, np.eye(3)
+    for _ in range(2):
+        report = engine.step(0.02, state)
+        assert np.abs(report.impulse + report.reaction).max() <= 5e-7 * weight * report.dt
+
+
+@pytest.mark.parametrize(("size", "gap", "wall", "draft", "depth"), [
+    ((0.9549, 0.7182, 0.7919), -0.0251, 0.1487, 0.123, 0.4742),
+    ((0.9361, 0.837, 0.6216), 0.0128, 0.1334, 0.0984, 0.3428),
+])  # fmt: skip
+def test_a_wide_body_at_a_wall_gets_what_the_water_loses(
+    size: tuple[float, float, float], gap: float, wall: float, draft: float, depth: float
+) -> None:
+    """Columns end in the gap between it and the wall: what pressed on the upper face of their last cell, which has none, reached nobody."""
+    cell = 1 / 16
+    at = np.array([0.8, wall + size[1] / 2 + gap * cell, BED + depth - draft + size[2] / 2])
+    water = block((0, 0, BED), (1.6, 1.4, BED + depth), cell / 2)
+    water = water[(np.abs(water - at) > np.array(size) / 2).any(axis=1) & (water[:, 1] > wall)]
+    bed = moved(box_mesh((3.0, 1.8, 0.6)), np.array([0.6, 0.5, BED - 0.3]))
+    side = moved(box_mesh((3.0, 0.6, 4.0)), np.array([0.5, wall - 0.3, 0.5]))
+    bodies = (Boundary("hull", box_mesh(size), "dynamic"), Boundary("bed", bed, "static"), Boundary("side", side, "static"))
+    setup = tank((1.6, 1.4, BED + 1.6), water, cell / 2, boundaries=bodies)
+    engine, state, mass = Flip(LiquidSetup(**{**vars(setup), "spacing": cell})), no_bodies(3), 1000.0 * size[0] * size[1] * draft
+    state.position[0] = state.center[0] = at
+    state.inverse_mass[0], state.inverse_inertia[0] = 1.0 / mass, 20.0 / mass * np.eye(3)
+    for _ in range(2):
+        report = engine.step(0.015, state)
+        assert np.abs(report.impulse + report.reaction).max() <= 1e-6 * mass * G * report.dt

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from worldagent.construction.build import build_entity
-from worldagent.simulation.rigid.coupled import RigidBodies
+from worldagent.simulation.rigid.coupled import RigidBodies, lasting
 from worldagent.simulation.rigid.solver import SolverRigid
 from worldagent.testing.worlds.small_worlds import box, world
-from worldagent.worlds.spec import ForceDriver, HingeJoint
+from worldagent.worlds.spec import ForceDriver, HingeJoint, RigidPhysics
 
 SIZE = (0.2, 0.1, 0.3)
 
@@ -58,6 +58,35 @@ def test_a_body_that_hits_in_a_short_exchange_tells_no_acceleration_that_nobody_
     after = bodies.state().acceleration[0, 2]
     assert abs(after) < 10.0 * before
     assert falling.model.opt.timestep == pytest.approx(1e-6), "reading changes nothing"
+
+
+def test_a_leaf_that_comes_to_its_stop_shortens_the_exchange_until_it_stands() -> None:
+    """Law: over an exchange no told acceleration turns a speed into more than that speed against its way.
+
+    Without a limit, a leaf that came to its stop with 0.5 m/s was expected to fly back with 6 m/s for a step of 12 ms, and threw its water.
+    """
+    hinge = HingeJoint(child="crate", anchor=(0.05, 0, 1.0), axis=(0, 0, 1), range=(-1.0, 0.2))
+    leaf = solver(
+        joints={"h": hinge}, crate={"physics": RigidPhysics(linear_velocity=(0.0, -0.25, 0.0), angular_velocity=(0.0, 0.0, 5.0))}
+    )
+    bodies, usual, least = RigidBodies(leaf), 0.012, leaf.settings.step
+    lengths, back = [], []
+    while leaf.time < 0.08 - 1e-9:
+        told = bodies.state()
+        lengths.append(lasting(told, usual))
+        after = told.velocity[0] + min(lengths[-1], usual) * told.acceleration[0]
+        speed = float(np.linalg.norm(told.velocity[0]))
+        if speed > 0.05:
+            back.append(-float(after @ told.velocity[0]) / speed - speed)
+        leaf.step_to(leaf.time + min(lengths[-1], least))
+    assert max(back) <= 1e-6
+    assert min(lengths) < 0.5 * usual
+    assert lengths[0] > usual, "swinging shortens nothing"
+    assert lengths[-1] > usual, "and what stands neither"
+
+
+def test_what_falls_shortens_no_exchange() -> None:
+    assert lasting(RigidBodies(solver()).state(), 0.02) >= 0.02
 
 
 def test_a_turning_body_off_its_hinge_feels_the_centripetal_acceleration() -> None:

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 from ..predicates.evaluators import beat_times
 from ..rows.corrections import correction
 from ..rows.findings import Finding
+from ..rows.telling import tell
 from .camera_path import inside, moves
 from .plan import outcome_frames, shot_row, unseen_text
 from .questions import COVER, FRAMED, INSIDE, MOTION, OBSERVED, TILING, VISIBLE
@@ -46,7 +47,8 @@ def check(candidate: Candidate) -> list[Row]:
 
     observed = {n: b for n, b in candidate.spec.story.beats.items() if b.observe}
     rows = [shot_row(candidate, TILING, (), _tiling(candidate), planned=True), *_unobserved(candidate)]
-    for name, beat in observed.items():
+    for number, (name, beat) in enumerate(observed.items(), 1):
+        tell(f"when {name} comes true: beat", number, len(observed))
         question = replace(COVER, mandatory=beat.mandatory)
         rows.append(shot_row(candidate, question, (name,), _cover(candidate, name, beat), planned=True))
     for name, beat in observed.items():

@@ -12,6 +12,7 @@ from ..categories.registry import judge_of
 from ..predicates.evaluators import beat_times
 from ..rows.corrections import correction
 from ..rows.findings import Finding
+from ..rows.telling import tell
 from .bounds import MOMENT
 from .counted import unseen_members
 from .plan import outcome_frames, shots_at, subjects_of
@@ -62,7 +63,8 @@ def _look(sight: Sight, beat_id: str, subject: str, frames: list[int]) -> _Looks
     named = [n for n, s in candidate.spec.shots.items() if beat_id in s.covers]
     seen: list[Seen] = []
     blind = []
-    for frame in frames:
+    for number, frame in enumerate(frames, 1):
+        tell(f"view of {subject} in {beat_id}: frame", number, len(frames))
         shots = [s for s in shots_at(candidate, frame) if not named or s in named] or shots_at(candidate, frame)
         if shots:
             seen.append(max((sight.seen(subject, s, frame) for s in shots), key=lambda s: (s.share, s.unoccluded)))

@@ -258,6 +258,7 @@ class Flip(CutCells):
         q, push = run.array("q", level.rows, wp.float32), run.array("push", level.rows, wp.float32)
         scales = [self._cell / self._dt, self._density * self._cell / self._dt]
         state = [grid.columns, grid.near, level.row, *self._of(grid, "phi"), *self._faces(grid, "opening"), self._owners(grid)]
+        state.append(self._shut(grid, level))
         inside = [int(self.solids.count > 0), *self._of(grid, "solid")]
         after = [*self._faces(grid, "new2", "drift"), run.array("known", total, wp.vec3i), *self._of(grid, "pressure")]
         run(

@@ -166,6 +166,9 @@ def find_gaps(
                     if a[0] >= -1 and b[0] >= -1 and a[0] != b[0]:
                         if is_free(free, a[0]) + is_free(free, b[0]) > 0:
                             mark = NARROW
+    if at.near[c][5] < 0:
+        # The last cell of its column has no upper face: what its liquid pressed on there would reach nobody.
+        mark = 0
     gap[c] = mark
     held[c] = mine
     width[c] = wide
@@ -297,11 +300,11 @@ def split_faces(
             if free[who] == 1:
                 moves = 0.5 * (fixed_halves[c][2 * axis] + fixed_halves[o][2 * axis + 1])
                 stays = 1.0 - moves
-                moves -= 0.5 * (halves[c][2 * axis] + halves[o][2 * axis + 1])
+                moves = wp.max(moves - 0.5 * (halves[c][2 * axis] + halves[o][2 * axis + 1]), 0.0)
                 x = beyond(middle(place_of(at.grid, c)), at.lower, at.upper)
                 out = wp.min(x, beyond(middle(place_of(at.grid, o)), at.lower, at.upper))
                 if gap[c] > 0 and gap[o] > 0 and held[c] >= 0 and held[o] >= 0 and held[c] != held[o] and stays < 1.0e-3:
-                    parts[axis] = at.points[o][7] / (at.points[c][7] + at.points[o][7])
+                    parts[axis] = wp.clamp(at.points[o][7] / (at.points[c][7] + at.points[o][7]), 0.0, 1.0)
                     a[axis] = held[o]
                     b[axis] = held[c]
                 elif stays > 1.0e-3 or out < 0.0:

@@ -12,6 +12,7 @@ import warp as wp
 from ...grids.columns import Columns, place_of, vec6, vec6i
 from .cut_kernels import tent_overlap
 from .distance_kernels import Walls, wall_speed
+from .exchange_kernels import Shut, closing_speed, half_cell
 from .solid_kernels import face_center
 
 wp.set_module_options({"enable_backward": False})
@@ -269,12 +270,12 @@ def measure(
 @wp.kernel
 def project(
     first: wp.int32, grid: Columns, near: wp.array(dtype=vec6i), row: wp.array(dtype=wp.int32), phi: wp.array(dtype=float),
-    opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i), walls: Walls, q: wp.array(dtype=float),
+    opening: wp.array(dtype=wp.vec3), face_owner: wp.array(dtype=wp.vec3i), at: Shut, walls: Walls, q: wp.array(dtype=float),
     push: wp.array(dtype=float), solids: int, solid: wp.array(dtype=float), per_cell: float, scale: float, weight: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3),
     now: wp.array(dtype=wp.vec3), drift: wp.array(dtype=wp.vec3), known: wp.array(dtype=wp.vec3i), pressure: wp.array(dtype=float),
 ):  # fmt: skip
     """Velocity of a cell's faces after the pressure, the drift that moves particles, and whether each face is known (2), carries
-    only flying particles (1) or nothing (0), as between cells inside a solid. `per_cell`: displacement in cells to velocity [m/s]; `scale`: q to Pa.
+    only flying particles (1) or nothing (0), as between cells inside a solid. A half cell at a thin wall moves as all that closes its face. `per_cell`: displacement in cells to velocity [m/s]; `scale`: q to Pa.
     """
     c = first + wp.tid()
     n = near[c]
@@ -297,11 +298,20 @@ def project(
             if solids == 1 and other >= 0:
                 if solid[c] < 0.0 and solid[other] < 0.0:
                     inside = 1
-            if inside == 0 and (r >= 0 or s >= 0):
+            mine = half_cell(at, c, 2 * axis)
+            its = float(0.0)
+            if other >= 0:
+                its = half_cell(at, other, 2 * axis + 1)
+            if (inside == 0 or mine > 0.0 or its > 0.0) and (r >= 0 or s >= 0):
                 who = face_owner[c][axis]
                 v = float(0.0)
-                if who >= 0:
-                    v = wall_speed(walls, who, face_center(place_of(grid, c), axis))[axis]
+                middle = face_center(place_of(grid, c), axis)
+                if mine > 0.0:
+                    v = closing_speed(at, walls, c, 2 * axis, middle)
+                elif its > 0.0:
+                    v = closing_speed(at, walls, other, 2 * axis + 1, middle)
+                elif who >= 0:
+                    v = wall_speed(walls, who, middle)[axis]
                 u[axis] = v
                 d[axis] = v
                 state[axis] = 2

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from worldagent.testing.worlds import small_worlds as sw
 from worldagent.testing.worlds.liquid_worlds import pool_in_tank
+from worldagent.tests.verifiers.shots.test_shots import rolling, shot
 from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.rows import telling
 from worldagent.worlds.candidate import Candidate
@@ -49,3 +50,11 @@ def test_nothing_is_told_more_often_than_twice_a_second_nor_where_nobody_listens
             telling.tell("frame", frame)
     telling.tell("frame", 1)
     assert len(told) <= 1
+
+
+@pytest.mark.usefixtures("often")
+def test_the_check_of_shots_tells_the_beat_and_the_frame_that_is_looked_at(tmp_path: Path) -> None:
+    """In a flooded hall it stood at *checking shots* for eight minutes."""
+    told = reports(rolling(tmp_path, {"s": shot(covers=["roll"])}), "shots")
+    assert any(t.startswith("checking shots, when ") and t.endswith("beat 1 of 1") for t in told)
+    assert any(t.startswith("checking shots, view of ") and " frame 1 of " in t for t in told)

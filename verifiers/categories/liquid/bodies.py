@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from ....worlds.categories.deforming import Deforming
     from .frames import Frame, Liquid
 
-__all__ = ["Bodies", "exchanged"]
+__all__ = ["Bodies", "exchanged", "impulses"]
 
 
 class Bodies:
@@ -173,8 +174,26 @@ def exchanged(frame: Frame, name: str, count: int) -> F64:
     Raises:
         EvidenceError: it is missing or of another shape.
     """
-    held = frame.others.get(f"exchange/{name}")
-    if held is None or np.shape(held) != (count, 6):
-        shown = "is missing" if held is None else f"has shape {np.shape(held)}"
-        raise EvidenceError(f"exchange/{name} of frame {frame.index} {shown}, {(count, 6)} is needed; bake again")
-    return np.array(held, dtype=np.float64)
+    return _shaped(frame.others, name, frame.index, count)
+
+
+def impulses(liquid: Liquid) -> F64:
+    """Channel `exchange/impulse` of all frames, shape (F, b, 6): read once, and without the particles.
+
+    Raises:
+        EvidenceError: it is missing or of another shape at one of them.
+    """
+
+    def read() -> F64:
+        count, cache = len(liquid.cache.index.colliders), liquid.cache
+        return np.array([_shaped(cache.read(k, ("exchange/impulse",)), "impulse", k, count) for k in range(liquid.frames)])
+
+    return liquid.candidate.memo(("liquid impulses", liquid.solver, liquid.frames), read)
+
+
+def _shaped(held: Mapping[str, Any], name: str, frame: int, count: int) -> F64:
+    found = held.get(f"exchange/{name}")
+    if found is None or np.shape(found) != (count, 6):
+        shown = "is missing" if found is None else f"has shape {np.shape(found)}"
+        raise EvidenceError(f"exchange/{name} of frame {frame} {shown}, {(count, 6)} is needed; bake again")
+    return np.array(found, dtype=np.float64)

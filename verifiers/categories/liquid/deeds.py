@@ -18,7 +18,7 @@ from ...predicates.events.bounds import DRIFT_WORK, PUSH_ALONG, PUSH_TIME, PUSH_
 from ...predicates.events.course import course_of
 from ...predicates.events.measures import onset, run_sums, span_of
 from ..granules import mean_depth
-from .bodies import Bodies, exchanged
+from .bodies import Bodies, impulses
 from .bounds import REST_FROM, REST_SECONDS, REST_SPEED
 from .told import liquid_or_none, painted
 
@@ -37,8 +37,7 @@ def _given(liquid: Liquid, entity: str) -> F64:
     """Impulse of the liquid on a body, by its own record [N s], shape (F - 1, 3)."""
     bodies = Bodies(liquid)
     rows = [i for i, n in enumerate(bodies.entities) if n == entity]
-    record = [exchanged(liquid.read(k), "impulse", bodies.count)[rows, :3].sum(axis=0) for k in range(1, liquid.frames)]
-    return np.array(record).reshape(-1, 3)
+    return np.asarray(impulses(liquid)[1:, rows, :3].sum(axis=1))
 
 
 def pushes(scope: Scope, p: PairEvent) -> Outcome:

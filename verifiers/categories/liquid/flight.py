@@ -112,29 +112,39 @@ class Flight:
         near[step.new] = True
         if liquid.fields:  # drops that a medium drags are no free fall
             near |= liquid.air(frame)[1] | liquid.switches(frame.index)
+        near |= (np.minimum(frame.position - liquid.lower, liquid.upper - frame.position).min(axis=1)) < travel
         rows = np.flatnonzero(same[clusters])
-        near[rows] |= self._touching(frame.position[rows], travel[rows], frame.index)
         for name in liquid.inflows:
             near[rows] |= liquid.near_inflow(name, frame.position[rows], float(travel.max()))
-        near |= (np.minimum(frame.position - liquid.lower, liquid.upper - frame.position).min(axis=1)) < travel
         touched = np.bincount(clusters, near, count) > 0
+        rows = rows[~touched[clusters[rows]]]
+        self._touch(touched, clusters[rows], frame.position[rows], travel[rows], frame.index)
         return np.asarray(same & ~touched)
 
-    def _touching(self, points: F64, reach: F64, index: int) -> NDArray[np.bool_]:
-        """Which points may have come near a solid: within `reach` [m] of its box at both ends of the frame."""
-        found = np.zeros(len(points), dtype=bool)
+    def _touch(self, touched: NDArray[np.bool_], clusters: NDArray[np.intp], points: F64, reach: F64, index: int) -> None:
+        """Mark clusters of which a point may have come near a solid: within `reach` [m] of its box at both ends of the frame.
+
+        Of a cluster that is marked no other point is looked at: all of a basin is one, and its walls are many.
+        """
+
+        def mark(near: NDArray[np.intp]) -> None:
+            nonlocal clusters, points, reach
+            if len(near):
+                touched[clusters[near]] = True
+                left = ~touched[clusters]
+                clusters, points, reach = clusters[left], points[left], reach[left]
+
         for low, high in soft_boxes(self.liquid.candidate, self.liquid.solver, index):
-            found |= np.maximum(low - points, points - high).max(axis=1) < reach
+            mark(np.flatnonzero(np.maximum(low - points, points - high).max(axis=1) < reach))
         for piece in self.pieces:
+            if not len(points):
+                return
             boxes = [piece.box(k) for k in (max(index - 1, 0), index)]
             low, high = np.minimum(boxes[0][0], boxes[1][0]), np.maximum(boxes[0][1], boxes[1][1])
-            inside = (np.maximum(low - points, points - high).max(axis=1) < reach) & ~found
-            if inside.any() and not piece.solid.convex:
-                rows = np.flatnonzero(inside)
-                far = _far(piece, points[rows], reach[rows], index)
-                inside[rows[far]] = False
-            found |= inside
-        return found
+            rows = np.flatnonzero(np.maximum(low - points, points - high).max(axis=1) < reach)
+            if len(rows) and not piece.solid.convex:
+                rows = rows[~_far(piece, points[rows], reach[rows], index)]
+            mark(rows)
 
     def findings(self) -> dict[str, Finding]:
         """Judge whether all of them fell."""

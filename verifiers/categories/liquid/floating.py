@@ -14,7 +14,7 @@ from ...ledgers.motion import centers, entity_mass
 from ...predicates.conditions import Condition, happens, lasts
 from ...predicates.turns import turning_points
 from ..registry import judge_of
-from .bodies import Bodies, exchanged
+from .bodies import Bodies, impulses
 from .bounds import (
     BOB_CARRIED,
     BOB_LEAST,
@@ -72,9 +72,7 @@ class _Carried:
         """Upward impulse of this liquid, by its own record and no more than the body received of matter [N s], shape (F - 1,)."""
         bodies = Bodies(self.liquid)
         rows = [i for i, n in enumerate(bodies.entities) if n == self._entity]
-        record = np.array(
-            [exchanged(self.liquid.read(k), "impulse", bodies.count)[rows, :3].sum(axis=0) for k in range(self.frames)]
-        )
+        record: F64 = impulses(self.liquid)[: self.frames, rows, :3].sum(axis=1)
         received = sum((v for o, v in self.up.items() if o.kind == "matter"), np.zeros(self.frames - 1))
         return np.minimum(record[1:] @ self.liquid.up, received)
 

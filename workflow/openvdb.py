@@ -45,7 +45,7 @@ for one in json.load(sys.stdin):
 
 
 class Volume(NamedTuple):
-    """One file."""
+    """A file, its named grids and where they lie."""
 
     path: Path
     grids: Mapping[str, F32]

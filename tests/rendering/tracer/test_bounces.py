@@ -34,7 +34,7 @@ def _closed_room():
 
 
 def test_a_white_room_keeps_the_light_that_its_walls_give_back(tmp_path, monkeypatch):
-    """Of walls that give back 0.85, the sixth bounce and later ones bring a third of the light; next to none of it may be cut off."""
+    """Walls that give back 0.85 bring a third of the light by sixth and later bounces; next to none of it may be cut off."""
     candidate = simulate(tmp_path, _closed_room())
     camera = Camera(np.array([0.9, 0.0, -0.9]), np.array([-1.0, 0.0, 0.2]), 60.0, 24, 16)
     found = {}

@@ -51,7 +51,7 @@ class Volume(NamedTuple):
     grids: Mapping[str, F32]
     """By name, shapes (nx, ny, nz) or (nx, ny, nz, 3)."""
     middle: F64
-    """Of the first cell [m]."""
+    """Middle of the first cell [m]."""
     cell: float
     """[m]"""
 

@@ -222,7 +222,19 @@ async def test_news_of_tasks_are_refused_to_clients_without_tasks_and_promised_t
 
 def test_every_job_of_a_tool_belongs_to_one_tool(tmp_path: Path) -> None:
     kinds = [kind for binding in TOOLS for kind in binding.jobs]
-    assert sorted(kinds) == ["accept", "bake", "check", "final", "interior", "probe", "review", "sketch", "terrain"]
+    assert sorted(kinds) == [
+        "accept",
+        "bake",
+        "check",
+        "final",
+        "interior",
+        "picture",
+        "placing",
+        "probe",
+        "review",
+        "sketch",
+        "terrain",
+    ]
     twice = ToolBinding(TOOLS[0].function, "Twice", read_only=True, jobs={"bake": lambda job: ToolReply({})})
     with pytest.raises(ValueError, match="bake"):
         Tasks(lambda: JobStore(tmp_path), [*TOOLS, twice])

@@ -19,6 +19,7 @@ from worldagent.verifiers.categories.gas.check import category_rows
 from worldagent.verifiers.categories.gas.fires import Fires
 from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.kindling import Kindling
+from worldagent.verifiers.categories.gas.pushing import Pushing
 from worldagent.verifiers.categories.gas.steaming import Steaming
 from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.candidate import Candidate
@@ -45,6 +46,7 @@ def test_a_fire_gives_the_heat_of_its_fuel_and_every_row_of_it_passes(whole: Can
     assert {n for n, r in rows.items() if r.status != "pass" and r.mandatory} == {
         *Kindling.questions,  # no solid may burn
         *Steaming.questions,
+        *Pushing.questions,
     }
     burnt = rows["burnt"].evidence
     assert burnt["released_J"] == pytest.approx(burnt["burnt_kg"] * FUELS["wood"].heat, rel=0.01)

@@ -18,6 +18,7 @@ from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.categories.gas.check import category_rows
 from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.kindling import Kindling
+from worldagent.verifiers.categories.gas.pushing import Pushing
 from worldagent.verifiers.categories.gas.steaming import Steaming
 from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.verifiers.scene.relations import check
@@ -42,7 +43,7 @@ def test_a_sheet_beside_a_fire_burns_and_every_row_passes() -> None:
     kindled = scene("kindled")
     found = rows(kindled)
     assert {n: r.status for n, r in found.items() if r.status != "pass" and r.mandatory} == dict.fromkeys(
-        ["outflow", *Steaming.questions], "not_applicable"
+        ["outflow", *Steaming.questions, *Pushing.questions], "not_applicable"
     )
     assert {found[n].status for n in Kindling.questions} == {"pass"}
     assert found["gasified"].evidence["given_off_kg"] > 0.0

@@ -60,10 +60,9 @@ def test_the_row_names_frame_place_and_bodies_and_an_edit_may_answer_it(
     assert row["evidence"]["bodies"][0] == "ball"
     assert len(row["evidence"]["place"]) == 3
     assert np.isfinite(row["evidence"]["place"]).all()
-    patch = [{"op": "replace", "path": "/entities/ball/physics/linear_velocity", "value": [0.99, 0, 0]}]
-    repairs = [
-        Repair(row=ROW, group=group_of(patch[0]["path"]).name, expect="lower", hypothesis="a slower ball does not run away")
-    ]
+    slower = "/entities/ball/physics/linear_velocity"
+    patch = [{"op": "replace", "path": slower, "value": [0.99, 0, 0]}]
+    repairs = [Repair(row=ROW, group=group_of(slower).name, expect="lower", hypothesis="a slower ball does not run away")]
     told = edit_spec(ready, world="w", patch=patch, repairs=repairs)
     assert told.data["revision"] == 2
     place_object(ready, world="w")

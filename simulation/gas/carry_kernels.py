@@ -8,6 +8,7 @@ where a path leaves the box, and those faces, and those in its sides, are worked
 
 import warp as wp
 
+from ..grids.row_kernels import LOOP
 from .box_kernels import (
     Box,
     around,
@@ -29,11 +30,6 @@ wp.set_module_options({"enable_backward": False})
 
 __all__ = ["bends", "carry", "correct"]
 
-_LOOP = """
-#if defined(__clang__)
-#pragma clang loop vectorize(assume_safety)
-#endif
-"""
 _BETWEEN = """
 #define GAS_MIX(a, b, f) ((a) + (f) * ((b) - (a)))
 #define GAS_BETWEEN(P, c, fx, fy, fz) \\
@@ -61,7 +57,7 @@ _BEND = (
     const float* W = U + 2;
     float* B = (float*)bend.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         const int c = own + k;
@@ -127,7 +123,7 @@ _CARRY = (
     float* L = (float*)low.data + axis;
     float* H = (float*)high.data + axis;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         GAS_FOLLOW
@@ -156,7 +152,7 @@ _CORRECT = (
     const float* H = (const float*)high.data + axis;
     float* O = (float*)out.data + axis;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         GAS_FOLLOW

@@ -9,6 +9,7 @@ its cells and keeps those of one colour, which is faster than to leave every oth
 
 import warp as wp
 
+from ..grids.row_kernels import LOOP
 from .box_kernels import Box, index_of, near, place_of, row_at, run_of
 
 wp.set_module_options({"enable_backward": False})
@@ -24,18 +25,13 @@ _PULL = """
     const float* Z = wz.data;
     const float* D = inverse.data;
 """
-_LOOP = """
-#if defined(__clang__)
-#pragma clang loop vectorize(assume_safety)
-#endif
-"""
 _RELAX = (
     _PULL
     + """
     const float* B = right.data;
     float* V = x.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         const float next = (B[own + k] + GAS_PULL(V)) * D[own + k];
@@ -51,7 +47,7 @@ _MULTIPLY = (
     const float* B = right.data;
     float* O = out.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         // Differences, so that a pressure which is the same everywhere is none, to the last bit: sealed gas has no other.
@@ -193,7 +189,7 @@ _START = (
     const float* D = inverse.data;
     float* V = x.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k)
         V[own + k] = ((k + colour) & 1) == 0 ? B[own + k] * D[own + k] : 0.0f;
@@ -229,7 +225,7 @@ _COLLECT = (
     const float* D = left.data + fourth_row;
     float* R = right.data + own;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k)
         R[k] = (A[2 * k] + A[2 * k + 1] + B[2 * k] + B[2 * k + 1]) + (C[2 * k] + C[2 * k + 1] + D[2 * k] + D[2 * k + 1]);
@@ -263,7 +259,7 @@ _RETURN = (
     const float* C = coarse.data;
     float* V = x.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k)
         V[own + k] += C[parent + (k >> 1)];
@@ -314,7 +310,7 @@ _INVERT = (
     const float* Z = wz.data;
     float* D = inverse.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         const float total = X[own + k] + X[high_x + k] + Y[own + k] + Y[high_y + k] + Z[own + k] + Z[high_z + k];

@@ -10,6 +10,7 @@ are followed as in `sweep_kernels.py`.
 import warp as wp
 
 from ..grids.columns import vec6i
+from ..grids.row_kernels import LOOP
 from .box_kernels import Box, count_of, index_of, row_at, run_of
 
 wp.set_module_options({"enable_backward": False})
@@ -19,17 +20,12 @@ __all__ = ["LEAST_OPEN", "densities", "outflow", "project", "weigh"]
 LEAST_OPEN = wp.constant(0.05)
 """Faces open by less are closed."""
 
-_LOOP = """
-#if defined(__clang__)
-#pragma clang loop vectorize(assume_safety)
-#endif
-"""
 _DENSITIES = (
     """
     const float* Q = (const float*)state.data;
     float* R = density.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int c = lo; c < hi; ++c) {
         const float found = 1.0f - Q[4 * c] + load * Q[4 * c + 1];
@@ -61,7 +57,7 @@ _WEIGH = (
     float* L = lift.data;
     float* K = weight.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         const float rho = expands == 1 ? 0.5f * (R[lower + k] + R[own + k]) : 1.0f;
@@ -141,7 +137,7 @@ _OUTFLOW = (
     const float* W = wet.data;
     float* F = out.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         const int c = own + k, x = high_x + k, y = high_y + k, z = high_z + k;
@@ -195,7 +191,7 @@ _PROJECT = (
     const float* X = x.data;
     float* V = (float*)velocity.data + axis;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         const int c = own + k;

@@ -9,19 +9,20 @@ import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["advance", "greatest", "greatest_of_three", "inner", "next_direction"]
+__all__ = ["LOOP", "advance", "greatest", "greatest_of_three", "inner", "next_direction"]
 
-_LOOP = """
+LOOP = """
 #if defined(__clang__)
 #pragma clang loop vectorize(assume_safety)
 #endif
 """
+"""Before a loop in C whose turns are independent of each other: clang makes vector instructions of it."""
 _GREATEST = (
     """
     const float* V = (const float*)values.data;
     int top = 0;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int c = lo; c < hi; ++c) {
         union { float number; int bits; } one;
@@ -104,7 +105,7 @@ _ADVANCE = (
     float* R = r.data;
     int top = 0;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int c = lo; c < hi; ++c) {
         X[c] += alpha * P[c];
@@ -144,7 +145,7 @@ _NEXT = (
     const float* Z = z.data;
     float* P = p.data;
 """
-    + _LOOP
+    + LOOP
     + """
     for (int c = lo; c < hi; ++c)
         P[c] = Z[c] + beta * P[c];

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 from worldagent.geometry.launch import warp
 from worldagent.simulation.boundaries import BodyState, Boundary
 from worldagent.simulation.liquid.dfsph import Dfsph, DfsphSettings
+from worldagent.simulation.liquid.dfsph.bodies import _State as BodiesInOneBlock
 from worldagent.tests.physics.grains import grains, slab, still
 from worldagent.tests.physics.liquid_column import G, lattice, liquid
 
@@ -83,3 +86,18 @@ def test_a_gpu_gives_what_a_cpu_gives(name: str, device: str) -> None:
     run, axis = CASES[name]
     one, two = run("cpu", held(axis))[0], run(device, held(axis))[0]
     assert np.abs(one - two).max() < 1e-3 * np.abs(one).max()
+
+
+def test_what_is_read_of_the_bodies_stays_when_the_engine_is_gone() -> None:
+    """All quantities of a step lie in one block of memory; a reader of one keeps it."""
+    state = BodiesInOneBlock(1, "cpu")
+    block = weakref.ref(state._block)
+    state.arrays["velocity"].fill_(warp().vec3(1.0, 2.0, 3.0))
+    velocity = state.arrays["velocity"].numpy()
+    del state
+    gc.collect()
+    assert block() is not None
+    assert velocity.tolist() == [[1.0, 2.0, 3.0]]
+    del velocity
+    gc.collect()
+    assert block() is None

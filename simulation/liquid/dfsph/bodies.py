@@ -42,7 +42,8 @@ class _State:
         self.arrays: dict[str, Any] = {}
         at = self._block.ptr
         for name, width in self.WIDTHS.items():
-            self.arrays[name] = wp.array(ptr=at, dtype=kinds[width], shape=count, device=device)
+            self.arrays[name] = part = wp.array(ptr=at, dtype=kinds[width], shape=count, device=device)
+            part.block = self._block  # whoever reads a part, also through `numpy()`, keeps the block's memory
             at += 4 * count * width
 
     def assign(self, values: dict[str, F64]) -> None:

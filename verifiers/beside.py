@@ -14,7 +14,8 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import nullcontext, suppress
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -26,10 +27,12 @@ from ..worlds.folder import WorldFolder
 from ..worlds.requirements import Row
 from ..worlds.spec import WorldSpec
 
-__all__ = ["Beside", "main", "worth_while"]
+__all__ = ["Beside", "ahead", "main", "worth_while"]
 
 LARGE = 1500
 """[1] Own choice: parts from which on judging takes longer than starting a process."""
+MANY = 200
+"""[1] Own choice: entities from which on a world may have so many parts: furniture and clutter have 8 each."""
 LONGEST = 1800.0
 """[s] Own choice: a process that has not ended by then after the others were judged is taken for hung."""
 LOOK = 2.0
@@ -41,8 +44,16 @@ def worth_while(candidate: Candidate) -> bool:
     """True if a second process may judge some checks: of a large world that was built into its folder, where a core is free for it."""
     if candidate.stage != "static" or sum(len(b.parts) for b in candidate.built.values()) < LARGE:
         return False
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return cores > 1 and all(p.is_file() for p in _files(candidate).values())
+    return _a_core_is_free() and all(p.is_file() for p in _files(candidate).values())
+
+
+def ahead(entities: int, modules: Iterable[str]) -> Beside | nullcontext[None]:
+    """A process that loads modules of checks while a world of many entities is still built, where a core is free for it."""
+    return Beside(modules) if entities >= MANY and _a_core_is_free() else nullcontext()
+
+
+def _a_core_is_free() -> bool:
+    return (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1) > 1
 
 
 def _files(candidate: Candidate) -> dict[str, Path]:
@@ -51,23 +62,33 @@ def _files(candidate: Candidate) -> dict[str, Path]:
 
 
 class Beside:
-    """A process that judges some checks of a candidate, by their places in the list of checks; ended where it is left early."""
+    """A process that loads modules of checks, then judges some checks of a candidate if asked; ended where it is left early."""
 
-    def __init__(self, candidate: Candidate, checks: Mapping[int, Callable[..., list[Row]]]) -> None:
+    def __init__(self, modules: Iterable[str] = ()) -> None:
+        self.checks: tuple[int, ...] = ()
+        """Places in the list of checks of those that it was asked for."""
+        self._files = [tempfile.TemporaryFile() for _ in range(2)]  # noqa: SIM115 - closed as this is left
+        self._request: Path | None = None
+        command = [sys.executable, "-P", "-m", "worldagent.verifiers.beside", str(os.getpid()), *sorted(set(modules))]
+        said, errors = self._files
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=said, stderr=errors)
+
+    def ask(self, candidate: Candidate, checks: Mapping[int, Callable[..., list[Row]]]) -> Beside:
+        """Let it judge checks, given by their places in the list of checks; returns itself."""
         self.checks = tuple(checks)
-        self._files = [tempfile.TemporaryFile() for _ in range(3)]  # noqa: SIM115 - closed as this is left
-        asked, said, errors = self._files
         request = {
-            "parent": os.getpid(),
             "folder": str(candidate.folder),
             "spec": candidate.spec.model_dump_json(exclude_none=True),
             "files": {name: str(path) for name, path in _files(candidate).items()},
             "checks": [(f.__module__, f.__name__) for f in checks.values()],
         }
-        asked.write(json.dumps(request).encode())
-        asked.seek(0)
-        command = [sys.executable, "-P", "-m", "worldagent.verifiers.beside"]
-        self._process = subprocess.Popen(command, stdin=asked, stdout=said, stderr=errors)
+        with tempfile.NamedTemporaryFile("w", suffix=".json", encoding="utf-8", delete=False) as file:
+            json.dump(request, file)
+        self._request, pipe = Path(file.name), self._process.stdin
+        assert pipe is not None
+        with suppress(BrokenPipeError), pipe:  # `rows` tells of its death
+            pipe.write(f"{self._request}\n".encode())  # so short that a process that hangs holds nobody up
+        return self
 
     def __enter__(self) -> Self:
         return self
@@ -76,8 +97,13 @@ class Beside:
         if self._process.poll() is None:
             self._process.kill()
         self._process.wait()
+        if self._process.stdin is not None:
+            with suppress(BrokenPipeError):
+                self._process.stdin.close()
         for file in self._files:
             file.close()
+        if self._request is not None:
+            self._request.unlink(missing_ok=True)
 
     @cached_property
     def rows(self) -> dict[int, list[Row]]:
@@ -93,10 +119,10 @@ class Beside:
             self._process.kill()
             self._process.wait()
             code = None
-        answer = _last(self._read(1))
+        answer = _last(self._read(0))
         if code is None or answer is None:
             how = f"was ended after {LONGEST:g} s" if code is None else f"ended with code {code}"
-            raise EngineError(f"the process that judges {len(self.checks)} of the checks {how}: {self._read(2)[-800:]}")
+            raise EngineError(f"the process that judges {len(self.checks)} of the checks {how}: {self._read(1)[-800:]}")
         if "error" in answer:
             raise ERRORS.get(answer["error"]["type"], EngineError)(answer["error"]["message"])
         return {k: [Row.model_validate_json(r) for r in rows] for k, rows in zip(self.checks, answer["rows"], strict=True)}
@@ -123,9 +149,15 @@ def _end_with(parent: int) -> None:
 
 
 def main() -> None:
-    """Judge what the request on the standard input asks for, and print the rows as JSON."""
-    request = json.load(sys.stdin)
-    threading.Thread(target=_end_with, args=(request["parent"],), daemon=True).start()
+    """Load the modules named, then judge what the request asks for whose path comes on the standard input, and print the rows as JSON."""
+    parent, *modules = sys.argv[1:]
+    threading.Thread(target=_end_with, args=(int(parent),), daemon=True).start()
+    for module in modules:
+        importlib.import_module(module)
+    path = sys.stdin.readline().rstrip("\n")
+    if not path:
+        return
+    request = json.loads(Path(path).read_text(encoding="utf-8"))
     try:
         built = {name: load_built(Path(path)) for name, path in request["files"].items()}
         candidate = Candidate(Path(request["folder"]), WorldSpec.model_validate_json(request["spec"]), built, "static")

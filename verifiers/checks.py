@@ -12,7 +12,7 @@ from ..worlds.ablation import ablation, switched_off
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Check, Row, fail_closed
 from ..worlds.spec import WorldSpec
-from .beside import Beside, worth_while
+from .beside import Beside, ahead, worth_while
 from .categories import check as category
 from .claims import check as claims
 from .claims.described import check as described
@@ -42,6 +42,7 @@ __all__ = [
     "plate_ids",
     "rerun_ids",
     "run_checks",
+    "second_ahead",
     "silent",
 ]
 
@@ -96,6 +97,10 @@ CHECKS: tuple[CheckBinding, ...] = (
 )
 
 
+LOADED = ("worldagent.verifiers.routes.column_kernels", "worldagent.verifiers.routes.way_kernels", "scipy.sparse.csgraph")
+"""What the checks beside load as they come to it; a process that has time loads it before."""
+
+
 def plate_ids(spec: WorldSpec) -> frozenset[str]:
     """Ids of the rows that plates answer."""
     return seen.seen_ids(spec) | colours.colour_ids(spec)
@@ -145,6 +150,7 @@ def run_checks(
     plates: bool | None = None,
     progress: Tell | None = None,
     seconds: dict[str, float] | None = None,
+    second: Beside | None = None,
 ) -> list[Row]:
     """Run every check that judges at the candidate's stage.
 
@@ -155,18 +161,25 @@ def run_checks(
         plates: whether to judge by plates; default where some were made of this bake.
         progress: told before each check, and from within those that simulate.
         seconds: gets the time that the others took, as `judged`.
+        second: process that may judge some of them, from `second_ahead`; default one of its own where that is worth while.
     """
     chosen = _chosen(candidate.stage, only, reruns, seen.taken(candidate) if plates is None else plates)
-    with _second(candidate, chosen) as second:
-        return _judged(candidate, chosen, second, progress, seconds)
+    with _asked(candidate, chosen, second) as helper:
+        return _judged(candidate, chosen, helper, progress, seconds)
 
 
-def _second(candidate: Candidate, chosen: list[CheckBinding]) -> Beside | nullcontext[None]:
+def second_ahead(spec: WorldSpec) -> Beside | nullcontext[None]:
+    """A process for `run_checks` at the static stage that gets ready while the entities are still built; None for small worlds."""
+    modules = {c.function.__module__ for c in CHECKS if c.beside} | set(LOADED)
+    return ahead(len(spec.entities), modules)
+
+
+def _asked(candidate: Candidate, chosen: list[CheckBinding], second: Beside | None) -> Beside | nullcontext[None]:
     """A process that judges those of the checks that may stand beside the others, where that is worth while."""
     apart = {CHECKS.index(c): c.function for c in chosen if c.beside and not switched_off(c.name)}
     if not apart or len(apart) == len(chosen) or not worth_while(candidate):
         return nullcontext()
-    return Beside(candidate, apart)
+    return (Beside() if second is None else second).ask(candidate, apart)
 
 
 def _judged(

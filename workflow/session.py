@@ -195,15 +195,17 @@ class Session(OpenedWorld):
         """
         from ..construction import build_world
         from ..construction.crowding import check_crowding
-        from ..verifiers.checks import names_of, run_checks
+        from ..verifiers.checks import names_of, run_checks, second_ahead
         from ..worlds.candidate import Candidate
 
         if progress is not None:
             progress(0.0, 1.0, "building shapes")
-        built, fresh = build_world(self.folder, self.spec)
-        check_crowding(self.spec, built)
-        asked = None if self.audit().passed else [n for n in names_of("static") if n != "shots"]
-        rows = run_checks(Candidate(self.folder.root, self.spec, built, "static"), only=asked, progress=progress)
+        with second_ahead(self.spec) as second:
+            built, fresh = build_world(self.folder, self.spec)
+            check_crowding(self.spec, built)
+            asked = None if self.audit().passed else [n for n in names_of("static") if n != "shots"]
+            candidate = Candidate(self.folder.root, self.spec, built, "static")
+            rows = run_checks(candidate, only=asked, progress=progress, second=second)
         with self.ledger.together():  # a probe may end this very moment
             stages = self.ledger.stages()
             # A verdict over motion outranks the same row judged at frame 0 only, while it is not stale.

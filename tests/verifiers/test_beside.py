@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Mapping
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -47,13 +48,34 @@ def test_a_second_process_gives_the_rows_that_this_one_would(candidate: Candidat
     monkeypatch.setattr(beside, "LARGE", 1)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
     started = []
-    monkeypatch.setattr(checks, "Beside", lambda *given: started.append(given[1]) or beside.Beside(*given))
+    ask = beside.Beside.ask
+    monkeypatch.setattr(beside.Beside, "ask", lambda self, *given: started.append(given[1]) or ask(self, *given))
     again = Candidate(candidate.folder, candidate.spec, candidate.built, "static")
     assert [r.model_dump_json() for r in run_checks(again, only=ASKED)] == [r.model_dump_json() for r in alone]
     assert [[CHECKS[k].name for k in asked] for asked in started] == [["scale", "scale", "scale", "navigability"]]
     failing = {r.check for r in alone if r.status == "fail"}
     assert {"scale", "interpenetration", "support"} <= failing
     assert any(r.check == "navigability" and r.status == "pass" for r in alone)
+
+
+def test_a_process_that_got_ready_ahead_gives_the_same_rows_and_ends_where_it_is_not_needed(
+    candidate: Candidate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    alone = run_checks(candidate, only=ASKED)
+    assert isinstance(checks.second_ahead(candidate.spec), nullcontext), "it is small"
+    monkeypatch.setattr(beside, "MANY", 1)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+    with checks.second_ahead(candidate.spec) as second:
+        assert second is not None
+        assert [r.id for r in run_checks(candidate, only=ASKED, second=second)] == [r.id for r in alone]
+        assert second.checks == (), "few parts: this process judges all"
+        assert second._process.poll() is None
+        monkeypatch.setattr(beside, "LARGE", 1)
+        again = Candidate(candidate.folder, candidate.spec, candidate.built, "static")
+        rows = run_checks(again, only=ASKED, second=second)
+        assert [r.model_dump_json() for r in rows] == [r.model_dump_json() for r in alone]
+        assert [CHECKS[k].name for k in second.checks] == ["scale", "scale", "scale", "navigability"]
+    assert second._process.poll() is not None
 
 
 def test_a_process_alone_judges_where_there_is_one_core_or_no_folder(
@@ -69,7 +91,7 @@ def test_a_process_alone_judges_where_there_is_one_core_or_no_folder(
 
 
 def test_the_death_of_the_process_is_an_error(candidate: Candidate) -> None:
-    with beside.Beside(candidate, {1: CHECKS[1].function}) as second:
+    with beside.Beside().ask(candidate, {1: CHECKS[1].function}) as second:
         os.kill(second._process.pid, signal.SIGKILL)
         with pytest.raises(EngineError, match="the process that judges 1 of the checks ended with code -9"):
             _ = second.rows
@@ -77,7 +99,7 @@ def test_the_death_of_the_process_is_an_error(candidate: Candidate) -> None:
 
 def test_a_process_that_hangs_is_ended_and_told(candidate: Candidate, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(beside, "LONGEST", 0.0)
-    with beside.Beside(candidate, {1: CHECKS[1].function}) as second:
+    with beside.Beside().ask(candidate, {1: CHECKS[1].function}) as second:
         os.kill(second._process.pid, signal.SIGSTOP)
         with pytest.raises(EngineError, match="was ended after 0 s"):
             _ = second.rows
@@ -87,11 +109,11 @@ def test_a_process_that_hangs_is_ended_and_told(candidate: Candidate, monkeypatc
 def test_what_a_check_raises_there_is_raised_here(candidate: Candidate) -> None:
     path = WorldFolder(candidate.folder).built("pillar", candidate.built["pillar"].recipe)
     path.write_bytes(b"no archive")
-    with beside.Beside(candidate, {1: CHECKS[1].function}) as second, pytest.raises(EvidenceError, match="pillar"):
+    with beside.Beside().ask(candidate, {1: CHECKS[1].function}) as second, pytest.raises(EvidenceError, match="pillar"):
         _ = second.rows
 
 
 def test_it_ends_where_nobody_waits_for_it_any_more(candidate: Candidate) -> None:
-    with beside.Beside(candidate, {1: CHECKS[1].function}) as second:
+    with beside.Beside().ask(candidate, {1: CHECKS[1].function}) as second:
         process = second._process
     assert process.poll() is not None

@@ -158,7 +158,7 @@ def _blocking_points(floor: Floor, blocked: Ints, ignore: int) -> tuple[F64, Int
     )
     inside = height < floor.carrier.headroom - SAME_HEIGHT
     group, piece = group[inside], piece[inside]
-    outline = columns.pieces.outline(piece)
+    outline = columns.outline(piece)
     middle = 0.5 * (outline + np.roll(outline, -1, axis=1))
     points = np.concatenate([outline, middle], axis=1).reshape(-1, 2)
     owner = np.repeat(group, 2 * outline.shape[1])

@@ -18,12 +18,8 @@ from ...worlds.arrays import F64, cross
 __all__ = ["Columns", "Grid", "Hits", "Ints", "Pieces", "Soup", "expand", "heights_of", "rasterise"]
 
 Ints = NDArray[np.intp]
-CHUNK = 40_000
-"""Triangle-cell pairs clipped at once; bounds memory to about 30 MB."""
 SEAM = 1e-9
-"""Relative slack of the point-in-triangle test, so that a centre on a shared edge is hit."""
-UNCUT = (1, 1, 2, 2, 0, 0, 1)
-"""Corners of a triangle that no side of a cell cuts, in the order in which `_clip_fully` leaves them."""
+"""Relative slack of the sides of cells and of the point-in-triangle test, so that a centre on a shared edge is hit."""
 VERTICAL = 1e-9
 """A triangle whose normal has a smaller z share is a wall and has no height at a point."""
 
@@ -62,6 +58,13 @@ class Grid:
         inside = (index >= 0).all(axis=1) & (index[:, 0] < self.nx) & (index[:, 1] < self.ny)
         return np.where(inside, index[:, 0] * self.ny + index[:, 1], -1)
 
+    def reach(self, triangles: F64) -> tuple[Ints, Ints]:
+        """Column and line of the first and of the last cell that triangles reach into, shape (t, 2) each; last < first outside the grid."""
+        a, b, c = (triangles[:, k, :2] for k in range(3))
+        low = np.floor((np.minimum(np.minimum(a, b), c) - self.origin) / self.cell - SEAM).astype(np.intp)
+        high = np.floor((np.maximum(np.maximum(a, b), c) - self.origin) / self.cell + SEAM).astype(np.intp)
+        return np.maximum(low, 0), np.minimum(high, [self.nx - 1, self.ny - 1])
+
 
 class Pieces(NamedTuple):
     """Triangles clipped to cells, sorted by cell."""
@@ -71,15 +74,6 @@ class Pieces(NamedTuple):
     low: F64
     """[m], shape (p,)."""
     high: F64
-    made: Ints
-    """Place of each in `drawn`, shape (p,)."""
-    drawn: F64
-    """Corners in the xy plane [m], shape (p, 7, 2), padded by repetition, as they were made: few are ever asked for, and all in the order
-    of the cells would take as long as the clipping."""
-
-    def outline(self, pieces: Ints) -> F64:
-        """Corners in the xy plane of some pieces [m], shape (n, 7, 2), padded by repetition."""
-        return np.asarray(self.drawn[self.made[pieces]])
 
 
 class Hits(NamedTuple):
@@ -146,22 +140,23 @@ class Columns:
 
     def height_at(self, points: F64, z: F64, reach: float, tangent: float) -> F64:
         """Height of the floor nearest to z at each point, NaN where `surface_at` is False [m], shape (n,)."""
-        found = np.full(len(points), np.nan)
-        cells = self.grid.cells_of(points)
-        inside = np.flatnonzero(cells >= 0)
-        group, piece = self.pieces_in(cells[inside])
-        row, triangle = inside[group], self.pieces.triangle[piece]
-        # What is found below lies in its piece, and is gentle: most of what stands in a cell is neither at that height nor floor.
-        apart = np.maximum(self.pieces.low[piece] - z[row], z[row] - self.pieces.high[piece])
-        floor = self.gentle(tangent)[triangle] & (apart <= reach + self.grid.cell)
-        row, triangle = row[floor], triangle[floor]
-        height, covered, up, slope = heights_of(self.soup.triangles[triangle], points[row])
-        off = np.abs(height - z[row])
-        ok = np.flatnonzero(covered & up & (np.hypot(*slope.T) <= tangent) & (off <= reach))
-        order = ok[np.lexsort((off[ok], row[ok]))]
-        first = order[np.unique(row[order], return_index=True)[1]] if len(order) else order
-        found[row[first]] = height[first]
+        from .column_kernels import heights_at
+
+        found, pieces = np.full(len(points), np.nan), self.pieces
+        heights_at(
+            self.soup.triangles, self.gentle(tangent), tangent, self.grid.cell, self.piece_start, pieces.triangle, pieces.low, pieces.high,
+            self.grid.cells_of(points), np.ascontiguousarray(points), z, reach, found,
+        )  # fmt: skip
         return found
+
+    def outline(self, pieces: Ints) -> F64:
+        """Corners in the xy plane of some pieces [m], shape (n, 7, 2), padded by repetition."""
+        from .column_kernels import outlines_of
+
+        into, low_high = np.empty((len(pieces), 7, 2)), self.grid.reach(self.soup.triangles)
+        cell, triangle = self.pieces.cell[pieces], self.pieces.triangle[pieces]
+        outlines_of(self.soup.triangles, *low_high, self.grid.origin, self.grid.cell, self.grid.ny, cell, triangle, into)
+        return into
 
 
 def heights_of(corner: F64, points: F64) -> tuple[F64, NDArray[np.bool_], NDArray[np.bool_], F64]:
@@ -182,130 +177,20 @@ def heights_of(corner: F64, points: F64) -> tuple[F64, NDArray[np.bool_], NDArra
     return z, covered, area > 0, -normal[:, :2] / safe[:, None]
 
 
-def _clip(polygon: F64, axis: int, bound: F64, sign: float) -> tuple[F64, NDArray[np.bool_]]:
-    """Keep the part of convex polygons, shape (n, k, 3), where sign * (x[axis] - bound) >= 0 (Sutherland-Hodgman)."""
-    height = sign * (polygon[:, :, axis] - bound[:, None])
-    following, after = np.roll(polygon, -1, axis=1), np.roll(height, -1, axis=1)
-    inside, inside_after = height >= 0, after >= 0
-    crossing = inside != inside_after
-    t = np.where(crossing, height / np.where(crossing, height - after, 1.0), 0.0)
-    cut = polygon + t[..., None] * (following - polygon)
-    # Two possible points per edge, in order: where it crosses, then its end.
-    points = np.stack([cut, following], axis=2).reshape(len(polygon), -1, 3)
-    valid = np.stack([crossing, inside_after], axis=2).reshape(len(polygon), -1)
-    order = np.argsort(~valid, axis=1, kind="stable")[:, : polygon.shape[1] + 1]
-    rows = np.arange(len(polygon))[:, None]
-    kept = valid[rows, order]
-    points = points[rows, order]
-    return np.where(kept[..., None], points, points[:, :1]), kept[:, 0]
-
-
-def _parts(corner: F64, low: F64, cell: float, alone: NDArray[np.bool_]) -> tuple[F64, NDArray[np.bool_]]:
-    """Parts of triangles within cells, shape (n, 7, 3), and which are not empty; those that lie in one cell alone are whole."""
-    polygon, alive = np.empty((len(corner), 7, 3)), np.ones(len(corner), dtype=bool)
-    polygon[alone] = corner[alone][:, UNCUT]
-    cut = np.flatnonzero(~alone)
-    polygon[cut], alive[cut] = _clip_to_cells(corner[cut], low[cut], cell)
-    return polygon, alive
-
-
-def _clip_to_cells(corner: F64, low: F64, cell: float) -> tuple[F64, NDArray[np.bool_]]:
-    """Parts of triangles within cells, shape (n, 7, 3), and which are not empty.
-
-    Most cells of a floor lie wholly inside one triangle, or wholly outside: only the others are clipped.
-    """
-    slack = SEAM * cell
-    square = low[:, None] + np.array(
-        [[-slack, -slack], [cell + slack, -slack], [cell + slack, cell + slack], [-slack, cell + slack]]
-    )
-    a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
-    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    weight = np.empty((len(corner), 3, 4))
-    for k, (p, q) in enumerate(((b, c), (c, a), (a, b))):
-        along = (q - p)[:, None]
-        weight[:, k] = along[..., 0] * (square[..., 1] - p[:, None, 1]) - along[..., 1] * (square[..., 0] - p[:, None, 0])
-    weight *= np.sign(area)[:, None, None]
-    flat = np.abs(area) > SEAM * cell * cell
-    whole = flat & (weight >= 0).all(axis=(1, 2))
-    alive = ~(flat & (weight.max(axis=2) < 0).any(axis=1))
-    polygon = np.empty((len(corner), 7, 3))
-    share = weight[whole] / np.abs(area[whole])[:, None, None]
-    polygon[whole, :4, :2] = square[whole]
-    polygon[whole, :4, 2] = np.einsum("nkc,nk->nc", share, corner[whole, :, 2])
-    polygon[whole, 4:] = polygon[whole, :1]
-    inner = alive & ~whole & ((corner[:, :, :2] >= square[:, :1]) & (corner[:, :, :2] <= square[:, 2:3])).all(axis=(1, 2))
-    polygon[inner] = corner[inner][:, UNCUT]
-    rest = np.flatnonzero(alive & ~whole & ~inner)
-    if len(rest):
-        polygon[rest], alive[rest] = _clip_fully(corner[rest], low[rest], cell)
-    return polygon, alive
-
-
-def _clip_fully(corner: F64, low: F64, cell: float) -> tuple[F64, NDArray[np.bool_]]:
-    slack = SEAM * cell
-    polygon, alive = corner, np.ones(len(corner), dtype=bool)
-    for axis in (0, 1):
-        for sign, bound in ((1.0, low[:, axis] - slack), (-1.0, low[:, axis] + cell + slack)):
-            polygon, kept = _clip(polygon, axis, bound, sign)
-            alive &= kept
-    return polygon, alive
-
-
 def rasterise(soup: Soup, grid: Grid) -> Columns:
     """Sort all triangles of a soup into the columns of a grid."""
-    flat = soup.triangles[:, :, :2]
-    low = np.floor((flat.min(axis=1) - grid.origin) / grid.cell - SEAM).astype(np.intp)
-    high = np.floor((flat.max(axis=1) - grid.origin) / grid.cell + SEAM).astype(np.intp)
-    low, high = np.maximum(low, 0), np.minimum(high, [grid.nx - 1, grid.ny - 1])
+    from .column_kernels import pieces_of, placed
+
+    low, high = grid.reach(soup.triangles)
     span = np.maximum(high - low + 1, 0)
-    counts = span[:, 0] * span[:, 1]
-    pieces: list[Pieces] = []
-    hits: list[Hits] = []
-    ends = np.cumsum(counts)
-    for begin in range(0, int(counts.sum()), CHUNK):
-        pair = np.arange(begin, min(begin + CHUNK, int(ends[-1])))
-        triangle = np.searchsorted(ends, pair, side="right")
-        number = pair - (ends - counts)[triangle]
-        column, line = number // span[triangle, 1], number % span[triangle, 1]
-        index = low[triangle] + np.stack([column, line], axis=1)
-        cell = index[:, 0] * grid.ny + index[:, 1]
-        corner = soup.triangles[triangle]
-        polygon, alive = _parts(corner, grid.origin + grid.cell * index, grid.cell, counts[triangle] == 1)
-        polygon = polygon[alive]
-        z, made = polygon[:, :, 2], np.arange(len(polygon))
-        pieces.append(Pieces(cell[alive], triangle[alive], z.min(axis=1), z.max(axis=1), made, polygon[:, :, :2]))
-        height, covered, up, gradient = heights_of(corner, grid.centers(cell))
-        covered &= soup.solid[triangle]
-        hits.append(Hits(cell[covered], height[covered], up[covered], gradient[covered], triangle[covered]))
-    return Columns(grid, soup, _sorted_pieces(pieces), _sorted_hits(hits))
-
-
-def _sorted_pieces(blocks: list[Pieces]) -> Pieces:
-    if not blocks:
-        none = np.zeros(0)
-        return Pieces(none.astype(np.intp), none.astype(np.intp), none, none, none.astype(np.intp), np.zeros((0, 7, 2)))
-    cell = np.concatenate([b.cell for b in blocks])
-    order = np.argsort(cell, kind="stable")
-    return Pieces(
-        cell[order],
-        np.concatenate([b.triangle for b in blocks])[order],
-        np.concatenate([b.low for b in blocks])[order],
-        np.concatenate([b.high for b in blocks])[order],
-        order,
-        np.concatenate([b.drawn for b in blocks]),
-    )
-
-
-def _sorted_hits(blocks: list[Hits]) -> Hits:
-    if not blocks:
-        none = np.zeros(0)
-        return Hits(none.astype(np.intp), none, none.astype(bool), np.zeros((0, 2)), none.astype(np.intp))
-    cell, z = np.concatenate([b.cell for b in blocks]), np.concatenate([b.z for b in blocks])
-    order = np.lexsort((z, cell))
-    return Hits(
-        cell[order],
-        z[order],
-        np.concatenate([b.up for b in blocks])[order],
-        np.concatenate([b.gradient for b in blocks])[order],
-        np.concatenate([b.triangle for b in blocks])[order],
-    )
+    pairs, cells = int((span[:, 0] * span[:, 1]).sum()), grid.nx * grid.ny
+    first = np.zeros(cells + 1, dtype=np.intp)
+    cell, triangle, met, at = (np.empty(pairs, dtype=np.intp) for _ in range(4))
+    below, above, z = (np.empty(pairs) for _ in range(3))
+    up, gradient = np.empty(pairs, dtype=bool), np.empty((pairs, 2))
+    made = (cell, triangle, below, above, at, z, up, gradient, met)
+    pieces, hits = pieces_of(soup.triangles, soup.solid, low, high, grid.origin, grid.cell, grid.ny, cells, first, *made)
+    order = placed(cell[:pieces], first)
+    found = Pieces(*(x[:pieces][order] for x in (cell, triangle, below, above)))
+    met_first = np.lexsort((z[:hits], at[:hits]))
+    return Columns(grid, soup, found, Hits(*(x[:hits][met_first] for x in (at, z, up, gradient, met))))

@@ -85,6 +85,15 @@ class Floor:
         return np.column_stack([flat, self.nodes.z])
 
     @cached_property
+    def ways(self) -> tuple[Ints, Ints]:
+        """Links that go either way: first of each node, shape (n + 1,), and the linked nodes."""
+        row, way = np.nonzero(self.links >= 0)
+        to = self.links[row, way]
+        source, target = np.concatenate([row, to]), np.concatenate([to, row])
+        order = np.argsort(source, kind="stable")
+        return np.searchsorted(source[order], np.arange(len(self.links) + 1)), target[order]
+
+    @cached_property
     def edges(self) -> tuple[Ints, Ints]:
         """Links between free nodes as (from, to)."""
         row, way = np.nonzero(self.links >= 0)
@@ -107,35 +116,20 @@ def lay_floor(columns: Columns, carrier: Carrier, *, ignore: int = -1) -> Floor:
 
 
 def _nodes(columns: Columns, carrier: Carrier, ignore: int) -> Nodes:
+    from .column_kernels import floors_of
+
     hits, soup = columns.hits, columns.soup
     keep = soup.owner[hits.triangle] != ignore
     cell, z, up, gradient, triangle = (x[keep] for x in hits)
     tangent = np.hypot(gradient[:, 0], gradient[:, 1])
     closed, owner = soup.closed[triangle], soup.owner[triangle]
-    count = len(cell)
     gentle = up & (tangent <= carrier.tangent * (1 + 1e-9))
-    covered, low_thing, inside, first_seen, stepped = np.zeros((5, count), dtype=bool)
-    for k in range(1, count):
-        here = np.arange(count - k)
-        same = cell[here] == cell[here + k]
-        if not same.any():
-            break
-        rise = z[here + k] - z[here]
-        above = same & (rise > SAME_HEIGHT)
-        within = above & (rise <= carrier.step)
-        covered[here] |= within & up[here + k]
-        low_thing[here] |= within & ~up[here + k]
-        # The first surface above that faces up means that the node lies inside the body that it belongs to.
-        inside[here] |= above & ~first_seen[here] & up[here + k] & closed[here + k]
-        first_seen[here] |= above
-        stepped[here + k] |= within & gentle[here]
-        duplicate = same & (rise <= SAME_HEIGHT) & up[here] & up[here + k]
-        covered[here] |= duplicate
-    floor = up & ~covered & (gentle | stepped)
+    floor, inside = np.zeros((2, len(cell)), dtype=bool)
+    floors_of(cell, z, up, gentle, closed, carrier.step, SAME_HEIGHT, floor, inside)
     slope = np.where(gentle[:, None], gradient, 0.0)[floor]
     cell, z, owner = cell[floor], z[floor], owner[floor]
     blocked, ceiling, blocker = _overhead(columns, carrier, cell, z, slope, ignore)
-    blocked |= inside[floor] | low_thing[floor]
+    blocked |= inside[floor]
     return Nodes(cell, z, slope, owner, blocked, ceiling, blocker)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,6 @@ from .clearances import Obstacles, clearance_at, obstacles_near
 from .columns import Ints, expand
 from .shortest import shortest_way
 from .walkable import DIRECTIONS, Floor
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 __all__ = ["Way", "passable", "pieces_of", "reachable", "widest_way"]
 
@@ -92,13 +89,16 @@ def pieces_of(floor: Floor, inside: NDArray[np.bool_], share: float) -> Ints:
     return np.asarray(rows[count[piece] >= share * count.max()])
 
 
-def _highest(values: F64, holds: Callable[[float], bool]) -> float:
-    """Largest of the sorted values for which a monotone condition holds; it holds for the first."""
-    low, high = 0, len(values) - 1
-    while low < high:
-        middle = (low + high + 1) // 2
-        low, high = (middle, high) if holds(float(values[middle])) else (low, middle - 1)
-    return float(values[low])
+def _narrowest(floor: Floor, clearance: F64, free: NDArray[np.bool_], stops: Sequence[Ints]) -> float:
+    """Largest clearance [m] that some way through all stops keeps, over free nodes; -1 where there is none."""
+    from .way_kernels import bottleneck
+
+    start, target = floor.ways
+    order = np.argsort(-clearance, kind="stable")
+    seen = np.zeros((len(stops), len(free)), dtype=bool)
+    for k, stop in enumerate(stops):
+        seen[k, stop] = True
+    return float(bottleneck(order[free[order]], clearance, start, target, seen))
 
 
 def widest_way(floor: Floor, obstacles: Obstacles, stops: Sequence[Ints], wanted: float, cap: float) -> Way | None:
@@ -117,17 +117,13 @@ def widest_way(floor: Floor, obstacles: Obstacles, stops: Sequence[Ints], wanted
     clearance = obstacles.clearance.copy()
     points = floor.points.copy()
 
-    def joined(threshold: float) -> bool:
-        return _joined(floor, free & (clearance >= threshold), stops)
-
-    values = np.unique(np.concatenate([[0.0], clearance[free]]))
-    widest = _highest(values, joined)
+    widest = _narrowest(floor, clearance, free, stops)
     if widest < cap * (1 - 1e-9):
         # Centres of cells miss the middle of a door by up to half a cell: let the points near the bottleneck move.
         cell = floor.columns.grid.cell
         near = np.flatnonzero(free & (clearance >= widest - 0.75 * cell) & (clearance <= widest + cell))
         clearance[near], points[near, :2] = _centred(floor, obstacles, near, cap)
-        widest = _highest(np.unique(np.concatenate([[0.0], clearance[free]])), joined)
+        widest = _narrowest(floor, clearance, free, stops)
     best = _shortest(floor, points, free & (clearance >= widest), stops)
     if best is None:
         return None
@@ -181,10 +177,12 @@ def _shortest(floor: Floor, points: F64, keep: NDArray[np.bool_], stops: Sequenc
 
 def _centred(floor: Floor, obstacles: Obstacles, nodes: Ints, cap: float) -> tuple[F64, F64]:
     """Move points within their cells to where clearance is largest: pattern search with halved steps."""
+    from .way_kernels import moved
+
     row, label = obstacles_near(floor, obstacles, nodes, LOST)
-    first = obstacles.start[label]
-    group, number = expand(obstacles.start[label + 1] - first)
-    owner, obstacle = row[group], obstacles.point[first[group] + number]
+    begin = obstacles.start[label]
+    group, number = expand(obstacles.start[label + 1] - begin)
+    owner, obstacle = row[group], obstacles.point[begin[group] + number]
     center, half = floor.points[nodes, :2], 0.5 * floor.columns.grid.cell
     # A point that moves within its cell cannot come nearer to obstacles farther than this.
     gap = np.linalg.norm(center[owner] - obstacle, axis=1)
@@ -192,58 +190,7 @@ def _centred(floor: Floor, obstacles: Obstacles, nodes: Ints, cap: float) -> tup
     np.minimum.at(least, owner, gap)
     matters = gap <= least[owner] + 4.0 * half
     owner, obstacle = owner[matters], obstacle[matters]
-    place = center.copy()
-    gaps = _Gaps(owner, obstacle, cap)
-    best = gaps.least(place)
-    step = 0.5 * half
-    ways = np.array(DIRECTIONS, dtype=np.float64)
-    longest = float(np.linalg.norm(ways, axis=1).max())
-    for _ in range(LEVELS):
-        # All further steps together are shorter than this, and what is nearest now comes no nearer than by as much.
-        gaps = gaps.near(place, 2.0 * 4.0 * longest * step)
-        for _ in range(2):
-            trial = [np.clip(place + step * way, center - half, center + half) for way in ways]
-            values = np.stack([gaps.least(t) for t in trial])
-            k = values.argmax(axis=0)
-            rows = np.arange(len(nodes))
-            better = values[k, rows] > best
-            best = np.where(better, values[k, rows], best)
-            place = np.where(better[:, None], np.stack(trial)[k, rows], place)
-        step *= 0.5
+    first = np.searchsorted(owner, np.arange(len(center) + 1))
+    best, place = np.empty(len(center)), center.copy()
+    moved(first, obstacle, center, half, cap, LEVELS, np.array(DIRECTIONS, dtype=np.float64), best, place)
     return best, place
-
-
-class _Gaps:
-    """Distances of points to the obstacles about each of them.
-
-    Args:
-        owner: point of each obstacle, in order, shape (m,).
-        obstacle: where it is [m], shape (m, 2).
-        cap: distances count up to this [m].
-    """
-
-    def __init__(self, owner: Ints, obstacle: F64, cap: float) -> None:
-        self.owner, self.cap = owner, cap
-        self.x, self.y = np.ascontiguousarray(obstacle[:, 0]), np.ascontiguousarray(obstacle[:, 1])
-        self.present, self.begin = np.unique(owner, return_index=True)
-
-    def _squares(self, points: F64) -> F64:
-        x, y = points[:, 0][self.owner] - self.x, points[:, 1][self.owner] - self.y
-        return np.asarray(x * x + y * y)
-
-    def least(self, points: F64) -> F64:
-        """Distance of each point to the nearest of its obstacles [m], shape (n,)."""
-        found = np.full(len(points), self.cap)
-        if len(self.owner):
-            found[self.present] = np.minimum(np.sqrt(np.minimum.reduceat(self._squares(points), self.begin)), self.cap)
-        return found
-
-    def near(self, points: F64, beyond: float) -> _Gaps:
-        """Those obstacles that are no farther than the nearest and so much beyond [m]."""
-        if not len(self.owner):
-            return self
-        gap = np.sqrt(self._squares(points))
-        least = np.full(len(points), np.inf)
-        least[self.present] = np.minimum.reduceat(gap, self.begin)
-        some = gap <= least[self.owner] + beyond
-        return _Gaps(self.owner[some], np.column_stack([self.x[some], self.y[some]]), self.cap)

@@ -56,12 +56,14 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
 
 
 def _fixed(asked: AssetAsk, before: Entity | None, made: Made) -> bool:
-    """True if the leaves of a thing are to stay where they are made: as asked, else as before.
+    """True if the leaves of a thing are to stay where they are made: as asked, else as before. A static thing without leaves is fixed as it is.
 
     Raises:
-        InputError: it has none.
+        InputError: it has none, and is not static.
     """
     if asked.fixed and not made.joints:
+        if asked.motion == "static":
+            return False
         raise InputError(
             f"a {asked.generator} has no leaves, drawers or lids that `fixed` could hold; leave it out, or ask for motion 'static'"
         )

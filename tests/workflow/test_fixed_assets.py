@@ -45,6 +45,14 @@ def test_a_static_door_whose_leaf_still_turns_is_told(spec: WorldSpec) -> None:
     assert "fixed: true" in told["still_moving"]
 
 
+def test_a_static_thing_without_joints_may_be_called_fixed(spec: WorldSpec) -> None:
+    operations, _ = asset_operations(spec, "jar", AssetAsk(generator="glass", fixed=True, motion="static"))
+    jar = apply_patch(spec, operations).entities["jar"]
+    assert jar.motion == "static"
+    assert jar.asset is not None
+    assert not jar.asset.fixed
+
+
 def test_what_has_no_joints_cannot_be_fixed(spec: WorldSpec) -> None:
     with pytest.raises(InputError, match="no leaves, drawers or lids"):
         asset_operations(spec, "jar", AssetAsk(generator="glass", fixed=True))

@@ -79,7 +79,7 @@ class Beside:
         request = {
             "folder": str(candidate.folder),
             "spec": candidate.spec.model_dump_json(exclude_none=True),
-            "files": {name: str(path) for name, path in _files(candidate).items()},
+            "files": {name: (str(path), candidate.built[name].digest()) for name, path in _files(candidate).items()},
             "checks": [(f.__module__, f.__name__) for f in checks.values()],
         }
         with tempfile.NamedTemporaryFile("w", suffix=".json", encoding="utf-8", delete=False) as file:
@@ -159,7 +159,7 @@ def main() -> None:
         return
     request = json.loads(Path(path).read_text(encoding="utf-8"))
     try:
-        built = {name: load_built(Path(path)) for name, path in request["files"].items()}
+        built = {name: load_built(Path(path)).known(digest) for name, (path, digest) in request["files"].items()}
         candidate = Candidate(Path(request["folder"]), WorldSpec.model_validate_json(request["spec"]), built, "static")
         judges = [getattr(importlib.import_module(module), name) for module, name in request["checks"]]
         rows = [[r.model_dump_json() for r in judge(candidate)] for judge in judges]

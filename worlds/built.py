@@ -129,7 +129,12 @@ class BuiltEntity:
 
     @cached_property
     def _digest(self) -> str:
-        return hashlib.sha256(_encode(self, with_recipe=False)).hexdigest()
+        return hashlib.sha256(stored_zip(_files_of(self))).hexdigest()
+
+    def known(self, digest: str) -> BuiltEntity:
+        """This entity, whose content has a digest that was worked out before, where it was saved or read."""
+        self.__dict__["_digest"] = digest
+        return self
 
 
 def _pose_list(pose: RigidPose) -> list[float]:
@@ -153,7 +158,8 @@ def _npy_header(dtype: str, shape: tuple[int, ...]) -> bytes:
     return raw.getvalue()
 
 
-def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
+def _files_of(built: BuiltEntity) -> dict[str, bytes]:
+    """Files of its archive by name, without the recipe."""
     files: dict[str, bytes] = {}
     parts = []
     for i, part in enumerate(built.parts):
@@ -185,13 +191,20 @@ def _encode(built: BuiltEntity, *, with_recipe: bool) -> bytes:
     ]
     bonds = {} if built.bonds is None else bond_arrays(built.bonds)
     files |= {f"bonds/{key}": _npy(value) for key, value in bonds.items()}
-    meta = {"entity": built.entity, "bodies": bodies, "parts": parts, "recipe": built.recipe if with_recipe else ""}
-    return stored_zip({"meta.json": json.dumps(meta, sort_keys=True).encode(), **{name: files[name] for name in sorted(files)}})
+    meta = {"entity": built.entity, "bodies": bodies, "parts": parts, "recipe": ""}
+    return {"meta.json": json.dumps(meta, sort_keys=True).encode(), **{name: files[name] for name in sorted(files)}}
+
+
+_NO_RECIPE = b'"recipe": ""}'
+"""End of `meta.json`, whose keys are sorted."""
 
 
 def save_built(built: BuiltEntity, path: Path) -> None:
     """Write to `path` through a temporary name."""
-    write_atomically(path, _encode(built, with_recipe=True))
+    files = _files_of(built)
+    built.known(hashlib.sha256(stored_zip(files)).hexdigest())
+    files["meta.json"] = files["meta.json"].removesuffix(_NO_RECIPE) + f'"recipe": {json.dumps(built.recipe)}}}'.encode()
+    write_atomically(path, stored_zip(files))
 
 
 def load_built(path: Path) -> BuiltEntity:

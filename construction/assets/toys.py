@@ -80,7 +80,7 @@ class BallParameters(Parameters):
 
 BALLS = {
     "football": (0.22, "rigid_foam"),
-    "basketball": (0.24, "felt"),
+    "basketball": (0.24, "inflated_basketball"),
     "tennis": (0.067, "wool"),
     "table_tennis": (0.04, "rigid_foam"),
     "billiard": (0.0572, "pvc"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -159,6 +160,14 @@ def _slips(surfaces: Surfaces, a: str, b: str) -> Correction:
             "relations",
             f"End `frames` of the relation at {frame}{WEAKER}, or leave `frames` out.",
             pointers=("/graph/relations",),
+        )
+    speed = math.dist((0, 0, 0), getattr(spec.entities[b].physics, "linear_velocity", (0, 0, 0)))
+    if speed > 0.0:
+        return correction(
+            f"{b!r} begins with {speed:.3g} m/s: what is thrown or rolls does not stand",
+            "relations",
+            f"End `frames` of the relation at 0, or remove it, if {b!r} is meant to set out then{WEAKER}; else take its `linear_velocity` out.",
+            pointers=("/graph/relations", pointer("entities", b, "physics", "linear_velocity")),
         )
     return correction(
         "the body slides or tips off, or the interval reaches into its motion",

@@ -20,6 +20,7 @@ from worldagent.worlds.spec import (
     ForceDriver,
     Part,
     ReleaseDriver,
+    RigidPhysics,
     Rope,
     SpringJoint,
     Supports,
@@ -155,6 +156,18 @@ def test_creep_beyond_the_limit_fails(tmp_path, creep, status):
         assert row.measured == pytest.approx(creep)
         assert row.first_failing_frame == FRAMES - 1
         assert row.corrections[0].group == "material"
+
+
+def test_what_begins_with_a_speed_is_not_told_to_rub_more(tmp_path):
+    """A ball that was placed on a landing and then given a velocity was told to raise its friction."""
+    moves = {"crate": (np.column_stack([np.linspace(0, 0.3, FRAMES), np.zeros(FRAMES), np.full(FRAMES, 0.1)]), IDENTITY)}
+    thrown = crate(physics=RigidPhysics(linear_velocity=(1.2, 0, 0)))
+    row = rows_of(tmp_path, {"floor": ground(), "crate": thrown}, relations=on(), tracks=moves)["support:on:crate"]
+    assert row.status == "fail"
+    assert "begins with 1.2 m/s" in row.corrections[0].cause
+    assert "/entities/crate/physics/linear_velocity" in row.corrections[0].pointers
+    ended = rows_of(tmp_path / "ended", {"floor": ground(), "crate": thrown}, relations=on(frames=(0, 0)), tracks=moves)
+    assert ended["support:on:crate"].status == "pass", "what it advises helps"
 
 
 def test_creep_is_measured_against_the_carrier(tmp_path):

@@ -145,6 +145,12 @@ def _stand(
     kin.append(list(ids.values()))
 
 
+GRAZES = 0.02
+"""[m] Own choice: an overlap up to this is told how far to move, larger ones are of a place that is taken."""
+CLEAR = 2e-4
+"""[m] Own choice: room beyond what overlaps, less than what counts as contact."""
+
+
 def _overlaps(
     scene: Scene, asked: Asked, stands: Mapping[str, tuple[Body, RigidPose]], kin: Sequence[Sequence[str]]
 ) -> list[Overlap]:
@@ -161,8 +167,9 @@ def _overlaps(
     found = sorted(overlaps(scene, bodies, poses, kin), key=lambda o: -o.depth)  # type: ignore[arg-type]
     if found and asked.strict:
         more = f" ({len(found)} pairs in all)" if len(found) > 1 else ""
+        way = f"{found[0].depth + CLEAR:.4f} m away from it is enough" if found[0].depth <= GRAZES else "choose another place"
         raise RefusedError(
-            f"{found[0].a!r} would overlap {found[0].b!r} by {found[0].depth:.4g} m there{more}; choose another place, "
+            f"{found[0].a!r} would overlap {found[0].b!r} by {found[0].depth:.4g} m there{more}; {way}, "
             "or strict=false to place it anyway (the interpenetration check will fail)"
         )
     return found

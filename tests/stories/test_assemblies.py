@@ -132,3 +132,14 @@ def test_a_crate_of_half_the_density_is_put_at_its_float_line(agent: Any, monkey
 )
 def test_what_cannot_be_placed_is_refused_with_the_next_step(yard: Any, arguments: dict[str, Any], words: str) -> None:
     assert words in yard.refused("place_object", world="w", **arguments)
+
+
+def test_what_only_grazes_is_told_how_far_to_move(yard: Any) -> None:
+    """A clock 0.2 mm in its wall was told to choose another place; what it needed was 0.4 mm."""
+    beside = {"entity": "table", "side": "+x", "gap": 0.001}
+    x, y, _ = yard.call("place_object", world="w", entity="stone", on="ground", beside=beside)["pose"]["position"]
+    told = yard.refused("place_object", world="w", entity="stone", on="ground", at=[x - 0.004, y])
+    assert "m away from it is enough" in told
+    away = float(told.split(" m away from it")[0].rsplit(" ", 1)[1])
+    assert 0.001 < away < 0.005
+    yard.call("place_object", world="w", entity="stone", on="ground", at=[x - 0.004 + away, y])

@@ -277,8 +277,13 @@ def and_(scope: Scope, p: And) -> Outcome:
     firsts = [o.first_true_frame for o in outcomes]
     latest = max(f for f in firsts if f is not None) if all(f is not None for f in firsts) else None
     failing = tuple(dict.fromkeys(e for o in outcomes for e in o.failing))
-    truth = _joined(outcomes, every=True)
-    return replace(worst, explanation=text, truth=truth, first_true_frame=latest, failing=failing, frames=scope.frames)
+    truth, details = _joined(outcomes, every=True), worst.details
+    if worst.status == "fail":
+        asks = next(str(getattr(q, "kind", "")) for q, o in zip(p.of, outcomes, strict=True) if o is worst)
+        details = {"asks": asks, **details}
+    return replace(
+        worst, explanation=text, truth=truth, first_true_frame=latest, failing=failing, frames=scope.frames, details=details
+    )
 
 
 def or_(scope: Scope, p: Or) -> Outcome:

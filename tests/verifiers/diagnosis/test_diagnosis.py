@@ -454,3 +454,14 @@ def test_a_broken_chain_speaks_of_dominoes_only_between_things_that_stand(uprigh
     told = " ".join(c.action for c in diagnose(row, _placed(upright=upright)).corrections)
     assert said in told
     assert ("dominoes" in told) == upright
+
+
+def test_what_ends_apart_is_not_told_to_set_out_slower() -> None:
+    """An orange that stopped 13.5 mm short of a leg was told that it goes too far."""
+    short = {"measured": 0.0135, "bound": 0.002, "comparison": "<=", "unit": "m", "first_failing_entity": "a"}
+    row = _row("beat:rest", check="beat", entities=("a", "b"), evidence={"asks": "separation"}, **short)
+    told = diagnose(row, _spec())
+    assert "stops short" in told.corrections[0].cause
+    assert not any(c.patch for c in told.corrections), "how much faster is not known"
+    far = diagnose(_row("beat:rest", check="beat", entities=("a",), evidence={"asks": "displacement"}, **short), _spec())
+    assert all("stops short" not in c.cause for c in far.corrections)

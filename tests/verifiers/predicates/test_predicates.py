@@ -336,6 +336,17 @@ def test_each_is_replaced_at_any_depth(tmp_path: Path) -> None:
     assert evaluate(candidate, Count(entities=["d0", "d1"], predicate=deep, min=1, max=1), (0, N - 1)).status == "pass"
 
 
+def test_of_several_that_must_hold_the_one_that_fails_worst_is_named(tmp_path: Path) -> None:
+    """Its kind decides which advice a row gets."""
+    candidate = falling_row(tmp_path, [1.2, 0.3])
+    both = And(of=[Tilts(entity="d1", max=3.0), Topples(entity="d1")])
+    failed = evaluate(candidate, both, (0, N - 1))
+    assert (failed.status, failed.details["asks"]) == ("fail", "topples")
+    held = evaluate(candidate, And(of=[Topples(entity="d0"), Tilts(entity="d0", max=3.0)]), (0, N - 1))
+    assert held.status == "pass"
+    assert "asks" not in held.details
+
+
 def test_always_and_eventually_use_the_inner_truth_over_their_own_frames(tmp_path: Path) -> None:
     candidate = moving_cube(tmp_path)
     inside = Reaches(entity="cube", region="near")

@@ -138,7 +138,8 @@ def picture(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     what = (
         "frames side by side" if asked.kind == "contact_sheet" else f"{seen.view.samples or session.spec.look.samples} paths each"
     )
-    context.progress(0.05, 1.0, f"drawing {width} x {height} pixels, {what}")
+    # Nothing is done yet that tells a pace: shaders and geometry are loaded first, and a time left would be made up.
+    context.progress(0.0, 1.0, f"drawing {width} x {height} pixels, {what}")
     return take(session, asked, seen)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from worldagent.tests.stories.small_run import GAP, PROMPT, TOP, small_spec
@@ -88,3 +89,19 @@ def test_a_fine_still_is_a_job_and_the_same_call_shows_it(context: ToolContext, 
     assert shown.pictures
     assert shown.data["file"] == ended.data["result"]["file"]
     assert shown.data["camera"] == ended.data["result"]["camera"]
+
+
+def test_a_picture_tells_no_time_left_before_anything_is_drawn(context: ToolContext, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stills that took 70 s were told as 14 minutes, from the twentieth that a first step had counted for."""
+    edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
+    asked = taken_pictures.PictureAsk("preview", 0, None, None, None, "static", (64, 64), None)
+    told: list[tuple[float, float, str]] = []
+
+    class Job:
+        def progress(self, done: float, total: float, message: str) -> None:
+            told.append((done, total, message))
+
+    payload = {"folder": str(Path(context.workspace.root) / "w"), "asked": asked.plain()}
+    assert taken_pictures.picture(payload, cast("Any", Job()))["file"].startswith("pictures/preview_")
+    assert told[-1][2].startswith("drawing 64 x 64 pixels")
+    assert all(done == 0.0 for done, _, _ in told)

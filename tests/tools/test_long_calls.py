@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, cast
 
 import pytest
@@ -101,7 +100,7 @@ def test_a_picture_tells_no_time_left_before_anything_is_drawn(context: ToolCont
         def progress(self, done: float, total: float, message: str) -> None:
             told.append((done, total, message))
 
-    payload = {"folder": str(Path(context.workspace.root) / "w"), "asked": asked.plain()}
+    payload = {"folder": str(context.workspace / "w"), "asked": asked.plain()}
     assert taken_pictures.picture(payload, cast("Any", Job()))["file"].startswith("pictures/preview_")
     assert told[-1][2].startswith("drawing 64 x 64 pixels")
     assert all(done == 0.0 for done, _, _ in told)

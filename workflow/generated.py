@@ -49,7 +49,7 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
     taken = [k for k in documents.entities if k in spec.entities and not _belongs(spec, name, k)]
     if taken:
         raise InputError(f"{taken[0]!r} would be a body of {name!r} and is an entity already; choose another id")
-    told = _told(made, documents) | _still_hung(asked, documents)
+    told = _told(made, documents) | _still_moving(name, asked, made, documents)
     if before is not None:
         told |= _kept(spec, name, before, documents)
     return _operations(spec, name, before, documents), told
@@ -61,26 +61,36 @@ def _fixed(asked: AssetAsk, before: Entity | None, made: Made) -> bool:
     Raises:
         InputError: it has none, and is not static.
     """
-    if asked.fixed and not made.joints:
+    holds = bool(made.joints or made.carries)
+    if asked.fixed and not holds:
         if asked.motion == "static":
             return False
         raise InputError(
             f"a {asked.generator} has no leaves, drawers or lids that `fixed` could hold; leave it out, or ask for motion 'static'"
         )
     if asked.fixed is None:
-        return before is not None and before.asset is not None and before.asset.fixed and bool(made.joints)
+        return before is not None and before.asset is not None and before.asset.fixed and holds
     return asked.fixed
 
 
-def _still_hung(asked: AssetAsk, documents: AssetDocuments) -> dict[str, Any]:
-    """Note on bodies that move on their joints although the thing is asked for as static."""
+def _still_moving(name: str, asked: AssetAsk, made: Made, documents: AssetDocuments) -> dict[str, Any]:
+    """Note on bodies that move on their joints, or lie loosely, although the thing is asked for as static."""
+    from ..construction.assets.documents import body_id
+
     hung = [j["child"] for j in documents.joints.values()]
-    if asked.motion != "static" or not hung:
+    loose = [n for n in (body_id(name, b) for _, b in made.carries) if documents.entities[n]["motion"] == "dynamic"]
+    if asked.motion != "static" or not (hung or loose):
         return {}
-    more = f" and {len(hung) - SHOWN} more" if len(hung) > SHOWN else ""
-    return {
-        "still_moving": f"{', '.join(hung[:SHOWN])}{more} turn or slide on joints; asset {{fixed: true}} makes them static too"
-    }
+    moving = [*hung, *loose]
+    more = f" and {len(moving) - SHOWN} more" if len(moving) > SHOWN else ""
+    how = (
+        "turn or slide on joints"
+        if hung and not loose
+        else "lie loosely"
+        if loose and not hung
+        else "hang on joints or lie loosely"
+    )
+    return {"still_moving": f"{', '.join(moving[:SHOWN])}{more} {how}; asset {{fixed: true}} makes them static too"}
 
 
 def made_of(asset: Asset) -> Made:

@@ -53,6 +53,18 @@ def test_a_static_thing_without_joints_may_be_called_fixed(spec: WorldSpec) -> N
     assert not jar.asset.fixed
 
 
+def test_a_lid_that_lies_loosely_is_told_and_fixed(spec: WorldSpec) -> None:
+    operations, told = asset_operations(spec, "jam", AssetAsk(generator="jar", motion="static"))
+    assert apply_patch(spec, operations).entities["jam_lid"].motion == "dynamic"
+    assert "jam_lid lie loosely" in told["still_moving"]
+    operations, told = asset_operations(spec, "jam", AssetAsk(generator="jar", motion="static", fixed=True))
+    made = apply_patch(spec, operations)
+    assert made.entities["jam_lid"].motion == "static"
+    assert "still_moving" not in told
+    wider, _ = asset_operations(made, "jam", AssetAsk(generator="jar", parameters={"height": 0.16}))
+    assert apply_patch(made, wider).entities["jam_lid"].motion == "static", "it stays fixed where the call does not say"
+
+
 def test_what_has_no_joints_cannot_be_fixed(spec: WorldSpec) -> None:
     with pytest.raises(InputError, match="no leaves, drawers or lids"):
         asset_operations(spec, "jar", AssetAsk(generator="glass", fixed=True))

@@ -61,7 +61,7 @@ def seat(scene: Scene, names: Sequence[str], body: Body, on: str, pose: RigidPos
     Raises:
         InputError: they are not above the other one.
     """
-    gap = max(scene.gap(name, on) for name in names) + above
+    gap = scene.standing_gap(names, on) + above
     found, name = approach(body, pose, scene.body(on), scene.pose(on), np.array([0.0, 0.0, -1.0]), gap), names[0]
     if found is None:
         raise InputError(

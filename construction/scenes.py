@@ -48,6 +48,10 @@ class Body(NamedTuple):
         )
 
 
+LEVEL = 0.005
+"""[m] Own choice: what ends no higher above the lowest of an assembly stands with it."""
+
+
 class Scene:
     """Entities of a world at frame 0, built as they are asked for.
 
@@ -109,6 +113,12 @@ class Scene:
     def pose(self, name: str) -> RigidPose:
         """Pose of an entity at frame 0."""
         return pose_of(self.spec.entities[name].pose)
+
+    def standing_gap(self, names: Sequence[str], on: str) -> float:
+        """Largest gap that those of some entities which stand lowest leave over another [m]: a lid asks for none of its jar."""
+        lows = {n: float(self.body(n).box(self.pose(n))[0][2]) for n in names}
+        lowest = min(lows.values())
+        return max(self.gap(n, on) for n in names if lows[n] <= lowest + LEVEL)
 
     def gap(self, a: str, b: str) -> float:
         """Clearance [m] at which b rests on a: their collision skins; less air between things that never move."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field
 
 from ..workflow.arguments import Hypothesis, RowDetail, WaitSeconds, WeakeningReason, WorldId
-from ..workflow.arrangements import Array, AssetAsk, Beside, Station
+from ..workflow.arrangements import Array, AssetAsk, Beside, Station, Thing
 from ..workflow.context import ToolContext, ToolReply
 from ..worlds.errors import InputError
 
@@ -61,6 +61,12 @@ def place_object(
         str | None, Field(max_length=60, description="Put a copy there instead, and of group: suffix of the new ids, e.g. '_b'")
     ] = None,
     array: Annotated[Array | None, Field(description="Many of it: a row or grid, a circle, a scatter inside a polygon")] = None,
+    things: Annotated[
+        list[Thing] | None,
+        Field(
+            min_length=1, max_length=60, description="Instead of entity: many different ones in one call, placed in this order"
+        ),
+    ] = None,
     cameras: Annotated[bool, Field(description="With group: cameras of shots that frame them go along")] = False,
     strict: Annotated[bool, Field(description="Refuse a place that overlaps another entity")] = True,
     hypothesis: Hypothesis = "",
@@ -72,8 +78,8 @@ def place_object(
 
     Call it without `entity` after every edit of geometry. With `entity` and `on`, the entity is lowered along z onto that
     support until it rests with a gap of two collision skins (0.1 mm between static things); `at`, `beside` or `river`, and `yaw_deg`, choose where and how; `tilt`
-    lays it along the slope. `group` moves an assembly as one, `copy` copies it, `array` makes many. All of it is one revision and one
-    change; after a failed row it needs a hypothesis, except the first one onto a support while nothing else fails.
+    lays it along the slope. `group` moves an assembly as one, `copy` copies it, `array` makes many; `things` lays a table in one call: those without a place are told
+    (`not_placed`), the others stand. All of it is one revision and one change; after a failed row it needs a hypothesis, except the first one onto a support while nothing else fails.
     Returns: ids and poses, overlaps, what was left behind, what was built, whether the static rows pass, the open rows with measured value, bound, cause and suggested patch;
     or, of a scene of many entities, a job_id when it takes longer than wait_s.
     Not for: declaring that something carries something (a `supports` relation in /graph/relations, by edit_spec).
@@ -89,7 +95,7 @@ def place_object(
 
     session = Session.open(context.workspace, world)
     context.jobs.warm_up(ENTRIES)
-    if asset is None:
+    if asset is None and not (things and all(thing.asset is not None for thing in things)):
         session.require_audit("place_object", still=True)
     where: dict[str, Any] = {
         "asset": asset,
@@ -104,22 +110,26 @@ def place_object(
         "copy": copy,
         "array": array,
     }
-    asked: Asked | None = None
+    asked: list[Asked] = []
     if entity is not None:
         together = None if group is None else tuple(group)
-        asked = Asked(entity, **where, group=together, tilt=tilt, lay=lay, cameras=cameras, strict=strict)
+        asked = [Asked(entity, **where, group=together, tilt=tilt, lay=lay, cameras=cameras, strict=strict)]
     elif tilt or lay or group is not None or any(v is not None for v in where.values()):
         raise InputError("on, at, height, yaw_deg and all else that says where need entity")
-    reasons = (hypothesis, weakening_reason)
+    if things is not None:
+        if entity is not None:
+            raise InputError("entity places one thing, things many; give one of them")
+        asked = [Asked(**{k: getattr(thing, k) for k in type(thing).model_fields}, strict=strict) for thing in things]
+    reasons, many = (hypothesis, weakening_reason), things is not None
     if not takes_long(session, asked):
 
         def tell(done: float, total: float, message: str, ends: float | None = None) -> None:
             del ends
             context.progress(done, total, message)
 
-        return _told(context, world, place_and_check(session, asked, reasons, tell), entity, detail)
-    given = {"hypothesis": hypothesis, "weakening_reason": weakening_reason}
-    payload = {"asked": asked_plain(asked), "entity": entity, "detail": detail, **{k: v for k, v in given.items() if v}}
+        return _told(context, world, place_and_check(session, asked, reasons, tell, many=many), entity, detail)
+    given = {"hypothesis": hypothesis, "weakening_reason": weakening_reason, "many": many, "entity": entity}
+    payload = {"things": [asked_plain(a) for a in asked], "detail": detail, **{k: v for k, v in given.items() if v}}
     key = f"place:{digest_of(payload)}:{session.revision}"
     data = start_and_wait(context, session, "placing", payload, wait_s=wait_s, key=key, reuse=False)
     return _told(context, world, data, entity, detail)
@@ -140,7 +150,8 @@ def _told(context: ToolContext | None, world: str, data: dict[str, Any], entity:
         return ToolReply(job_answer(data))
     if "audit_open" in data:
         open_rows = ", ".join(data["audit_open"])
-        text = f"{data['pose']['position']} is where it stands; static checks wait for the audit, which leaves {open_rows} open"
+        where = f"{data['pose']['position']} is where it stands" if "pose" in data else _said(entity, data).removesuffix("; ")
+        text = f"{where}; static checks wait for the audit, which leaves {open_rows} open"
         return ToolReply(answer(data, text, "place_object for more, then edit_spec: mend the audit's open rows"))
     if context is not None:
         data = {**data, "warnings": context.heard.without_repeats(world, data["warnings"])}
@@ -153,11 +164,13 @@ def _told(context: ToolContext | None, world: str, data: dict[str, Any], entity:
     if not passed and restless:
         then += "; bodies that would first have to come to rest: add /simulation/settle {}, and they do before frame 0"
     links = ((f"{world} matrix", f"worldagent://worlds/{world}/matrix", "application/json"),)
-    moved = "" if entity is None else _said(entity, data)
+    moved = _said(entity, data) if entity is not None or "placed" in data else ""
     return ToolReply(rows_answer(world, data, detail, f"{moved}{fresh} entities built anew; {verdict}", then), links=links)
 
 
-def _said(entity: str, outcome: dict[str, Any]) -> str:
-    many = outcome.get("placed_total", 0)
+def _said(entity: str | None, outcome: dict[str, Any]) -> str:
+    many, without = outcome.get("placed_total", 0), outcome.get("not_placed", ())
     what = f"{many} entities placed ({outcome['placed'][0]['id']} ...)" if many else f"{entity} moved"
-    return f"{what}; " if outcome["moved"] else f"{entity} stays where it was; "
+    if without:
+        what += f", {len(without)} without a place ({without[0]['thing']}: {without[0]['why']})"
+    return f"{what}; " if outcome["moved"] else f"{entity or 'all'} stays where it was; "

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["Array", "AssetAsk", "Beside", "Side", "Station"]
+__all__ = ["Array", "AssetAsk", "Beside", "Side", "Station", "Thing"]
 
 Side = Literal["+x", "-x", "+y", "-y", "top", "front", "back", "left", "right"]
 Metres = Annotated[float, Field(ge=-1e6, le=1e6)]
@@ -75,3 +75,20 @@ class Array(BaseModel):
         default=None, description="Default: same in a grid, along a circle (turned with it), random in a scatter"
     )
     seed: int = Field(default=0, ge=0, lt=2**31, description="Equal seeds give equal places")
+
+
+class Thing(BaseModel):
+    """One of many things that a call puts in their places; its fields are those of the call."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    entity: str = Field(description="Entity to move, or with asset to make")
+    asset: AssetAsk | None = Field(default=None, description="As in the call")
+    on: str | None = Field(default=None, description="Entity it rests on, also one placed before it in this list")
+    surface: str | None = Field(default=None, description="A surface of that asset")
+    at: tuple[float, float] | None = Field(default=None, description="x, y [m]; with surface from its middle")
+    height: float | None = Field(default=None, ge=-1e4, le=1e4, description="Instead of on [m]")
+    yaw_deg: float | None = Field(default=None, ge=-360, le=360, description="About z [degrees]")
+    lay: bool = Field(default=False, description="Onto a side on which it stays")
+    beside: Beside | None = Field(default=None, description="Instead of at")
+    array: Array | None = Field(default=None, description="Many of it")

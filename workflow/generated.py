@@ -29,7 +29,6 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
     Raises:
         InputError: there is no such generator, a parameter is wrong, or the id belongs to something else.
     """
-    from ..construction.assets.documents import asset_documents
     from ..construction.assets.posing import posed
     from ..construction.assets.registry import generator
 
@@ -45,7 +44,7 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
         "fixed": _fixed(asked, before, made),
     }
     motion = asked.motion or (before.motion if before is not None else generator(asked.generator).motion)
-    documents = asset_documents(name, record, made, _pose(before), motion=motion)
+    documents = _documents(name, record, made, _pose(before), motion)
     taken = [k for k in documents.entities if k in spec.entities and not _belongs(spec, name, k)]
     if taken:
         raise InputError(f"{taken[0]!r} would be a body of {name!r} and is an entity already; choose another id")
@@ -53,6 +52,20 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
     if before is not None:
         told |= _kept(spec, name, before, documents)
     return _operations(spec, name, before, documents), told
+
+
+def _documents(name: str, record: dict[str, Any], made: Made, pose: RigidPose, motion: str) -> AssetDocuments:
+    """Documents of a thing; of one that is asked for as static and is not so by itself, stones and blocks that stand beside its main body are static too."""
+    from ..construction.assets.documents import asset_documents, body_id
+    from ..construction.assets.registry import generator
+
+    documents = asset_documents(name, record, made, pose, motion=motion)
+    if motion == "static" != generator(record["generator"]).motion:
+        moving = {*(j.child for j in made.joints.values()), *(b for _, b in made.carries)}
+        for key, body in made.bodies.items():
+            if key not in moving and body.motion is None and body.physics is None:
+                documents.entities[body_id(name, key)]["motion"] = "static"
+    return documents
 
 
 def _fixed(asked: AssetAsk, before: Entity | None, made: Made) -> bool:
@@ -132,13 +145,12 @@ def _told(made: Made, documents: AssetDocuments) -> dict[str, Any]:
 
 def _kept(spec: WorldSpec, name: str, before: Entity, documents: AssetDocuments) -> dict[str, Any]:
     """Carry parts that differ from what their generator made over to the new ones; names them for the reply."""
-    from ..construction.assets.documents import asset_documents
     from ..worlds.spec import Part
 
     assert before.asset is not None
     asset = before.asset
     record = asset.model_dump(mode="json", exclude={"bodies"})
-    old = asset_documents(name, record, made_of(asset), _pose(before), motion=before.motion)
+    old = _documents(name, record, made_of(asset), _pose(before), before.motion)
     kept = []
     for key, document in documents.entities.items():
         if key not in spec.entities or key not in old.entities:

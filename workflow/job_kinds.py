@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from ..execution import BULK, INTERACTIVE, NORMAL, Job
 from .answers import call
+from .arrangements import Thing
 
 __all__ = ["ENTRIES", "KINDS", "Again", "JobKind", "again"]
 
@@ -85,10 +86,13 @@ def again(job: Job) -> Again:
 
 def _asked(job: Job) -> dict[str, Any]:
     """Arguments that a job keeps together, without those that are not given."""
-    asked = job.payload.get("asked")
-    if job.kind not in ("placing", "picture") or not isinstance(asked, dict):
-        return {}
     if job.kind == "placing":
-        return asked
+        things = job.payload.get("things") or []
+        if not job.payload.get("many"):
+            return dict(things[0]) if things else {}
+        return {"things": [{k: v for k, v in t.items() if k in Thing.model_fields and v is not False} for t in things]}
+    asked = job.payload.get("asked")
+    if job.kind != "picture" or not isinstance(asked, dict):
+        return {}
     width, height = asked.get("size") or (None, None)
     return {**{k: v for k, v in asked.items() if k != "size"}, "width": width, "height": height}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..worlds.errors import RefusedError
+from ..worlds.errors import InputError, RefusedError
 from .places_asked import Asked, check_asked, number_of
 from .places_found import places_of
 from .session import Session
@@ -19,12 +19,22 @@ if TYPE_CHECKING:
     from ..worlds.assemblies import Edit
     from ..worlds.spec import WorldSpec
 
-__all__ = ["place"]
+__all__ = ["place", "place_many"]
 
 MOST_EDITS = 1000
 """Edits in which an earlier placement is looked for."""
 SHOWN = 20
 """Placed entities and overlaps that a reply names."""
+
+
+class _Put(NamedTuple):
+    """What putting entities in their places makes of a specification."""
+
+    spec: WorldSpec
+    patch: list[dict[str, Any]]
+    follows: set[str]
+    """Pointers of what goes along with the change."""
+    told: dict[str, Any]
 
 
 def place(session: Session, asked: Asked, *, hypothesis: str, weakening_reason: str = "") -> dict[str, Any]:
@@ -34,15 +44,69 @@ def place(session: Session, asked: Asked, *, hypothesis: str, weakening_reason: 
         InputError: an argument is wrong, or there is no such place.
         RefusedError: something would overlap and `strict` is set, or the rules of repair refuse the edit.
     """
+    put = _put(session, session.spec, asked)
+    if asked.on is not None and not hypothesis.strip() and asked.copy is None and asked.array is None:
+        hypothesis = _first_placement(session, asked)
+    return _committed(session, put, hypothesis, weakening_reason)
+
+
+def place_many(session: Session, things: Sequence[Asked], *, hypothesis: str, weakening_reason: str = "") -> dict[str, Any]:
+    """Put things in their places one after the other, as one revision; those for which there is no place are told, the others stand.
+
+    Raises:
+        InputError: there is a place for none.
+        RefusedError: the rules of repair refuse the edit.
+    """
+    spec, patch, follows = session.spec, [], set[str]()
+    placed: list[dict[str, Any]] = []
+    refused: list[dict[str, str]] = []
+    told: dict[str, Any] = {"still_moving": []}
+    for number, asked in enumerate(things):
+        try:
+            put = _put(session, spec, asked)
+        except (InputError, RefusedError) as error:
+            refused.append({"thing": f"things[{number}]: {asked.entity}", "why": str(error)})
+            continue
+        spec, follows = put.spec, follows | put.follows
+        patch += put.patch
+        placed.append({"id": asked.entity, **_short(put.told["pose"])})
+        told["still_moving"] += [put.told["still_moving"]] if "still_moving" in put.told else []
+    if not placed:
+        why = "; ".join(f"{r['thing']}: {r['why']}" for r in refused[:SHOWN])
+        raise InputError(f"none of the {len(things)} things has a place, nothing was changed: {why}")
+    told |= {"placed_total": len(placed), "placed": placed}
+    if refused:
+        told |= {"not_placed": refused}
+    return _committed(session, _Put(spec, patch, follows, {k: v for k, v in told.items() if v}), hypothesis, weakening_reason)
+
+
+def _committed(session: Session, put: _Put, hypothesis: str, weakening_reason: str) -> dict[str, Any]:
+    from ..worlds.limits import check_limits
+
+    check_limits(put.spec)
+    if put.spec == session.spec:
+        return {"moved": False, **put.told}
+    outcome = session.commit(
+        put.spec, patch=put.patch, hypothesis=hypothesis, weakening_reason=weakening_reason, follows=put.follows
+    )
+    return {"moved": True, **put.told, **outcome}
+
+
+def _put(session: Session, before: WorldSpec, asked: Asked) -> _Put:
+    """Find the places in a specification that is not committed yet.
+
+    Raises:
+        InputError: an argument is wrong, or there is no such place.
+        RefusedError: something would overlap and `strict` is set.
+    """
     from ..construction.scenes import Scene
     from ..worlds.arrays import compose
     from ..worlds.assemblies import Edit, add_copy, add_move
-    from ..worlds.limits import check_limits
     from ..worlds.patch import apply_patch
     from .generated import supports_operations
 
     told: dict[str, Any] = {}
-    spec, made = session.spec, _generated(session, asked, told)
+    spec, made = before, _generated(before, asked, told)
     if made:
         spec = apply_patch(spec, made)
         more = [] if asked.on is None else supports_operations(spec, asked.on, asked.entity)
@@ -64,36 +128,28 @@ def place(session: Session, asked: Asked, *, hypothesis: str, weakening_reason: 
             _only_pose(edit, asked.entity, places[0].pose)
     for suffix, copy in _copies(asked, places):
         motion = compose(copy.pose, back)
-        documents = _scaled(session, asked, copy.size)
+        documents = _scaled(spec, asked, copy.size)
         ids = add_copy(edit, spec, names, motion, suffix, on=asked.on, documents=documents)
         _stand(stands, kin, scene, ids, motion, copy.size)
     found = _overlaps(scene, asked, stands, kin)
-    if asked.on is not None and not hypothesis.strip() and asked.copy is None and asked.array is None:
-        hypothesis = _first_placement(session, asked)
     after = apply_patch(spec, edit.operations)
-    spec = session.spec
-    if any(n not in spec.entities or spec.entities[n].parts != after.entities[n].parts for n in edit.poses):
+    follows = set(edit.follows)
+    if any(n not in before.entities or before.entities[n].parts != after.entities[n].parts for n in edit.poses):
         # Entities are made, or made anew: where they and the first of them stand goes along.
-        edit.follows |= {f"/entities/{n}/pose" for n in edit.poses}
+        follows |= {f"/entities/{n}/pose" for n in edit.poses}
     if made:  # materials of the table, joints, membership and what carries it come with a thing that is made
-        edit.follows |= {str(o["path"]).removesuffix("/-") for o in made if not str(o["path"]).startswith("/entities/")}
-        edit.follows |= {f"/materials/{m}" for m in after.materials if m not in spec.materials}
-    check_limits(after)
-    told |= _reply(asked, edit, found, places)
-    if after == spec:
-        return {"moved": False, **told}
-    patch = [*made, *edit.operations]
-    outcome = session.commit(after, patch=patch, hypothesis=hypothesis, weakening_reason=weakening_reason, follows=edit.follows)
-    return {"moved": True, **told, **outcome}
+        follows |= {str(o["path"]).removesuffix("/-") for o in made if not str(o["path"]).startswith("/entities/")}
+        follows |= {f"/materials/{m}" for m in after.materials if m not in before.materials}
+    return _Put(after, [*made, *edit.operations], follows, told | _reply(asked, edit, found, places))
 
 
-def _generated(session: Session, asked: Asked, told: dict[str, Any]) -> list[dict[str, Any]]:
+def _generated(spec: WorldSpec, asked: Asked, told: dict[str, Any]) -> list[dict[str, Any]]:
     """Operations that make the asset that is asked for."""
     from .generated import asset_operations
 
     if asked.asset is None:
         return []
-    made, said = asset_operations(session.spec, asked.entity, asked.asset)
+    made, said = asset_operations(spec, asked.entity, asked.asset)
     told |= said
     return made
 
@@ -120,10 +176,10 @@ def _only_pose(edit: Edit, entity: str, pose: RigidPose) -> None:
     edit.put(f"/entities/{entity}/pose", edit.poses[entity], follows=False)
 
 
-def _scaled(session: Session, asked: Asked, size: float) -> dict[str, Mapping[str, Any]] | None:
+def _scaled(spec: WorldSpec, asked: Asked, size: float) -> dict[str, Mapping[str, Any]] | None:
     from ..worlds.scaled import scaled_entity
 
-    return None if size == 1.0 else {asked.entity: scaled_entity(session.spec, asked.entity, size)}
+    return None if size == 1.0 else {asked.entity: scaled_entity(spec, asked.entity, size)}
 
 
 def _stand(

@@ -85,7 +85,7 @@ def _on_surface(asked: Asked, scene: Scene, body: Body, pose: RigidPose) -> Rigi
     yaw = 2.0 * math.atan2(own[3], own[0]) if asked.yaw_deg is None else math.radians(asked.yaw_deg)
     pose = turned(RigidPose(target, np.array([1.0, 0.0, 0.0, 0.0])), yaw)
     low, high = body.box(pose)
-    gap = max(scene.gap(name, carrier) for name in asked.names)
+    gap = scene.standing_gap(asked.names, carrier)
     height, free = float(high[2] - low[2]), float(place["clearance"]) - 2 * gap
     if height > free:
         raise InputError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,27 +29,23 @@ _MODELS: dict[str, type[BaseModel]] = {"asset": AssetAsk, "beside": Beside, "riv
 _TUPLES = ("at", "group")
 
 
-def asked_plain(asked: Asked | None) -> dict[str, Any] | None:
+def asked_plain(asked: Asked) -> dict[str, Any]:
     """A place that is asked for as JSON-able data, without what is not given."""
-    if asked is None:
-        return None
     data = {f.name: getattr(asked, f.name) for f in fields(asked)}
     plain = {k: v.model_dump(mode="json") if k in _MODELS and v is not None else v for k, v in data.items()}
     return {k: list(v) if isinstance(v, tuple) else v for k, v in plain.items() if v is not None}
 
 
-def asked_of(data: dict[str, Any] | None) -> Asked | None:
+def asked_of(data: dict[str, Any]) -> Asked:
     """The place that is asked for, from its data as `asked_plain` gives it."""
-    if data is None:
-        return None
     models: dict[str, Any] = {k: _MODELS[k].model_validate(v) for k, v in data.items() if k in _MODELS}
     tuples = {k: tuple(data[k]) for k in _TUPLES if k in data}
     return Asked(**{**data, **models, **tuples})
 
 
-def takes_long(session: Session, asked: Asked | None) -> bool:
+def takes_long(session: Session, things: Sequence[Asked]) -> bool:
     """True for a world that a job builds and checks."""
-    many = 0 if asked is None or asked.array is None else THINGS_AT_ONCE
+    many = sum(1 if asked.array is None else THINGS_AT_ONCE for asked in things)
     return len(session.spec.entities) + many > THINGS_AT_ONCE
 
 
@@ -58,17 +55,21 @@ def placing(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
 
     session = Session.at(WorldFolder.at(Path(payload["folder"])))
     reasons = (payload.get("hypothesis", ""), payload.get("weakening_reason", ""))
-    return place_and_check(session, asked_of(payload.get("asked")), reasons, Part(context.progress))
+    things = [asked_of(data) for data in payload["things"]]
+    return place_and_check(session, things, reasons, Part(context.progress), many=payload.get("many", False))
 
 
-def place_and_check(session: Session, asked: Asked | None, reasons: tuple[str, str], tell: Tell) -> dict[str, Any]:
+def place_and_check(
+    session: Session, things: Sequence[Asked], reasons: tuple[str, str], tell: Tell, *, many: bool = False
+) -> dict[str, Any]:
     """Put entities in their places and run the static checks; what was done and found, for the reply.
 
     Args:
         session: the world.
-        asked: what is put where; None builds and checks the scene as it stands.
+        things: what is put where; of none the scene is built and checked as it stands.
         reasons: hypothesis and reason of a weakening, of the edit.
         tell: takes how far the work is, as parts of 1.
+        many: things for which there is no place are told, and the others placed; of a single one it is an error.
 
     Raises:
         InputError: an argument is wrong, or there is no such place.
@@ -77,15 +78,18 @@ def place_and_check(session: Session, asked: Asked | None, reasons: tuple[str, s
     from ..execution import Part
     from .answers import weaker_told
     from .early_words import unmet_at_start
-    from .placement import place
+    from .placement import place, place_many
     from .rows import summary
 
     outcome: dict[str, Any] = {}
-    if asked is not None:
-        tell(0.02, 1.0, f"finding the place of {asked.entity}")
-        outcome = place(session, asked, hypothesis=reasons[0], weakening_reason=reasons[1])
+    if things:
+        tell(0.02, 1.0, f"finding the place of {things[0].entity}" + (f" and {len(things) - 1} more" if things[1:] else ""))
+        if many:
+            outcome = place_many(session, things, hypothesis=reasons[0], weakening_reason=reasons[1])
+        else:
+            outcome = place(session, things[0], hypothesis=reasons[0], weakening_reason=reasons[1])
     head = {"world": session.folder.id, "revision": session.revision, **outcome}
-    if asked is not None and asked.asset is not None and not session.buildable(session.audit()):
+    if any(asked.asset is not None for asked in things) and not session.buildable(session.audit()):
         return {**head, "audit_open": [r.id for r in session.audit().rows if r.mandatory and r.status != "pass"]}
     rows, changed, fresh = session.check_static(Part(tell, PLACED, 0.95))
     tell(0.95, 1.0, "words of place at frame 0")

@@ -62,11 +62,12 @@ def asset_documents(
     known = body_boxes(made) if boxes is None else boxes
     hung = {j.child: j.parent for j in made.joints.values()}
     fixed = hung if record.get("fixed") else {}
+    loose = {b for _, b in made.carries}
     entities = {
         body_id(name, key): _entity(body, known[key], pose, "dynamic" if key in hung else motion, whole=key == MAIN)
         for key, body in made.bodies.items()
     }
-    for key in {*fixed, *(b for _, b in made.carries)} if record.get("fixed") else ():
+    for key in {*fixed, *loose} if record.get("fixed") else ():
         entities[body_id(name, key)]["motion"] = "static"
     entities[name]["asset"] = record | {"bodies": [body_id(name, key) for key in made.bodies if key != MAIN]}
     joints = {} if fixed else {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}

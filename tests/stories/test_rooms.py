@@ -91,6 +91,47 @@ def test_what_hangs_gets_its_height_with_its_bodies_and_joints(world: Any) -> No
     )
 
 
+def test_a_table_is_laid_in_one_call_and_what_has_no_place_is_told(world: Any) -> None:
+    """Laying a table took fifteen calls, each with all static checks; one that was refused lost nothing but itself."""
+    things = [
+        {"entity": "table", "asset": {"generator": "table", "motion": "static"}, "on": "floor"},
+        {"entity": "plate", "asset": {"generator": "plate"}, "on": "table", "surface": "top", "at": [-0.2, 0.15]},
+        {"entity": "mug", "asset": {"generator": "mug"}, "on": "table", "surface": "top", "at": [-0.2, 0.15]},
+        {"entity": "jar", "asset": {"generator": "jar", "motion": "static"}, "on": "table", "surface": "top", "at": [0.4, 0.1]},
+        {
+            "entity": "chair",
+            "asset": {"generator": "chair"},
+            "on": "floor",
+            "beside": {"entity": "table", "side": "front", "gap": 0.1},
+        },
+    ]
+    laid = world.call("place_object", world="w", things=things)
+    assert laid["static_passed"], laid["open_rows"]
+    assert [p["id"] for p in laid["placed"]] == ["table", "plate", "jar", "chair"]
+    assert laid["placed_total"] == 4
+    (missing,) = laid["not_placed"]
+    assert missing["thing"] == "things[2]: mug"
+    assert "overlap 'plate'" in missing["why"]
+    assert "1 without a place" in laid["summary"]
+    assert any("jar_lid" in said for said in laid["still_moving"])
+    assert laid["revision"] == 2, "all of it is one revision"
+    assert _spec(world, "/graph/relations/plate_stands/a") == "table"
+    blocks = {"generator": "building_blocks", "motion": "static"}
+    more = [{"entity": "blocks", "asset": blocks, "on": "floor", "at": [1.5, 1.5]}]
+    added = world.call("place_object", world="w", things=more)
+    assert added["static_passed"], added["open_rows"]
+
+
+def test_things_of_which_none_has_a_place_are_refused(world: Any) -> None:
+    things = [{"entity": "t", "asset": {"generator": "tabel"}}, {"entity": "mug", "asset": {"generator": "mug"}, "on": "table"}]
+    said = world.refused("place_object", world="w", things=things)
+    assert "none of the 2 things has a place, nothing was changed" in said
+    assert "did you mean 'table'" in said
+    assert "unknown entity 'table'" in said
+    assert "give one of them" in world.refused("place_object", world="w", entity="floor", things=things)
+    assert set(_spec(world, "/entities")) == {"floor"}
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -11,7 +11,7 @@ from worldagent.tools.job import job
 from worldagent.tools.place_object import place_object
 from worldagent.tools.render_shot import render_shot
 from worldagent.workflow import placing, taken_pictures
-from worldagent.workflow.arrangements import Array
+from worldagent.workflow.arrangements import Array, Thing
 from worldagent.workflow.context import ToolContext
 from worldagent.workflow.places_asked import Asked
 
@@ -67,10 +67,22 @@ def test_a_placing_job_is_cancelled_and_named_again(context: ToolContext, monkey
     assert ended.data["next"].startswith("place_object(world='w', hypothesis='h', entity='b1', on='shelf'")
 
 
+def test_many_things_are_a_job_whose_call_is_told_again(context: ToolContext, monkeypatch: pytest.MonkeyPatch) -> None:
+    edit_spec(context, world="w", prompt=PROMPT, spec=small_spec())
+    monkeypatch.setattr(placing, "THINGS_AT_ONCE", 0)
+    things = [Thing(entity="b1", on="shelf", at=(0.02, 0.01)), Thing(entity="b2", on="nothing")]
+    done = place_object(context, world="w", things=things, hypothesis="h", wait_s=240.0)
+    assert done.data["placed"][0]["id"] == "b1"
+    assert "unknown entity 'nothing'" in done.data["not_placed"][0]["why"]
+    begun = place_object(context, world="w", things=things, hypothesis="h", wait_s=0.0)
+    context.jobs.request_cancel(begun.data["job_id"])
+    ended = job(context, action="wait", job_id=begun.data["job_id"], wait_s=60.0)
+    assert ended.data["next"].startswith("place_object(world='w', hypothesis='h', things=[{'entity': 'b1', 'on': 'shelf'")
+
+
 def test_what_is_asked_for_survives_the_way_to_the_job() -> None:
     asked = Asked("chair", at=(1.0, 2.0), group=("lid", "leg"), array=Array(kind="grid", counts=(2, 3)), strict=False)
     assert placing.asked_of(placing.asked_plain(asked)) == asked
-    assert placing.asked_of(placing.asked_plain(None)) is None
 
 
 def test_a_fine_still_is_a_job_and_the_same_call_shows_it(context: ToolContext, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -65,6 +65,21 @@ def test_a_lid_that_lies_loosely_is_told_and_fixed(spec: WorldSpec) -> None:
     assert apply_patch(made, wider).entities["jam_lid"].motion == "static", "it stays fixed where the call does not say"
 
 
+def test_a_static_row_or_pile_is_static_as_far_as_it_stands(spec: WorldSpec) -> None:
+    """A pile of blocks asked for as static kept its other blocks dynamic, and floated by their skins."""
+    made = apply_patch(spec, asset_operations(spec, "row", AssetAsk(generator="dominoes", motion="static"))[0])
+    assert {made.entities[n].motion for n in made.entities if n.startswith("row")} == {"static"}
+    pile, told = asset_operations(spec, "pile", AssetAsk(generator="building_blocks", motion="static"))
+    made = apply_patch(spec, pile)
+    assert made.entities["pile_block_2"].motion == "static"
+    assert any(made.entities[n].motion == "dynamic" for n in made.entities if n.startswith("pile")), "the upper ones lie loosely"
+    assert "lie loosely" in told["still_moving"]
+    again, said = asset_operations(made, "pile", AssetAsk(generator="building_blocks", motion="static"))
+    assert again == [] or "kept_as_changed_by_hand" not in said
+    castle = apply_patch(spec, asset_operations(spec, "castle", AssetAsk(generator="castle", motion="static"))[0])
+    assert castle.entities["castle_tower_a"].motion == "dynamic", "a thing that is static by itself says which of it moves"
+
+
 def test_what_has_no_joints_cannot_be_fixed(spec: WorldSpec) -> None:
     with pytest.raises(InputError, match="no leaves, drawers or lids"):
         asset_operations(spec, "jar", AssetAsk(generator="glass", fixed=True))

@@ -98,7 +98,7 @@ CHECKS: tuple[CheckBinding, ...] = (
 
 
 LOADED = ("worldagent.verifiers.routes.column_kernels", "worldagent.verifiers.routes.way_kernels", "scipy.sparse.csgraph")
-"""What the checks beside load as they come to it; a process that has time loads it before."""
+"""Modules that the checks beside load as they come to them; a process that has time loads them before."""
 
 
 def plate_ids(spec: WorldSpec) -> frozenset[str]:

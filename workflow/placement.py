@@ -28,7 +28,7 @@ SHOWN = 20
 
 
 class _Put(NamedTuple):
-    """What putting entities in their places makes of a specification."""
+    """A specification with entities put in their places."""
 
     spec: WorldSpec
     patch: list[dict[str, Any]]

@@ -34,3 +34,7 @@ STILL = 1e-4
 """[m] Own choice: a part whose corners moved less than this has not moved; a twentieth of the noise of measured widths."""
 FITS = 1.01
 """[1] Own choice: tolerance of sizes when asking whether an entity is the carrier that travels."""
+SEAM = 1e-9
+"""[1] Relative slack of the sides of cells and of the point-in-triangle test, so that a centre on a shared edge is hit."""
+VERTICAL = 1e-9
+"""[1] A triangle whose normal has a smaller z share is a wall and has no height at a point."""

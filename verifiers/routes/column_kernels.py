@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from .columns import SEAM, VERTICAL
+from .bounds import SEAM, VERTICAL
 
 __all__ = ["floors_of", "heights_at", "outlines_of", "pieces_of", "placed"]
 

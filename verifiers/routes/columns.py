@@ -14,14 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, cross
+from .bounds import SEAM, VERTICAL
 
 __all__ = ["Columns", "Grid", "Hits", "Ints", "Pieces", "Soup", "expand", "heights_of", "rasterise"]
 
 Ints = NDArray[np.intp]
-SEAM = 1e-9
-"""Relative slack of the sides of cells and of the point-in-triangle test, so that a centre on a shared edge is hit."""
-VERTICAL = 1e-9
-"""A triangle whose normal has a smaller z share is a wall and has no height at a point."""
 
 
 class Soup(NamedTuple):

@@ -19,7 +19,7 @@ from ._films import Film, copied, film_of
 from .cases import World
 
 __all__ = [
-    "bouncing", "cradle", "forged_cradle", "forged_gain", "landing", "leave_out_strongest", "less_inside", "lost_spring", "old_law", "on_a_spring", "on_an_edge", "rack", "untold",
+    "bouncing", "cradle", "forged_cradle", "forged_gain", "landing", "leave_out_strongest", "less_inside", "lost_spring", "old_law", "on_a_spring", "on_an_edge", "rack", "untold", "wedged",
 ]  # fmt: skip
 
 STEP, GAP = 5e-4, 1e-3
@@ -91,8 +91,20 @@ def _rack(number: int) -> WorldSpec:
     return _make({"floor": ground(), **made}, e, friction=0.2)
 
 
+def _wedged(number: int) -> WorldSpec:
+    """Dominoes tip onto a ball that lies on a floor, and the later ones drive the first one on, which wedges it."""
+    high, r = 0.15, 0.015 + 0.001 * (number % 4)
+    made = {"floor": ground(), "marble": ball(r, motion="dynamic", at=(0.06 + 0.008 * (number // 4), 0, r + GAP))}
+    for k in range(5):
+        made[f"domino{k}"] = box(0.024, 0.075, high, motion="dynamic", at=(-0.075 * k, 0, high / 2 + GAP))
+    last = made["domino4"]
+    made["domino4"] = last.model_copy(update={"physics": last.physics.model_copy(update={"angular_velocity": (0, 9.0, 0)})})
+    return _make(made, 0.0, frames=30)
+
+
 KINDS = {
     "rack": _rack,
+    "wedged": _wedged,
     "cradle": _cradle,
     "bouncing": _bouncing,
     "edge": _on_an_edge,
@@ -119,6 +131,11 @@ def cradle(number: int) -> Film:
 def rack(number: int) -> Film:
     """A ball runs into six that touch."""
     return _film("rack", number)
+
+
+def wedged(number: int) -> Film:
+    """A ball that a domino wedges onto its floor."""
+    return _film("wedged", number)
 
 
 def bouncing(number: int) -> Film:

@@ -216,8 +216,8 @@ def _untold(books: Books, k: int, log: dict[str, NDArray[Any]]) -> list[_Rebound
 def _pushes(books: Books, k: int, log: dict[str, NDArray[Any]]) -> dict[tuple[int, int], float]:
     """Speed that each pair of colliders gave each other as only an impact does, beside the impacts told [m/s].
 
-    By the largest force of a step; and by all that the pair gave in the frame, less what can have pressed balls that touch together: what
-    anything else gives them.
+    By the largest force of a step, less what a body that is no ball presses a ball against the other with; and by all that the pair gave in the
+    frame, less what can have pressed balls that touch together: what anything else gives them.
     """
     names, step = books.cache.index.colliders, float(books.record("step")[k])
     told: dict[tuple[int, ...], dict[float, float]] = {}
@@ -225,15 +225,37 @@ def _pushes(books: Books, k: int, log: dict[str, NDArray[Any]]) -> dict[tuple[in
         steps = told.setdefault(pair, {})
         steps[time] = steps.get(time, 0.0) + given
     found = books.cache.ragged("contact/pair", "contact/impulse", "contact/max_force")[k]
-    pressed, result = _pressed(books, k, found), {}
+    pressed, squeezed, result = _pressed(books, k, found), _squeezed(books, k, found), {}
     for i, ((a, b), impulse, force) in enumerate(
         zip(found["contact/pair"].tolist(), found["contact/impulse"].tolist(), found["contact/max_force"].tolist(), strict=True)
     ):
         light = sum(1.0 / books.mass[books.row[names[c]]] for c in (a, b) if names[c] in books.row)
         steps = told.get((a, b), {0.0: 0.0})
-        in_a_step, in_all = force * step - max(steps.values()), impulse - sum(steps.values()) - float(pressed[i])
+        in_a_step, in_all = (
+            (force - float(squeezed[i])) * step - max(steps.values()),
+            impulse - sum(steps.values()) - float(pressed[i]),
+        )
         result[a, b] = light * max(in_a_step, in_all)
     return result
+
+
+def _squeezed(books: Books, k: int, found: dict[str, NDArray[Any]]) -> F64:
+    """Largest force with which bodies that move, and are no balls, press the balls of each contact of a frame from elsewhere [N], shape (n,).
+
+    A domino that wedges a marble onto its table gives the table as much in that very step as the marble: no impact of these two alone.
+    """
+    names, pair, force = books.cache.index.colliders, found["contact/pair"], found["contact/max_force"]
+    rough, presses = frictions(books.candidate, names)[1], np.zeros(len(names))
+    sides = {c: _side(books, k, c) for c in np.unique(pair).tolist()}
+    ball = {c: side.row >= 0 and side.known for c, side in sides.items()}
+    moving = {c: names[c] in books.row and not ball[c] for c in sides}
+    given = np.zeros((len(force), 2))
+    for i, (a, b) in enumerate(pair.tolist()):
+        for end, (mine, other) in enumerate(((a, b), (b, a))):
+            if ball[mine] and moving[other]:
+                given[i, end] = force[i] * (1.0 + rough[a, b])
+                presses[mine] += given[i, end]
+    return np.asarray([presses[a] + presses[b] - own.sum() for (a, b), own in zip(pair.tolist(), given, strict=True)])
 
 
 def _pressed(books: Books, k: int, found: dict[str, NDArray[Any]]) -> F64:

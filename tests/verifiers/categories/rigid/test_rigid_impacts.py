@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from worldagent.testing.defects import _impact_scenes as scenes
+from worldagent.verifiers.categories.rigid import rebounds
 from worldagent.verifiers.categories.rigid.bounds import BOUNCE, GAIN
 from worldagent.verifiers.categories.rigid.check import category_rows
 from worldagent.worlds.candidate import Candidate
@@ -113,6 +114,19 @@ def test_friction_that_turns_round_within_the_frame_is_the_doubt_of_an_impact(tm
     """The cue ball slides, hits, spins on its own and is hit again: friction first brakes it, then drives it, and the net of both says little."""
     row = rebounds_of(scenes.rack(6).candidate(tmp_path))
     assert (row.status, row.measured) == ("pass", 0.0)
+
+
+@pytest.mark.parametrize("number", [0, 3, 5])
+def test_a_ball_that_dominoes_wedge_onto_its_floor_has_no_impact_of_its_own_with_it(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A marble under the last domino of a line was accused of an untold impact with its desk (deviation 1) in five probes of an agent."""
+    film = scenes.wedged(number)
+    assert rebounds_of(film.candidate(tmp_path / "wedged")).status != "fail"
+    monkeypatch.setattr(rebounds, "_squeezed", lambda books, k, found: np.zeros(len(found["contact/max_force"])))
+    accused = rebounds_of(film.candidate(tmp_path / "accused"))
+    assert accused.status == "fail", "the world would be accused without it"
+    assert set(accused.evidence["worst"][0]["entities"]) == {"floor", "marble"}
 
 
 def test_a_log_without_impacts_at_all_is_found(tmp_path: Path) -> None:

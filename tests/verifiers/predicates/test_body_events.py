@@ -9,7 +9,7 @@ from typing import Any, get_args
 import pytest
 from worldagent.testing.defects._films import Film, copied, film_of
 from worldagent.testing.worlds.event_worlds import event_world
-from worldagent.testing.worlds.small_worlds import pose
+from worldagent.testing.worlds.small_worlds import ball, ground, pose, world
 from worldagent.tests.verifiers.agreement import evaluate
 from worldagent.verifiers.predicates.combine import substitute
 from worldagent.verifiers.predicates.events import EVENTS, bounds
@@ -378,3 +378,20 @@ def test_each_of_a_count_stands_for_whom_a_comparison_is_about_and_to_whom() -> 
     made = substitute(Compares(a="ball", b="each", target="each", **asked), "box")
     assert made == Compares(a="ball", b="box", target="box", **asked)
     assert substitute(event("hits", "hand", "each"), "box") == event("hits", "hand", "box")
+
+
+@pytest.mark.parametrize("fps", [24, 120])
+def test_a_small_slow_ball_rolls_at_any_rate_of_frames(fps: int, tmp_path: Any) -> None:
+    """A marble that rolled fifteen radians at a quarter of a metre per second did not count as rolling at 50 frames a second."""
+    radius, speed = 0.015, 0.12
+    rolling = ball(radius, motion="dynamic", at=(0, 0, radius + 1e-3), velocity=(speed, 0, 0))
+    spinning = rolling.model_copy(
+        update={"physics": rolling.physics.model_copy(update={"angular_velocity": (0, speed / radius, 0)})}
+    )
+    spec = world({"floor": ground(), "marble": spinning}, frames=2 * fps, fps=fps)
+    candidate = film_of(spec).candidate(tmp_path)
+    outcome = evaluate(candidate, event("rolls", "marble", "floor"), (0, candidate.last_frame))
+    assert outcome.status == "pass", outcome.explanation
+    assert outcome.value == pytest.approx(2 * speed / radius, rel=0.1)
+    slides = evaluate(candidate, event("slides", "marble", "floor"), (0, candidate.last_frame))
+    assert slides.status == "fail"

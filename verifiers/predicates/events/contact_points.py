@@ -151,22 +151,35 @@ def _carried_at(partner: Course, points: F64, at: slice) -> F64:
 
 
 def _around(course: Course, patches: list[F64 | None], turned: F64, at: slice) -> F64:
-    """Distance of the middle of each patch beyond the patch before it on the body, across the axis of turning [m], shape (f - 1,).
+    """Way of the middle of the patch of contact over the body, across the axis of turning [m], shape (f - 1,).
 
-    An edge of the face on which a body stood is no way; the next face of a die is half a side.
+    It is counted as the middle leaves the patch that was touched when it was counted last: an edge of the face on which a body stands is no
+    way, the next face of a die is, and the patch of a small ball, within what counts as contact, may be wider than its way between two frames.
     """
     positions, quaternions = (v[at] for v in motion.entity_poses(course.candidate, course.entity))
     turns = rotation_matrix(quaternions)
     result = np.zeros(len(turned))
+    last: F64 | None = None
     for k, (old, new) in enumerate(pairwise(patches)):
         length = float(np.linalg.norm(turned[k]))
-        if old is None or new is None or length == 0.0:
+        if old is None or new is None:
+            last = None
             continue
         here, there = ((patch - positions[f]) @ turns[f] for f, patch in ((k, old), (k + 1, new)))
+        last = here if last is None else last
+        if length == 0.0:
+            continue
         axis = turns[k].T @ turned[k] / length
         flat = np.eye(3) - np.outer(axis, axis)
-        result[k] = _beyond(_middle(there) @ flat, here @ flat)
+        middle = _middle(there) @ flat
+        if _beyond(middle, last @ flat) > ROUNDING:
+            result[k] = float(np.linalg.norm(middle - _middle(last) @ flat))
+            last = there
     return result
+
+
+ROUNDING = 1e-6
+"""[m] Own choice: the middle of a patch no farther outside another lies on its border."""
 
 
 def _beyond(point: F64, patch: F64) -> float:

@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...worlds.errors import EvidenceError
-from ...worlds.spec import RigidPhysics
+from ...worlds.spec import RigidPhysics, Supports
 from ..rows.answers import guarded, row_of
 from ..rows.corrections import correction, pointer
 from ..rows.findings import Finding
@@ -28,6 +28,10 @@ __all__ = ["check", "variant_lines"]
 
 ROUNDED = 1e-6
 """[m] Facets and files round lengths by less."""
+
+
+SLAB = 3.0
+"""Own choice: what is carried and so many times too low is the upper part of a thing rather than a small one."""
 
 
 class _Judged(NamedTuple):
@@ -147,6 +151,16 @@ def _hints(candidate: Candidate, name: str, kind: Kind, worst: _Judged, variant:
             patch=() if several else scaled(candidate, name, factor),
         )
     ]
+    carriers = [r.a for r in candidate.spec.graph.relations.values() if isinstance(r, Supports) and r.b == name]
+    if carriers and factor > SLAB:
+        action = f"If {name!r} is the board or slab alone and {carriers[0]!r} its base, end its role in that word ('oak slab'), with a weakening_reason; or make both one entity."
+        part = correction(
+            f"it is a part of a {said}, which stands on another entity",
+            "text",
+            action,
+            pointers=(pointer("entities", name, "role"),),
+        )
+        hints.insert(0, part)
     for other in _kin(kind, worst):
         action = f"If {name!r} is a {other}, say so in its role, with {other!r} as its last word and a weakening_reason: then it is measured as one."
         hints.append(correction(f"it is a {other}", "text", action, pointers=(pointer("entities", name, "role"),)))

@@ -20,7 +20,7 @@ from worldagent.verifiers.things.measures import measured, thing_of
 from worldagent.worlds.errors import InputError
 from worldagent.worlds.patch import apply_patch
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import Box, Part
+from worldagent.worlds.spec import Box, Part, Supports
 
 SEEDS = 4
 FURNITURE = (
@@ -124,6 +124,24 @@ def test_the_first_correction_mends_the_size(tmp_path: Path) -> None:
     after = apply_patch(candidate.spec, bad.corrections[0].patch)
     (good,) = sizes.check(make_candidate(tmp_path, after))
     assert good.evidence["measures_m"]["level"] >= 0.35
+
+
+def test_a_slab_on_a_base_is_not_only_told_to_grow(tmp_path: Path) -> None:
+    """A worktop of 4 cm on its base units was told to be 22 times as large."""
+    slab = entity(Part(shape=Box(size=(2.0, 0.6, 0.04))), at=(0, 0, 0.88)).model_copy(update={"role": "oak worktop"})
+    base = entity(Part(shape=Box(size=(2.0, 0.6, 0.86))), at=(0, 0, 0.43)).model_copy(update={"role": "base unit"})
+    on = {"on": Supports(a="base", b="top")}
+    (row,) = (
+        r
+        for r in sizes.check(make_candidate(tmp_path, world({"base": base, "top": slab}, relations=on)))
+        if r.subject == ("top",)
+    )
+    assert row.status == "fail"
+    assert "'base' its base" in row.corrections[0].action
+    called = slab.model_copy(update={"role": "oak slab"})
+    assert not sizes.check(make_candidate(tmp_path / "slab", world({"base": base, "top": called}, relations=on)))
+    alone = sizes.check(make_candidate(tmp_path / "alone", world({"top": slab})))[0]
+    assert "its base" not in alone.corrections[0].action
 
 
 def _stairs(tmp_path: Path, **more: Any) -> tuple[Row, Any]:

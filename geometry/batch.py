@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
 from .clearance import EXACT, NOISE, SMALL_WORK, Care, measure, relative_poses, repeats
+from .convex_batch import MANY, convex_clearances
 from .depth import PRECISION
 from .forest import Forest
 from .launch import chosen_device, launch, load, warp
@@ -129,10 +130,10 @@ def clearance_batch(
     value, computed = np.empty(count), len(compute)
     forest = solids if isinstance(solids, Forest) else Forest(own)
     exact = 0
-    if len(compute) and where == "cpu" and where not in forest.on_device and _effort(own, chosen.pairs) < EFFORT:
-        done, some_values = _one_by_one(forest, chosen, care.tolerance)
+    for route in (_convex, _one_by_one) if where == "cpu" else ():
+        done, some_values = route(forest, chosen, care.tolerance)
         value[compute[done]] = some_values
-        exact = len(done)
+        exact += len(done)
         left = np.ones(len(compute), dtype=bool)
         left[done] = False
         compute, chosen = compute[left], chosen.take(np.flatnonzero(left))
@@ -166,11 +167,26 @@ def _by_pair(pairs: I32, rows: NDArray[np.intp]) -> list[tuple[tuple[int, int], 
     return [((int(pairs[g[0], 0]), int(pairs[g[0], 1])), g) for g in np.split(order, cut)]
 
 
+def _convex(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDArray[np.intp], F64]:
+    """Queries of convex pairs answered by compiled loops, and their values [m]; none of a list of few pairs."""
+    del tolerance  # depths of these are exact
+    if len(asked.pairs) < MANY or len(np.unique(asked.pairs, axis=0)) < MANY:
+        return np.empty(0, dtype=np.intp), np.empty(0)
+    convex = forest.convex
+    rows = np.flatnonzero(convex.fit[asked.pairs].all(axis=1))
+    some = asked.take(rows)
+    poses = relative_poses(some.poses_a, some.poses_b)
+    found = convex_clearances(convex, some.pairs, poses, skip_above=some.skip_above, enough=some.enough)
+    return rows[found.answered], found.value[found.answered]
+
+
 def _one_by_one(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDArray[np.intp], F64]:
-    """Queries answered by `measure`, and their values [m]; all, unless too many overlap."""
+    """Queries answered by `measure`, and their values [m]; none where that takes too long, and not all where too many overlap."""
     done: list[NDArray[np.intp]] = []
     values: list[F64] = []
     solids = forest.solids
+    if "cpu" in forest.on_device or _effort(solids, asked.pairs) >= EFFORT:
+        return np.empty(0, dtype=np.intp), np.empty(0)
     for (i, j), rows in _by_pair(asked.pairs, np.arange(len(asked.pairs))):
         a, b = solids[i], solids[j]
         convex = a.convex and b.convex

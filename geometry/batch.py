@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64, I32
+from ..worlds.arrays import F64, I32, rotation_matrix
 from .clearance import EXACT, NOISE, SMALL_WORK, Care, measure, relative_poses, repeats
 from .convex_batch import MANY, convex_clearances
 from .depth import PRECISION
@@ -23,7 +23,7 @@ from .polytopes import Relative
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["BatchClearance", "clearance_batch"]
+__all__ = ["BatchClearance", "ConvexGaps", "clearance_batch", "convex_gaps"]
 
 EFFORT = 3.0
 """[s] Own choice: a list that one core would need longer for than this goes to the kernels. Importing Warp and loading
@@ -141,6 +141,47 @@ def clearance_batch(
         value[compute], more = _by_kernels(forest, chosen, where, care.tolerance)
         exact += more
     return BatchClearance(value[anchor], computed, exact)
+
+
+class ConvexGaps(NamedTuple):
+    """Clearances of convex solids, in the order of the queries."""
+
+    distance: F64
+    """Signed clearance [m], shape (n,); above `skip_above` a lower bound that is above it too."""
+    point_a: F64
+    """Point of the surface of the first in the world [m], shape (n, 3); not of lower bounds."""
+    point_b: F64
+    answered: NDArray[np.bool_]
+    """False where `signed_clearance` has to be asked."""
+
+
+def convex_gaps(
+    forest: Forest, pairs: NDArray[np.intp], poses_a: tuple[F64, F64], poses_b: tuple[F64, F64], *, skip_above: float
+) -> ConvexGaps | None:
+    """Signed clearance of pairs of convex solids with its points; None where compiled loops are not worth loading.
+
+    Args:
+        forest: the solids.
+        pairs: indices of the first and the second solid of each query, shape (n, 2).
+        poses_a: positions (n, 3) and unit quaternions (n, 4) of the first.
+        poses_b: the same of the second.
+        skip_above: distance [m] beyond which a lower bound is enough.
+    """
+    count = len(pairs)
+    if len(forest.solids) < MANY and count < MANY:
+        return None
+    convex = forest.convex
+    rows = np.flatnonzero(convex.fit[pairs].all(axis=1))
+    (pa, qa), (pb, qb) = poses_a, poses_b
+    poses = relative_poses((pa[rows], qa[rows]), (pb[rows], qb[rows]))
+    above, enough = np.full(len(rows), skip_above), np.full(len(rows), np.inf)
+    found = convex_clearances(convex, pairs[rows].astype(np.int32), poses, skip_above=above, enough=enough)
+    turn = rotation_matrix(qb[rows])
+    answer = ConvexGaps(np.full(count, np.nan), np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count, dtype=bool))
+    answer.distance[rows], answer.answered[rows] = found.value, found.answered
+    for points, local in ((answer.point_a, found.point_a), (answer.point_b, found.point_b)):
+        points[rows] = np.einsum("nij,nj->ni", turn, local) + pb[rows]
+    return answer
 
 
 def _effort(solids: Sequence[Solid], pairs: I32) -> float:

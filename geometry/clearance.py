@@ -167,15 +167,23 @@ def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, cares: Seque
         for k in range(count):
             _general(mesh, poses, k, found, _Care() if cares is None else cares[k])
         return found
-    work = len(a.facets.normals) * len(b.vertices) + len(b.facets.normals) * len(a.vertices)
     everything = np.arange(count)
-    if work > SMALL_WORK:
+    # Every solid has four facets at least: of large ones they are not looked for before they are needed.
+    if 4 * (len(a.vertices) + len(b.vertices)) > SMALL_WORK or _work(a, b) > SMALL_WORK:
         overlapping = [k for k in range(count) if not _apart_by_mesh(mesh, poses, k, found)]
         everything = np.array(overlapping, dtype=np.intp)
+    if len(everything) == 0:
+        return found
+    work = _work(a, b)
     enough, step = np.array([c.enough for c in cares or [_Care()] * count]), max(1, BLOCK // work)
     for i in range(0, len(everything), step):
         _convex_block(mesh, poses, everything[i : i + step], found, enough)
     return found
+
+
+def _work(a: Solid, b: Solid) -> int:
+    """Plane-vertex products of a convex pair."""
+    return len(a.facets.normals) * len(b.vertices) + len(b.facets.normals) * len(a.vertices)
 
 
 def _apart_by_mesh(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> bool:

@@ -6,7 +6,7 @@ A solid is a run of vertices, of planes (normal . x <= offset inside), of triang
 import numpy as np
 from numba import njit
 
-__all__ = ["clearances", "describe"]
+__all__ = ["clearances", "describe", "judge"]
 
 LEFT = -1
 """Not answered here: the deepest point lies inside a facet, or the two may be in one place."""
@@ -17,6 +17,32 @@ FACET, EDGES, DEPTH, FAR = 0, 1, 2, 3
 @njit(cache=True, nogil=True)
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, nogil=True)
+def judge(vertices, faces, first_vertex, first_face, size, tolerance, convex):
+    """Whether closed solids are watertight, and no vertex stands above any face plane; `Solid.convex`."""
+    n = np.empty(3)
+    for s in range(len(size)):
+        base, last, start, stop = first_vertex[s], first_vertex[s + 1], first_face[s], first_face[s + 1]
+        forth, back = np.empty(3 * (stop - start), np.int64), np.empty(3 * (stop - start), np.int64)
+        for f in range(stop - start):
+            for k in range(3):
+                i, j = faces[start + f, k], faces[start + f, (k + 1) % 3]
+                forth[3 * f + k], back[3 * f + k] = i * (last - base) + j, j * (last - base) + i
+        convex[s] = np.array_equal(np.sort(forth), np.sort(back))
+        f = start
+        while convex[s] and f < stop:
+            a, b, c = vertices[base + faces[f, 0]], vertices[base + faces[f, 1]], vertices[base + faces[f, 2]]
+            u, v = b - a, c - a
+            n[0], n[1], n[2] = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+            n /= np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+            most = _dot(n, a) + tolerance * size[s]
+            for i in range(base, last):
+                if _dot(n, vertices[i]) > most:
+                    convex[s] = False
+                    break
+            f += 1
 
 
 @njit(cache=True, nogil=True)
@@ -71,7 +97,9 @@ def _is_sharp(a, b, normals, offsets, start, kept, slack):
     for p in range(start, start + kept):
         if offsets[p] - _dot(normals[p], a) < slack and offsets[p] - _dot(normals[p], b) < slack:
             count += 1
-    return count > 1
+            if count > 1:
+                return True
+    return False
 
 
 @njit(cache=True, nogil=True)

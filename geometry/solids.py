@@ -158,7 +158,8 @@ class Solid:
         step = max(1, CHUNK // len(self.vertices))
         # A few faces tell of most solids that are not convex.
         few = np.linspace(0, len(self.faces) - 1, min(FEW_FACES, len(self.faces))).astype(np.intp)
-        blocks: list[slice | NDArray[np.intp]] = [few, *(slice(i, i + step) for i in range(0, len(self.faces), step))]
+        rest = (slice(i, i + step) for i in range(0, len(self.faces), step)) if len(few) < len(self.faces) else ()
+        blocks: list[slice | NDArray[np.intp]] = [few, *rest]
         for rows in blocks:
             highest = (self.face_normals[rows] @ self.vertices.T).max(axis=1)
             if (highest - offsets[rows]).max() > CONVEX_TOLERANCE * self.size:

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32, rotation_matrix
-from .clearance import EXACT, NOISE, SMALL_WORK, Care, measure, relative_poses, repeats
+from .clearance import EXACT, NOISE, SMALL_WORK, Care, measure, relative_poses
 from .convex_batch import MANY, convex_clearances
 from .depth import PRECISION
 from .forest import Forest
 from .launch import chosen_device, launch, load, warp
-from .polytopes import Relative
+from .polytopes import Relative, repeats
 
 if TYPE_CHECKING:
     from .solids import Solid

@@ -21,7 +21,7 @@ def _dot(a, b):
 
 @njit(cache=True, nogil=True)
 def judge(vertices, faces, first_vertex, first_face, size, tolerance, convex):
-    """Whether closed solids are watertight, and no vertex stands above any face plane; `Solid.convex`."""
+    """Convexity of closed solids: watertight, and no vertex above any face plane; `Solid.convex`."""
     n = np.empty(3)
     for s in range(len(size)):
         base, last, start, stop = first_vertex[s], first_vertex[s + 1], first_face[s], first_face[s + 1]
@@ -56,7 +56,11 @@ def describe(vertices, faces, first_vertex, first_face, size, coplanar, normals,
         count = stop - start
         area, normal = np.empty(count), np.empty((count, 3))
         for f in range(count):
-            a, b, c = vertices[base + faces[start + f, 0]], vertices[base + faces[start + f, 1]], vertices[base + faces[start + f, 2]]
+            a, b, c = (
+                vertices[base + faces[start + f, 0]],
+                vertices[base + faces[start + f, 1]],
+                vertices[base + faces[start + f, 2]],
+            )
             u, v = b - a, c - a
             normal[f] = np.array([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
             area[f] = np.sqrt(normal[f, 0] ** 2 + normal[f, 1] ** 2 + normal[f, 2] ** 2)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...geometry import Care, Meetings, aabb_of, clearance_batch, meetings, signed_clearance, turned_boxes
 from ...worlds.arrays import F64, RigidPose, rotation_matrix
 from ..rows.telling import tell
-from .at_start import nearest_parts, own_distances
+from .at_start import Gap, nearest_parts, own_distances
 from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
 
@@ -33,22 +33,6 @@ FEW_VERTICES = 1000
 """Own choice: parts of more vertices are put in their places one by one."""
 QUERIES = 500_000
 """Clearances measured in one batch: about 150 MB."""
-
-
-class Gap(NamedTuple):
-    """Signed clearance of two entities at one frame."""
-
-    distance: float
-    """[m]"""
-    point_a: F64
-    """World [m], shape (3,)."""
-    point_b: F64
-    part_a: str
-    part_b: str
-
-    def turned(self) -> Gap:
-        """The same with the other entity first."""
-        return Gap(self.distance, self.point_b, self.point_a, self.part_b, self.part_a)
 
 
 class Surfaces(Parts):
@@ -170,7 +154,8 @@ class Surfaces(Parts):
     @cached_property
     def own(self) -> dict[tuple[int, int], float]:
         """Clearance [m] at frame 0 of parts (i < j) of one entity, as far as it was cheap to ask for all at once; above `reach` a bound."""
-        return own_distances(self)
+        low, high = self.boxes(np.zeros(1, dtype=np.intp))
+        return own_distances(self, (low[:, 0], high[:, 0]))
 
     def _meetings(self, frames: NDArray[np.intp], *, static: bool) -> Meetings:
         """Parts of different entities whose boxes come within `reach`, and at which places in `frames`."""
@@ -234,11 +219,11 @@ class Surfaces(Parts):
         """
         if frame > 0 or offset is not None:
             return self._gap(a, b, frame, offset)
-        if not self._gaps:  # the checks of overlap and of support both ask where things touch at the start
-            self._gaps = dict(nearest_parts(self, self._near_at_start))
-        if (a, b) not in self._gaps:
-            back = self._gaps.get((b, a))
-            self._gaps[a, b] = self._gap(a, b, 0, None) if back is None else back.turned()
+        if self._near_at_start and not self._gaps:
+            for pair, found in nearest_parts(self, self._near_at_start, self.at_start, partial(self.tight_boxes, frame=0)):
+                self._gaps |= {pair: found, pair[::-1]: found.turned()}
+        if (a, b) not in self._gaps:  # the checks of overlap and of support both ask where things touch at the start
+            self._gaps[a, b] = self._gap(a, b, 0, None)
         return self._gaps[a, b]
 
     def _gap(self, a: str, b: str, frame: int, offset: F64 | None) -> Gap:

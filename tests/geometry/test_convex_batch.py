@@ -42,7 +42,7 @@ def test_gaps_of_convex_pairs_are_those_of_single_queries(monkeypatch: pytest.Mo
     assert min(len(apart), 300 - len(apart)) > 50
     # Left are those whose deepest point may lie inside a facet: deep overlaps, and a few that no plane of a facet separates.
     assert found.answered[apart].mean() > 0.9
-    assert found.answered.sum() > len(apart) + 20
+    assert (found.answered & np.array([e.distance < 0.0 for e in expected])).sum() > 5
     for k in np.flatnonzero(found.answered):
         (i, j), e = pairs[k], expected[k]
         noise = query_noise(solids[i].size + solids[j].size)

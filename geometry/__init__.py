@@ -1,7 +1,7 @@
 """Meshes and queries: solids, exact signed clearance, containment, broad phase, the camera and an id ray-caster."""
 
 from .apart import apart
-from .batch import BatchClearance, clearance_batch
+from .batch import BatchClearance, ConvexGaps, clearance_batch, convex_gaps
 from .broadphase import Meetings, aabb_of, candidate_pairs, meetings, turned_boxes
 from .camera import Camera, camera_at
 from .clearance import Care, Clearance, clearance_series, query_noise, signed_clearance
@@ -23,6 +23,7 @@ __all__ = [
     "Camera",
     "Care",
     "Clearance",
+    "ConvexGaps",
     "Crossings",
     "Forest",
     "IdCaster",
@@ -41,6 +42,7 @@ __all__ = [
     "clearance_batch",
     "clearance_series",
     "contains",
+    "convex_gaps",
     "cut_thickness",
     "distance_to_surface",
     "ground_solid",

@@ -12,17 +12,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64, I32
-from .clearance import EXACT, NOISE, SMALL_WORK, Care, measure, relative_poses, repeats
+from ..worlds.arrays import F64, I32, rotation_matrix
+from .clearance import EXACT, NOISE, SMALL_WORK, Care, measure, relative_poses
+from .convex_batch import MANY, convex_clearances
 from .depth import PRECISION
 from .forest import Forest
 from .launch import chosen_device, launch, load, warp
-from .polytopes import Relative
+from .polytopes import Relative, repeats
 
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["BatchClearance", "clearance_batch"]
+__all__ = ["BatchClearance", "ConvexGaps", "clearance_batch", "convex_gaps"]
 
 EFFORT = 3.0
 """[s] Own choice: a list that one core would need longer for than this goes to the kernels. Importing Warp and loading
@@ -129,10 +130,10 @@ def clearance_batch(
     value, computed = np.empty(count), len(compute)
     forest = solids if isinstance(solids, Forest) else Forest(own)
     exact = 0
-    if len(compute) and where == "cpu" and where not in forest.on_device and _effort(own, chosen.pairs) < EFFORT:
-        done, some_values = _one_by_one(forest, chosen, care.tolerance)
+    for route in (_convex, _one_by_one) if where == "cpu" else ():
+        done, some_values = route(forest, chosen, care.tolerance)
         value[compute[done]] = some_values
-        exact = len(done)
+        exact += len(done)
         left = np.ones(len(compute), dtype=bool)
         left[done] = False
         compute, chosen = compute[left], chosen.take(np.flatnonzero(left))
@@ -140,6 +141,47 @@ def clearance_batch(
         value[compute], more = _by_kernels(forest, chosen, where, care.tolerance)
         exact += more
     return BatchClearance(value[anchor], computed, exact)
+
+
+class ConvexGaps(NamedTuple):
+    """Clearances of convex solids, in the order of the queries."""
+
+    distance: F64
+    """Signed clearance [m], shape (n,); above `skip_above` a lower bound that is above it too."""
+    point_a: F64
+    """Point of the surface of the first in the world [m], shape (n, 3); not of lower bounds."""
+    point_b: F64
+    answered: NDArray[np.bool_]
+    """False where `signed_clearance` has to be asked."""
+
+
+def convex_gaps(
+    forest: Forest, pairs: NDArray[np.intp], poses_a: tuple[F64, F64], poses_b: tuple[F64, F64], *, skip_above: float
+) -> ConvexGaps | None:
+    """Signed clearance of pairs of convex solids with its points; None where compiled loops are not worth loading.
+
+    Args:
+        forest: the solids.
+        pairs: indices of the first and the second solid of each query, shape (n, 2).
+        poses_a: positions (n, 3) and unit quaternions (n, 4) of the first.
+        poses_b: the same of the second.
+        skip_above: distance [m] beyond which a lower bound is enough.
+    """
+    count = len(pairs)
+    if len(forest.solids) < MANY and count < MANY:
+        return None
+    convex = forest.convex
+    rows = np.flatnonzero(convex.fit[pairs].all(axis=1))
+    (pa, qa), (pb, qb) = poses_a, poses_b
+    poses = relative_poses((pa[rows], qa[rows]), (pb[rows], qb[rows]))
+    above, enough = np.full(len(rows), skip_above), np.full(len(rows), np.inf)
+    found = convex_clearances(convex, pairs[rows].astype(np.int32), poses, skip_above=above, enough=enough)
+    turn = rotation_matrix(qb[rows])
+    answer = ConvexGaps(np.full(count, np.nan), np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count, dtype=bool))
+    answer.distance[rows], answer.answered[rows] = found.value, found.answered
+    for points, local in ((answer.point_a, found.point_a), (answer.point_b, found.point_b)):
+        points[rows] = np.einsum("nij,nj->ni", turn, local) + pb[rows]
+    return answer
 
 
 def _effort(solids: Sequence[Solid], pairs: I32) -> float:
@@ -166,11 +208,26 @@ def _by_pair(pairs: I32, rows: NDArray[np.intp]) -> list[tuple[tuple[int, int], 
     return [((int(pairs[g[0], 0]), int(pairs[g[0], 1])), g) for g in np.split(order, cut)]
 
 
+def _convex(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDArray[np.intp], F64]:
+    """Queries of convex pairs answered by compiled loops, and their values [m]; none of a list of few pairs."""
+    del tolerance  # depths of these are exact
+    if len(asked.pairs) < MANY or len(np.unique(asked.pairs, axis=0)) < MANY:
+        return np.empty(0, dtype=np.intp), np.empty(0)
+    convex = forest.convex
+    rows = np.flatnonzero(convex.fit[asked.pairs].all(axis=1))
+    some = asked.take(rows)
+    poses = relative_poses(some.poses_a, some.poses_b)
+    found = convex_clearances(convex, some.pairs, poses, skip_above=some.skip_above, enough=some.enough)
+    return rows[found.answered], found.value[found.answered]
+
+
 def _one_by_one(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDArray[np.intp], F64]:
-    """Queries answered by `measure`, and their values [m]; all, unless too many overlap."""
+    """Queries answered by `measure`, and their values [m]; none where that takes too long, and not all where too many overlap."""
     done: list[NDArray[np.intp]] = []
     values: list[F64] = []
     solids = forest.solids
+    if "cpu" in forest.on_device or _effort(solids, asked.pairs) >= EFFORT:
+        return np.empty(0, dtype=np.intp), np.empty(0)
     for (i, j), rows in _by_pair(asked.pairs, np.arange(len(asked.pairs))):
         a, b = solids[i], solids[j]
         convex = a.convex and b.convex

@@ -18,18 +18,16 @@ from numpy.typing import NDArray
 from ..worlds.arrays import F64, I32, RigidPose, length, rotation_matrix
 from .depth import Deep, crossing_excursion, surface_depth
 from .inside import contains, distance_to_surface
-from .polytopes import Relative, convex_depth, edge_distance, face_separation
+from .polytopes import Relative, convex_depth, edge_distance, face_separation, repeats
 from .triangles import triangle_pair
 
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Clearance", "clearance_series", "measure", "query_noise", "relative_poses", "repeats", "signed_clearance"]
+__all__ = ["Clearance", "clearance_series", "measure", "query_noise", "relative_poses", "signed_clearance"]
 
 NOISE = 1e-12
 """Rounding of one query relative to the size of the bodies (see `query_noise`)."""
-SAME_POSE = 1e-12
-"""Relative poses [m and rotation matrix entries] this close to one already computed reuse its value."""
 SMALL_WORK = 4000
 """Plane-vertex products up to which a convex pair is swept over all frames at once."""
 SMALL_EDGES = 400
@@ -167,15 +165,23 @@ def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, cares: Seque
         for k in range(count):
             _general(mesh, poses, k, found, _Care() if cares is None else cares[k])
         return found
-    work = len(a.facets.normals) * len(b.vertices) + len(b.facets.normals) * len(a.vertices)
     everything = np.arange(count)
-    if work > SMALL_WORK:
+    # Every solid has four facets at least: of large ones they are not looked for before they are needed.
+    if 4 * (len(a.vertices) + len(b.vertices)) > SMALL_WORK or _work(a, b) > SMALL_WORK:
         overlapping = [k for k in range(count) if not _apart_by_mesh(mesh, poses, k, found)]
         everything = np.array(overlapping, dtype=np.intp)
+    if len(everything) == 0:
+        return found
+    work = _work(a, b)
     enough, step = np.array([c.enough for c in cares or [_Care()] * count]), max(1, BLOCK // work)
     for i in range(0, len(everything), step):
         _convex_block(mesh, poses, everything[i : i + step], found, enough)
     return found
+
+
+def _work(a: Solid, b: Solid) -> int:
+    """Plane-vertex products of a convex pair."""
+    return len(a.facets.normals) * len(b.vertices) + len(b.facets.normals) * len(a.vertices)
 
 
 def _apart_by_mesh(mesh: _Mesh, poses: Relative, k: int, found: _Found) -> bool:
@@ -378,23 +384,3 @@ def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float | F64 = np
         cares = [_Care(care.tolerance, *map(float, pair)) for pair in zip(deep, shallow, strict=True)]
         result[near] = _measure(a, b, poses.take(near), witness=False, cares=cares).value
     return result
-
-
-def repeats(poses: Relative, pairs: I32 | None = None) -> NDArray[np.intp]:
-    """For each relative pose the earlier one that it repeats within `SAME_POSE`, or itself, shape (f,).
-
-    Args:
-        poses: relative poses in the order of frames.
-        pairs: which bodies each is of, shape (f, 2); a change of bodies is no repeat.
-    """
-    count = len(poses.translation)
-    flat = np.concatenate([poses.rotation.reshape(-1, 9), poses.translation], axis=1)
-    changed = np.ones(count, dtype=bool)
-    changed[1:] = np.abs(np.diff(flat, axis=0)).max(axis=1) > SAME_POSE
-    if pairs is not None:
-        changed[1:] |= (pairs[1:] != pairs[:-1]).any(axis=1)
-    anchor = np.maximum.accumulate(np.where(changed, np.arange(count), 0))
-    # A slow drift of repeats leaves its anchor after a while: those frames are computed themselves.
-    drifted = np.flatnonzero(np.abs(flat - flat[anchor]).max(axis=1) > SAME_POSE)
-    anchor[drifted] = drifted
-    return anchor

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32
+from .convex_batch import Convex, convex_of
 
 if TYPE_CHECKING:
     from .solids import Solid
@@ -99,9 +100,9 @@ class Forest:
     def __init__(self, solids: Sequence[Solid]) -> None:
         self.solids = tuple(solids)
         self.on_device: dict[str, Any] = {}
+        """Its arrays for kernels, per device."""
         self.overlaps = 0
         """Overlaps of bodies that are not convex which `clearance_batch` measured without kernels so far."""
-        """Its arrays for kernels, per device."""
 
     @cached_property
     def _groups(self) -> NDArray[np.intp]:
@@ -112,6 +113,11 @@ class Forest:
         """One tree over the triangles of each solid; node s is the root of solid s."""
         bounds = [s.face_bounds for s in self.solids]
         return grow(np.concatenate([b[0] for b in bounds]), np.concatenate([b[1] for b in bounds]), self._groups)
+
+    @cached_property
+    def convex(self) -> Convex:
+        """The convex ones among the solids, for compiled loops."""
+        return convex_of(self.solids)
 
     @cached_property
     def corners(self) -> F64:

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..worlds.arrays import F64
+from ..worlds.arrays import F64, I32
 from .triangles import segment_points
 
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Relative", "convex_depth", "edge_distance", "face_separation"]
+__all__ = ["Relative", "convex_depth", "edge_distance", "face_separation", "repeats"]
 
 PARALLEL = 1e-14
 """Determinant of three unit normals below which they are no basis by double precision."""
@@ -26,6 +26,10 @@ PIVOTS = 80
 """Pivots before a programme is handed to the general solver; a box needs about five."""
 ROUND = 1e-13
 """Relative rounding of plane heights: a pivot or a witness within it counts as satisfied."""
+
+
+SAME_POSE = 1e-12
+"""Relative poses [m and rotation matrix entries] this close to one already computed reuse its value."""
 
 
 class Relative(NamedTuple):
@@ -50,6 +54,26 @@ class Relative(NamedTuple):
         """The poses of b in the frame of a."""
         back = self.rotation.swapaxes(1, 2)
         return Relative(back, -np.einsum("fij,fj->fi", back, self.translation))
+
+
+def repeats(poses: Relative, pairs: I32 | None = None) -> NDArray[np.intp]:
+    """For each relative pose the earlier one that it repeats within `SAME_POSE`, or itself, shape (f,).
+
+    Args:
+        poses: relative poses in the order of frames.
+        pairs: which bodies each is of, shape (f, 2); a change of bodies is no repeat.
+    """
+    count = len(poses.translation)
+    flat = np.concatenate([poses.rotation.reshape(-1, 9), poses.translation], axis=1)
+    changed = np.ones(count, dtype=bool)
+    changed[1:] = np.abs(np.diff(flat, axis=0)).max(axis=1) > SAME_POSE
+    if pairs is not None:
+        changed[1:] |= (pairs[1:] != pairs[:-1]).any(axis=1)
+    anchor = np.maximum.accumulate(np.where(changed, np.arange(count), 0))
+    # A slow drift of repeats leaves its anchor after a while: those frames are computed themselves.
+    drifted = np.flatnonzero(np.abs(flat - flat[anchor]).max(axis=1) > SAME_POSE)
+    anchor[drifted] = drifted
+    return anchor
 
 
 class Witness(NamedTuple):

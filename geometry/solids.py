@@ -128,6 +128,11 @@ class Solid:
         return np.asarray(n / length(n)[:, None])
 
     @cached_property
+    def planes(self) -> tuple[F64, F64]:
+        """Outward normals of the triangles, shape (m, 3), and offsets of their planes [m], shape (m,)."""
+        return self.face_normals, np.einsum("ij,ij->i", self.face_normals, self.triangles[:, 0])
+
+    @cached_property
     def edges(self) -> I32:
         """Unique undirected edges as vertex indices, shape (e, 2)."""
         pairs = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
@@ -149,11 +154,12 @@ class Solid:
         """True if it is closed, watertight and no vertex stands above any face plane (1e-9 of the size)."""
         if not (self.closed and self.is_watertight):
             return False
-        offsets = np.einsum("ij,ij->i", self.face_normals, self.triangles[:, 0])
+        offsets = self.planes[1]
         step = max(1, CHUNK // len(self.vertices))
         # A few faces tell of most solids that are not convex.
         few = np.linspace(0, len(self.faces) - 1, min(FEW_FACES, len(self.faces))).astype(np.intp)
-        blocks: list[slice | NDArray[np.intp]] = [few, *(slice(i, i + step) for i in range(0, len(self.faces), step))]
+        rest = (slice(i, i + step) for i in range(0, len(self.faces), step)) if len(few) < len(self.faces) else ()
+        blocks: list[slice | NDArray[np.intp]] = [few, *rest]
         for rows in blocks:
             highest = (self.face_normals[rows] @ self.vertices.T).max(axis=1)
             if (highest - offsets[rows]).max() > CONVEX_TOLERANCE * self.size:
@@ -169,7 +175,7 @@ class Solid:
         """
         if not self.convex:
             raise InputError("facets exist for convex solids only; query this one through its triangles")
-        offsets = np.einsum("ij,ij->i", self.face_normals, self.triangles[:, 0])
+        offsets = self.planes[1]
         step = max(1, CHUNK // len(self.vertices))
         bits = []
         for i in range(0, len(self.faces), step):

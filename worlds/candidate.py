@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
 
@@ -263,14 +263,15 @@ class Candidate:
         names = sorted(set(entities))
         source: dict[str, Any] = {"check": check, "stage": self.stage, "extra": extra, "entities": names}
         if self.stage == "static":
-            source["inputs"] = [
-                (n, self.built[n].digest() if n in self.built else None, self.spec.entities[n].pose.model_dump(mode="json"))
-                for n in names
-                if n in self.spec.entities
-            ]
+            source["inputs"] = [self.memo(("recipe", n), partial(self._placed, n)) for n in names if n in self.spec.entities]
         else:
             source["inputs"] = self.digest
         return hashlib.sha256(json.dumps(source, sort_keys=True, default=str).encode()).hexdigest()[:32]
+
+    def _placed(self, entity: str) -> tuple[str, str | None, Any]:
+        """Geometry and pose of an entity, as `recipe` takes them."""
+        built = self.built.get(entity)
+        return entity, built.digest() if built else None, self.spec.entities[entity].pose.model_dump(mode="json")
 
 
 def _made_of(cache: Cache) -> list[Derived]:

@@ -150,18 +150,27 @@ def _beyond_solid(own: list[_Weighed], seen: list[_Weighed]) -> bool:
 
 
 def _share_inside(inner: Solid, around: list[Solid]) -> float:
-    """Share of a solid's surface that lies inside others, to a depth of HIDDEN_DEPTH of its size."""
+    """Share of a solid's surface that lies inside others, to a depth of HIDDEN_DEPTH of its size; below HIDDEN_SURFACE a share that it may be at most."""
     corners: F64 = inner.triangles
     areas = 0.5 * np.linalg.norm(cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     largest = np.argsort(-areas, kind="stable")[:HIDDEN_TRIANGLES]
     inwards = inner.face_normals[largest, None] * (HIDDEN_DEPTH * inner.size)
     points = np.einsum("sk,fkj->fsj", _SPOTS, corners[largest]) - inwards
     covered = np.zeros(points.shape[:2], dtype=bool)
-    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
-    for solid in (s for s in around if (s.lower <= high).all() and (s.upper >= low).all()):
-        covered |= contains(solid, points.reshape(-1, 3)).reshape(covered.shape)
+    flat = points.reshape(-1, 3)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    near = [s for s in around if (s.lower <= high).all() and (s.upper >= low).all()]
+    for solid in near:
+        covered |= ((flat >= solid.lower) & (flat <= solid.upper)).all(axis=1).reshape(covered.shape)
     total = float(areas[largest].sum())
-    return float(areas[largest] @ covered.mean(axis=1)) / total if total > 0.0 else 0.0
+    weight = areas[largest] / total if total > 0.0 else np.zeros(len(largest))
+    most = float(weight @ covered.mean(axis=1))
+    if most < HIDDEN_SURFACE:  # what lies in no box lies in no solid
+        return most
+    covered[:] = False
+    for solid in near:
+        covered |= contains(solid, flat).reshape(covered.shape)
+    return float(weight @ covered.mean(axis=1))
 
 
 def hidden_finding(candidate: Candidate, name: str) -> Finding:

@@ -22,7 +22,7 @@ from .bounds import FARTHER
 from .own_bodies import own_gap, own_pairs
 from .questions import OVERLAP, OVERLAP_SCENE
 from .room import in_the_way, moves_alone
-from .self_crossing import self_rows
+from .self_crossing import search_together, self_rows
 from .separating import Barred, barred, clear_of, moves_apart, upward
 from .surfaces import surfaces_of
 
@@ -52,6 +52,7 @@ def check(candidate: Candidate) -> list[Row]:
         failed += rows[-1].status == "fail"
     for entity, pairs in own_pairs(surfaces, np.zeros(1, dtype=np.intp)).items():
         rows.append(row_of(candidate, OVERLAP, (entity, entity), _own(surfaces, entity, pairs), entities=(entity,)))
+    search_together(surfaces)
     crossed = [r for entity in surfaces.entities for r in self_rows(surfaces, entity)]
     return [row_of(candidate, OVERLAP_SCENE, (), _scene(surfaces, rows, crossed)), *rows, *crossed]
 

@@ -26,12 +26,18 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Row
     from .surfaces import Surfaces
 
-__all__ = ["self_rows"]
+__all__ = ["search_together", "self_rows"]
 
 SAMPLES = 256
 """Own choice: triangles over whose outer side the winding number is taken, besides those that cross."""
 LIFT = 1e-4
 """Relative to the size of the triangle: height over it at which the winding number is taken."""
+TOGETHER, SMALL = 20, 2000
+"""Own choice: so many unknown surfaces of at most so many triangles are searched at once."""
+SPACING = 2.0
+"""[1] Of the lattice on which they lie then, each scaled to a diagonal of 1."""
+ALIKE = 0.999
+"""[1] Share of the noise with which they are searched together, for the rounding of their places: one more is searched by itself."""
 MANY = 4000
 """Own choice: triangles from which on a union of convex pieces is proven, not searched: 64,000 of a forest take a minute."""
 
@@ -53,10 +59,32 @@ _known: dict[bytes, _Found | None] = {}
 def _search(solid: Solid) -> _Found | None:
     if solid.convex:
         return None
-    key = hashlib.sha256(solid.vertices.tobytes() + solid.faces.tobytes()).digest()
+    key = _key(solid)
     if key not in _known:
         _known[key] = None if _proven(solid) else _crossed(solid)
     return _known[key]
+
+
+def _key(solid: Solid) -> bytes:
+    return hashlib.sha256(solid.vertices.tobytes() + solid.faces.tobytes()).digest()
+
+
+def search_together(surfaces: Surfaces) -> None:
+    """Search the many small surfaces of a large world at once, in their places on a lattice; those that cross are searched again, one by one."""
+    solids = {id(p.solid): p.solid for p in surfaces.parts if not p.solid.convex and len(p.solid.faces) <= SMALL}
+    fresh = {key: solid for solid in solids.values() if (key := _key(solid)) not in _known}
+    if len(fresh) < TOGETHER:
+        return
+    own = list(fresh.values())
+    side = int(np.ceil(len(own) ** (1.0 / 3.0)))
+    places = SPACING * np.stack(np.unravel_index(np.arange(len(own)), (side, side, side)), axis=1)
+    first = np.cumsum([0, *(len(s.vertices) for s in own)])
+    vertices = np.concatenate([(s.vertices - s.sphere_center) / s.size + at for s, at in zip(own, places, strict=True)])
+    faces = np.concatenate([s.faces + k for s, k in zip(own, first[:-1], strict=True)]).astype(np.int32)
+    found = self_crossings(Solid(vertices, faces, True), noise=CROSSING_NOISE * ALIKE)
+    owner = np.repeat(np.arange(len(own)), [len(s.faces) for s in own])
+    crossing = {*owner[found.pairs[:, 0]].tolist()}
+    _known.update({key: None for k, key in enumerate(fresh) if k not in crossing})
 
 
 def _proven(solid: Solid) -> bool:

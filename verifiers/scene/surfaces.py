@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import Care, Meetings, aabb_of, clearance_batch, meetings, signed_clearance, turned_boxes
-from ...worlds.arrays import F64, RigidPose
+from ...worlds.arrays import F64, RigidPose, rotation_matrix
 from ..rows.telling import tell
+from .at_start import Gap, nearest_parts, own_distances
 from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
 
@@ -28,20 +29,10 @@ __all__ = ["NOWHERE", "Gap", "Surfaces", "surfaces_of"]
 NOWHERE = 1e300
 """[m] Corner of the empty box that stands for a broken pose."""
 
+FEW_VERTICES = 1000
+"""Own choice: parts of more vertices are put in their places one by one."""
 QUERIES = 500_000
 """Clearances measured in one batch: about 150 MB."""
-
-
-class Gap(NamedTuple):
-    """Signed clearance of two entities at one frame."""
-
-    distance: float
-    """[m]"""
-    point_a: F64
-    """World [m], shape (3,)."""
-    point_b: F64
-    part_a: str
-    part_b: str
 
 
 class Surfaces(Parts):
@@ -53,6 +44,7 @@ class Surfaces(Parts):
         self._support: dict[tuple[str, str, int], NDArray[np.bool_]] = {}
         self._boxes: dict[int, tuple[F64, F64]] = {}
         self._gaps: dict[Pair, Gap] = {}
+        self._near_at_start: dict[Pair, set[tuple[int, int]]] = {}
         self._tight: tuple[int, dict[int, tuple[F64, F64]]] = (0, {})
         self.at_start: dict[tuple[int, int], float] = {}
         """Clearance [m] at frame 0 of parts (i < j) of different entities within `reach`; there once `first` was asked."""
@@ -126,15 +118,44 @@ class Surfaces(Parts):
 
     def tight_boxes(self, entity: str, frame: int) -> tuple[F64, F64]:
         """World boxes around the vertices of each part of an entity at a frame [m], shapes (parts, 3); see `boxes`."""
+        rows = self.parts_of[entity]
+        if frame == 0:
+            return self._tight_at_start[0][list(rows)], self._tight_at_start[1][list(rows)]
         if self._tight[0] != frame:
             self._tight = (frame, {})
-        known, rows = self._tight[1], self.parts_of[entity]
+        known = self._tight[1]
         for i in rows:
             if i not in known:
-                pose = self.track_of(i).at(frame)
-                low, high = aabb_of(self.shapes.solid(i, frame).vertices, pose.position[None], pose.quaternion[None])
-                known[i] = (low[0], high[0])
+                known[i] = self._tight_box(i, frame)
         return np.array([known[i][0] for i in rows]), np.array([known[i][1] for i in rows])
+
+    def _tight_box(self, part: int, frame: int) -> tuple[F64, F64]:
+        pose = self.track_of(part).at(frame)
+        low, high = aabb_of(self.shapes.solid(part, frame).vertices, pose.position[None], pose.quaternion[None])
+        return low[0], high[0]
+
+    @cached_property
+    def _tight_at_start(self) -> tuple[F64, F64]:
+        """Boxes around the vertices of all parts at frame 0 [m], shapes (parts, 3); those of many vertices one by one."""
+        solids = [self.shapes.solid(i, 0) for i in range(len(self.parts))]
+        poses = [self.track_of(i).at(0) for i in range(len(self.parts))]
+        low, high = np.empty((2, len(self.parts), 3))
+        few = [i for i, s in enumerate(solids) if len(s.vertices) <= FEW_VERTICES]
+        for rows in (few[k : k + 1000] for k in range(0, len(few), 1000)):
+            count = np.array([len(solids[i].vertices) for i in rows])
+            turn = np.repeat(rotation_matrix(np.array([poses[i].quaternion for i in rows])), count, axis=0)
+            moved = np.einsum("nij,nj->ni", turn, np.concatenate([solids[i].vertices for i in rows]))
+            position, starts = np.array([poses[i].position for i in rows]), np.cumsum(count) - count
+            low[rows], high[rows] = (f.reduceat(moved, starts) + position for f in (np.minimum, np.maximum))
+        for i in {*range(len(solids))} - {*few}:
+            low[i], high[i] = self._tight_box(i, 0)
+        return low, high
+
+    @cached_property
+    def own(self) -> dict[tuple[int, int], float]:
+        """Clearance [m] at frame 0 of parts (i < j) of one entity, as far as it was cheap to ask for all at once; above `reach` a bound."""
+        low, high = self.boxes(np.zeros(1, dtype=np.intp))
+        return own_distances(self, (low[:, 0], high[:, 0]))
 
     def _meetings(self, frames: NDArray[np.intp], *, static: bool) -> Meetings:
         """Parts of different entities whose boxes come within `reach`, and at which places in `frames`."""
@@ -163,6 +184,7 @@ class Surfaces(Parts):
             start += len(near)
             if len(frames) == 1 and frames[0] == 0:
                 self.at_start[min(i, j), max(i, j)] = float(values[start - 1])
+                self._near_at_start.setdefault(pair, set()).add((i, j))
 
     @cached_property
     def first(self) -> dict[Pair, float]:
@@ -197,6 +219,9 @@ class Surfaces(Parts):
         """
         if frame > 0 or offset is not None:
             return self._gap(a, b, frame, offset)
+        if self._near_at_start and not self._gaps:
+            for pair, found in nearest_parts(self, self._near_at_start, self.at_start, partial(self.tight_boxes, frame=0)):
+                self._gaps |= {pair: found, pair[::-1]: found.turned()}
         if (a, b) not in self._gaps:  # the checks of overlap and of support both ask where things touch at the start
             self._gaps[a, b] = self._gap(a, b, 0, None)
         return self._gaps[a, b]

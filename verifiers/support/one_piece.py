@@ -48,6 +48,8 @@ def own_touches(surfaces: Surfaces, parts: Sequence[int], *, gap: float | None =
 
 
 def _apart(surfaces: Surfaces, i: int, j: int, gap: float) -> bool:
+    if gap <= surfaces.reach and (i, j) in surfaces.own:
+        return surfaces.own[i, j] >= gap
     poses = [surfaces.track(surfaces.parts[k].entity, surfaces.parts[k].body).at(0) for k in (i, j)]
     return apart(surfaces.shapes.solid(i, 0), poses[0], surfaces.shapes.solid(j, 0), poses[1], gap=gap)
 

@@ -15,12 +15,15 @@ from ..scene.bounds import ROUNDING
 from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
 if TYPE_CHECKING:
+    from ...geometry import Solid
     from ...worlds.arrays import RigidPose
     from ..scene.shapes import PartSurface
     from ..scene.surfaces import Surfaces
 
 __all__ = ["Contacts", "contacts_of", "hull_corners"]
 
+MANY_PARTS = 1000
+"""Own choice: parts of a world from which on loading compiled loops, half a second, is worth while."""
 MOST_PAIRS = 1_000_000
 """Edge pairs or point-triangle pairs that are compared at once."""
 MOST_POINTS = 200
@@ -73,13 +76,14 @@ def _contacts(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
     points: list[F64] = []
     normals: list[F64] = []
     friction: list[F64] = []
+    touch = _touch_compiled if len(surfaces.parts) >= MANY_PARTS else _touch
     for i, j in _near_parts(surfaces, a, b, frame, max(nearest.distance, 0.0) + EDGE_SLACK):
         one, two = surfaces.parts[i], surfaces.parts[j]
         slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
         if surfaces.farther(i, j, frame, slack):
             continue
         poses = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
-        found, ways = _touch(one, two, poses, slack)
+        found, ways = touch(one, two, poses, slack)
         points.append(found)
         normals.append(ways)
         friction.append(np.full(len(found), _friction(surfaces, one, two)))
@@ -138,6 +142,26 @@ def _touch(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose
     return np.array(found).reshape(-1, 3), np.array(ways).reshape(-1, 3)
 
 
+def _touch_compiled(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose], slack: float) -> tuple[F64, F64]:
+    """The same by compiled loops."""
+    from .touching_kernels import places, pushes
+
+    here, there = (pose.apply(part.solid.vertices) for pose, part in zip(poses, (one, two), strict=True))
+    low = np.maximum(here.min(axis=0), there.min(axis=0)) - slack
+    high = np.minimum(here.max(axis=0), there.max(axis=0)) + slack
+    if (low > high).any():
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    solids = one.solid, two.solid
+    faces, edges = [s.faces for s in solids], [s.edges for s in solids]
+    points, apart = places(here, there, *faces, *edges, low, high, slack, MOST_PAIRS)
+    if len(points) == 0:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    sides = tuple((s.closed, _sign(s)) for s in solids)
+    limits = (slack, SAME_NORMAL, BEND, float(MOST_EDGES))
+    found, ways = pushes(_different(points, apart), here, there, *faces, np.stack([low, high]), sides, limits, MOST_NEAR)
+    return found, ways
+
+
 def _points(
     one: PartSurface,
     two: PartSurface,
@@ -165,12 +189,20 @@ def _points(
         found.append(first[distance <= slack])
         apart.append(distance[distance <= slack])
     points = np.concatenate(found) if found else np.zeros((0, 3))
-    if len(points) == 0:
-        return points
+    return points if len(points) == 0 else _different(points, np.concatenate(apart))
+
+
+def _different(points: F64, apart: F64) -> F64:
+    """Points of which none is another once more, the first of each; `apart`: how far the surfaces are apart there [m]."""
     _, kept = np.unique(np.round(points / (0.1 * EDGE_SLACK)), axis=0, return_index=True)
     if len(kept) > MOST_POINTS:  # flush faces of many triangles: all are as near, and the corners of the patch must be among them
-        kept = _outermost(points, np.concatenate(apart), kept)
+        kept = _outermost(points, apart, kept)
     return points[np.sort(kept)]
+
+
+def _sign(solid: Solid) -> float:
+    """-1 for a surface that is inside out, as imported ones may be, else 1."""
+    return -1.0 if solid.closed and solid.volume < 0.0 else 1.0
 
 
 def _outermost(points: F64, apart: F64, kept: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -196,9 +228,7 @@ def _side(points: F64, part: PartSurface, low: F64, high: F64) -> _Side:
     normal = cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1)
     flat = length > 0.0
-    # Imported surfaces may be inside out.
-    sign = -1.0 if part.solid.closed and part.solid.volume < 0.0 else 1.0
-    return _Side(corner[flat], sign * normal[flat] / length[flat, None], part.solid.closed)
+    return _Side(corner[flat], _sign(part.solid) * normal[flat] / length[flat, None], part.solid.closed)
 
 
 def _normals(point: F64, own: _Side, other: _Side, near: tuple[NDArray[np.intp], NDArray[np.intp]], slack: float) -> F64:

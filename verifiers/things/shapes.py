@@ -147,12 +147,12 @@ def difference(part: BuiltPart) -> Differs:
     if part.simulation is not None:
         off = np.linalg.norm(part.simulation.bound(part.simulation.vertices) - drawn, axis=1)
         return _at(off, drawn, "what is drawn is off the mesh that deforms")
-    if _same_corners(part):
-        return Differs(0.0, (0.0, 0.0, 0.0), STANDS_OUT)
     try:
         seen = Solid.from_mesh(part.render, closed=part.closed)
     except InputError as error:
         raise EvidenceError(f"the surface of part {part.part!r} cannot be measured: {error}") from error
+    if _same_corners(part, seen):
+        return Differs(0.0, (0.0, 0.0, 0.0), STANDS_OUT)
     pieces = [c for c in part.collision if c.kind != "heightfield"]
     spots = _points(seen)
     if len(pieces) == 1 and pieces[0].kind in ROUND:
@@ -189,18 +189,17 @@ def _at(distance: F64, points: F64, how: str) -> Differs:
     return Differs(float(distance[k]), (x, y, z), how)
 
 
-def _same_corners(part: BuiltPart) -> bool:
+def _same_corners(part: BuiltPart, seen: Solid) -> bool:
     """True if one convex piece has the very corners of a convex surface: then both are the same."""
     if len(part.collision) != 1 or part.collision[0].kind not in ("box", "hull"):
         return False
     mine, size = _corners(part.collision[0]), max(_size(part), 1e-9)
-    drawn = np.unique(part.render.vertices, axis=0)
-    if len(mine) != len(drawn):
+    if len(mine) != len(seen.vertices):
         return False
-    order = [np.lexsort(np.round(p / (1e3 * SAME * size)).T) for p in (mine, drawn)]
-    if np.abs(mine[order[0]] - drawn[order[1]]).max() > SAME * size:
+    order = [np.lexsort(np.round(p / (1e3 * SAME * size)).T) for p in (mine, seen.vertices)]
+    if np.abs(mine[order[0]] - seen.vertices[order[1]]).max() > SAME * size:
         return False
-    return part.closed and Solid.from_mesh(part.render, closed=True).convex
+    return seen.convex
 
 
 def _corners(piece: Convex) -> F64:

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from worldagent.construction.build import build_entity
 from worldagent.testing.worlds.small_worlds import ball, box, build_all, entity, ground, make_candidate, pose, world
-from worldagent.verifiers.scene import interpenetration
+from worldagent.verifiers.scene import interpenetration, self_crossing
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import (
     Box,
@@ -246,6 +246,25 @@ def crossing_boxes(*, inverted: bool):
     two.apply_translation([0.6, 0.01, 0.02])
     mesh = trimesh.util.concatenate([one, two])
     return entity(Mesh(vertices=[tuple(v) for v in mesh.vertices], faces=[tuple(f) for f in mesh.faces]))
+
+
+def test_surfaces_searched_together_have_the_rows_of_those_searched_alone(tmp_path, monkeypatch):
+    """Choice: many small surfaces are searched at once; those that cross are told of as before, the others not."""
+    whole = trimesh.creation.annulus(0.2, 0.4, 0.3, sections=9)
+    ring = entity(Mesh(vertices=[tuple(v) for v in whole.vertices], faces=[tuple(f) for f in whole.faces]))
+    things = {"ring": ring, "a": crossing_boxes(inverted=False), "b": crossing_boxes(inverted=True)}
+    things = {name: made.model_copy(update={"pose": pose((3.0 * k, 0, 0))}) for k, (name, made) in enumerate(things.items())}
+    alone = rows_of(tmp_path, things)
+    assert "interpenetration:self:ring" not in alone
+    asked = []
+    search = self_crossing.self_crossings
+    monkeypatch.setattr(self_crossing, "_known", {})
+    monkeypatch.setattr(self_crossing, "TOGETHER", 1)
+    monkeypatch.setattr(self_crossing, "self_crossings", lambda solid, **k: asked.append(len(solid.faces)) or search(solid, **k))
+    assert {i: (r.status, r.measured, r.evidence) for i, r in rows_of(tmp_path, things).items()} == {
+        i: (r.status, r.measured, r.evidence) for i, r in alone.items()
+    }
+    assert asked[0] == sum(asked[1:]) + len(whole.faces)  # all at once, then the two that cross
 
 
 def test_a_surface_that_crosses_itself_passes_as_a_union_and_fails_with_a_lobe_inside_out(tmp_path):

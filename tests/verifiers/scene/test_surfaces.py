@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from worldagent.geometry import batch
 from worldagent.geometry.clearance import signed_clearance
 from worldagent.testing.worlds.small_worlds import entity, ground, make_candidate, pose, world
 from worldagent.verifiers.scene import surfaces as surfaces_module
@@ -73,3 +74,34 @@ def test_carrying_asked_of_all_at_once_is_carrying_asked_one_by_one(tmp_path, se
             assert bool(surfaces.carries(below, above, until=1)[0]) is expected
             answers.add(expected)
     assert answers == {True, False}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gaps_asked_for_all_at_once_are_those_asked_one_by_one(tmp_path, monkeypatch, seed):
+    """Law: in a large world compiled loops answer for all pairs that are near, and for parts of one entity; the distances are the same."""
+    candidate = cluttered(tmp_path, seed)
+    fresh, together = Surfaces(candidate), Surfaces(candidate)
+    expected = {pair: fresh.gap(*pair, 0) for pair in fresh.first}
+    monkeypatch.setattr(batch, "MANY", 1)
+    assert together.first.keys() == expected.keys()
+    monkeypatch.setattr(surfaces_module, "signed_clearance", None)  # nobody asks for a single pair
+    for (a, b), wanted in expected.items():
+        found, back = together.gap(a, b, 0), together.gap(b, a, 0)
+        assert found.distance == back.distance == pytest.approx(wanted.distance, abs=1e-14)
+        assert np.array_equal(found.point_a, back.point_b)
+        assert (found.part_a, found.part_b) == (back.part_b, back.part_a)
+    for name in ("layer1", "layer4"):
+        rows = together.parts_of[name]
+        assert not {parts for parts in together.own if parts[0] in rows}  # boards of one layer lie 10 mm apart, beyond reach
+
+
+def test_parts_of_one_entity_have_their_distances_at_once(tmp_path, monkeypatch):
+    """Limit case: two boards that touch, and a third that is 1 mm away."""
+    monkeypatch.setattr(batch, "MANY", 1)
+    boards = [Part(shape=Box(size=(0.3, 0.2, 0.1)), pose=pose((x, 0.0, 0.05))) for x in (0.0, 0.3, 0.601)]
+    surfaces = Surfaces(make_candidate(tmp_path, world({"ground": ground(), "row": entity(*boards)})))
+    first = surfaces.parts_of["row"][0]
+    assert surfaces.own == {
+        (first, first + 1): pytest.approx(0.0, abs=1e-15),
+        (first + 1, first + 2): pytest.approx(1e-3, abs=1e-12),
+    }

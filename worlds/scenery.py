@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 
 from .references import references
-from .spec import WorldSpec
+from .spec import SpecModel, WorldSpec
 
 __all__ = ["of_scenery", "scenery"]
 
@@ -41,13 +41,14 @@ def _bodies(spec: WorldSpec, name: str) -> set[str]:
 def _named(spec: WorldSpec) -> Iterator[tuple[str, set[str]]]:
     """Every naming of an entity: with the others without which it is none of scenery; a name of nobody where it is asked about."""
     asked = {""}
+    holders: Mapping[str, Mapping[str, SpecModel]] = {"relations": spec.graph.relations, "joints": spec.simulation.joints}
     for pointer in (p for claim in spec.claims.values() for p in claim.by):
-        place = pointer.split("/")
-        holder = {"relations": spec.graph.relations, "joints": spec.simulation.joints}.get(place[2] if len(place) > 3 else "")
-        if place[1] == "entities":
-            yield place[2], asked
-        elif holder is not None and place[3] in holder:
-            yield from ((name, asked) for _, target, name in references(holder[place[3]], "") if target in ("entity", "node"))
+        _, group, key, *rest = (*pointer.split("/"), "", "")
+        holder = holders.get(key, {})
+        if group == "entities":
+            yield key, asked
+        elif rest[0] in holder:
+            yield from ((name, asked) for _, target, name in references(holder[rest[0]], "") if target in ("entity", "node"))
     for place, target, name in references(spec, ""):
         if target not in ("entity", "node") or _ALONG.match(place):
             continue

@@ -61,24 +61,25 @@ def _fixed(asked: AssetAsk, before: Entity | None, made: Made) -> bool:
     Raises:
         InputError: it has none.
     """
-    if asked.fixed and not made.joints:
+    if asked.fixed and len(made.bodies) == 1:
         raise InputError(
             f"a {asked.generator} has no leaves, drawers or lids that `fixed` could hold; leave it out, or ask for motion 'static'"
         )
     if asked.fixed is None:
-        return before is not None and before.asset is not None and before.asset.fixed and bool(made.joints)
+        return before is not None and before.asset is not None and before.asset.fixed and len(made.bodies) > 1
     return asked.fixed
 
 
 def _still_hung(asked: AssetAsk, documents: AssetDocuments) -> dict[str, Any]:
     """Note on bodies that move on their joints although the thing is asked for as static."""
     hung = [j["child"] for j in documents.joints.values()]
-    if asked.motion != "static" or not hung:
+    loose = [n for n, e in documents.entities.items() if e["motion"] == "dynamic" and n not in hung]
+    moving = [*hung, *loose]
+    if asked.motion != "static" or not moving:
         return {}
-    more = f" and {len(hung) - SHOWN} more" if len(hung) > SHOWN else ""
-    return {
-        "still_moving": f"{', '.join(hung[:SHOWN])}{more} turn or slide on joints; asset {{fixed: true}} makes them static too"
-    }
+    more = f" and {len(moving) - SHOWN} more" if len(moving) > SHOWN else ""
+    how = " or ".join(w for w, some in (("turn or slide on joints", hung), ("lie loose", loose)) if some)
+    return {"still_moving": f"{', '.join(moving[:SHOWN])}{more} {how}; asset {{fixed: true}} makes them static too"}
 
 
 def made_of(asset: Asset) -> Made:

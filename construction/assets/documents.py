@@ -53,7 +53,7 @@ def asset_documents(
     Args:
         name: id of the asset, which its main body bears.
         record: its field `asset`: generator, parameters and seed; where it says `fixed`, what joints would hold is static and
-            fastened to what they hang it on.
+            fastened to what they hang it on; of a static thing so is what lies loose on it.
         made: its bodies.
         pose: of the asset's frame in the world.
         motion: of its main body where that does not say it; the others are dynamic.
@@ -66,7 +66,7 @@ def asset_documents(
         body_id(name, key): _entity(body, known[key], pose, "dynamic" if key in hung else motion, whole=key == MAIN)
         for key, body in made.bodies.items()
     }
-    for key in fixed:
+    for key in made.bodies if record.get("fixed") and motion == "static" else fixed:
         entities[body_id(name, key)]["motion"] = "static"
     entities[name]["asset"] = record | {"bodies": [body_id(name, key) for key in made.bodies if key != MAIN]}
     joints = {} if fixed else {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}

@@ -48,7 +48,7 @@ def asset_operations(spec: WorldSpec, name: str, asked: AssetAsk) -> tuple[list[
     taken = [k for k in documents.entities if k in spec.entities and not _belongs(spec, name, k)]
     if taken:
         raise InputError(f"{taken[0]!r} would be a body of {name!r} and is an entity already; choose another id")
-    told = _told(made, documents) | _still_moving(name, asked, made, documents)
+    told = _told(made, documents) | _still_moving(asked, documents)
     if before is not None:
         told |= _kept(spec, name, before, documents)
     return _operations(spec, name, before, documents), told
@@ -74,24 +74,22 @@ def _fixed(asked: AssetAsk, before: Entity | None, made: Made) -> bool:
     Raises:
         InputError: it has none, and is not static.
     """
-    holds = bool(made.joints or made.carries)
-    if asked.fixed and not holds:
+    several = len(made.bodies) > 1
+    if asked.fixed and not several:
         if asked.motion == "static":
             return False
         raise InputError(
             f"a {asked.generator} has no leaves, drawers or lids that `fixed` could hold; leave it out, or ask for motion 'static'"
         )
     if asked.fixed is None:
-        return before is not None and before.asset is not None and before.asset.fixed and holds
+        return before is not None and before.asset is not None and before.asset.fixed and several
     return asked.fixed
 
 
-def _still_moving(name: str, asked: AssetAsk, made: Made, documents: AssetDocuments) -> dict[str, Any]:
+def _still_moving(asked: AssetAsk, documents: AssetDocuments) -> dict[str, Any]:
     """Note on bodies that move on their joints, or lie loosely, although the thing is asked for as static."""
-    from ..construction.assets.documents import body_id
-
     hung = [j["child"] for j in documents.joints.values()]
-    loose = [n for n in (body_id(name, b) for _, b in made.carries) if documents.entities[n]["motion"] == "dynamic"]
+    loose = [n for n, e in documents.entities.items() if e["motion"] == "dynamic" and n not in hung]
     if asked.motion != "static" or not (hung or loose):
         return {}
     moving = [*hung, *loose]

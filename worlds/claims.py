@@ -34,7 +34,7 @@ from .pronouns import misread_pronouns, pronoun_readings
 from .repeats import is_repeat
 from .roles import misplaced_roles
 from .row_words import misnamed_rows
-from .spec import CLAIM_TYPES, Beat, WorldSpec
+from .spec import CLAIM_TYPES, Beat, Supports, WorldSpec
 from .stillness import stillness_of, stillness_warnings
 from .subjects import misplaced_subjects
 from .substance_looks import look_warnings
@@ -174,7 +174,7 @@ def _warnings(spec: WorldSpec, spans: tuple[Span, ...], language: str | None) ->
 
 
 def _idle(spec: WorldSpec) -> Iterator[str]:
-    """Bodies that can move and that nothing which a claim says of beats and requirements is about, in a prompt that tells of events."""
+    """Bodies that can move and that nothing which a claim says of beats, requirements and relations of some frames is about, where events are told."""
     judged = [n for n, c in spec.claims.items() if c.waived is None]
     if not any(spec.claims[n].type == "event" for n in judged):
         return
@@ -187,6 +187,8 @@ def _idle(spec: WorldSpec) -> Iterator[str]:
         if r in story.requirements
         for e in entities_of(story.requirements[r].predicate)
     }
+    held = (spec.graph.relations.get(r) for n in judged for r in named_in(spec, n, "graph/relations"))
+    told |= {e for r in held if isinstance(r, Supports) and r.frames is not None for e in (r.a, r.b)}
     for name in judged:
         claim = spec.claims[name]
         if claim.type != "thing" or claim.same_as is not None:

@@ -16,6 +16,7 @@ from .hints import patch_problem, spec_problem
 from .holding import holding_weakenings
 from .limits import CAPS, check_cap
 from .named_materials import declared_by_name, filled_materials
+from .scenery import of_scenery, scenery
 from .spec import WorldSpec
 from .weakened import directed_weakenings, physical_weakenings, relation_weakenings, surface_weakenings
 from .weakened_claims import claim_weakenings
@@ -279,4 +280,5 @@ def weakenings(before: WorldSpec, after: WorldSpec, judged: Collection[str] = ()
     found += holding_weakenings(before, after)
     found += _shot_weakenings(old["shots"], new["shots"])
     found += claim_weakenings(old, new)
-    return found
+    free = scenery(before) - set(judged) if found else set()
+    return [line for line in found if not of_scenery(line, before, after, free)]

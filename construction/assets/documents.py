@@ -53,7 +53,7 @@ def asset_documents(
     Args:
         name: id of the asset, which its main body bears.
         record: its field `asset`: generator, parameters and seed; where it says `fixed`, what joints would hold is static and
-            fastened to what they hang it on, and what lies loosely on it (a lid) is static too.
+            fastened to what they hang it on; of a static thing so is what lies loosely on it (a lid, a pile).
         made: its bodies.
         pose: of the asset's frame in the world.
         motion: of its main body where that does not say it; the others are dynamic.
@@ -62,12 +62,11 @@ def asset_documents(
     known = body_boxes(made) if boxes is None else boxes
     hung = {j.child: j.parent for j in made.joints.values()}
     fixed = hung if record.get("fixed") else {}
-    loose = {b for _, b in made.carries}
     entities = {
         body_id(name, key): _entity(body, known[key], pose, "dynamic" if key in hung else motion, whole=key == MAIN)
         for key, body in made.bodies.items()
     }
-    for key in {*fixed, *loose} if record.get("fixed") else ():
+    for key in made.bodies if record.get("fixed") and motion == "static" else fixed:
         entities[body_id(name, key)]["motion"] = "static"
     entities[name]["asset"] = record | {"bodies": [body_id(name, key) for key in made.bodies if key != MAIN]}
     joints = {} if fixed else {f"{name}_{key}": _joint(name, joint, pose) for key, joint in made.joints.items()}

@@ -27,7 +27,7 @@ from ...worlds.errors import RefusedError
 from ...worlds.folder import WorldFolder, write_atomically
 from ...worlds.ledger import Ledger
 from ...worlds.named_materials import declared_by_name
-from ...worlds.patch import parse_spec
+from ...worlds.patch import parse_edit, parse_spec
 from ...worlds.requirements import Row
 from ...worlds.spec import WorldSpec
 
@@ -74,7 +74,7 @@ def recorded() -> Iterator[tuple[str, WorldSpec]]:
     for path in sorted(SKILLS.glob("*/*.json")):
         document = json.loads(path.read_text(encoding="utf-8"))
         if isinstance(document, dict) and {"prompt", "entities"} <= set(document):
-            yield f"{path.parent.name}/{path.stem}", declared_by_name(parse_spec(document))
+            yield f"{path.parent.name}/{path.stem}", parse_edit(document)
 
 
 def showcases() -> Iterator[tuple[str, WorldSpec]]:

@@ -109,6 +109,15 @@ def topple() -> WorldSpec:
     return _world({"slab": slab.model_copy(update={"physics": physics})}, materials=GRIPPY)
 
 
+def topple_against() -> WorldSpec:
+    """A force that begins between two frames tips a cupboard over its front edge, until it leans on a lower block after 0.6 rad."""
+    cupboard = box(0.3, 1.0, 1.3, motion="dynamic", at=(0, 0, 0.651))
+    push = ForceDriver(entity="cupboard", force=(500.0, 0.0, 0.0), torque=(0.0, 315.0, 0.0), start=0.405, end=0.95)
+    return _world(
+        {"cupboard": cupboard, "block": box(0.5, 1.0, 1.0, at=(1.084, 0, 0.501))}, materials=GRIPPY, drivers={"push": push}
+    )
+
+
 def rock() -> WorldSpec:
     """A slab gets a turn at the start, does not reach its balance and rocks back."""
     slab = box(0.1, 0.1, 0.3, motion="dynamic", at=(0, 0, 0.151))
@@ -401,6 +410,7 @@ EVENT_WORLDS: Mapping[str, Callable[[], WorldSpec]] = {
         slide,
         slip,
         topple,
+        topple_against,
         rock,
         laid_down,
         push,

@@ -2,7 +2,7 @@
 glass off a table and it breaks, planks splinter, a flag flutters, a jelly wobbles, sand
 topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out, a
 campfire lights a banner of cloth and a gust carries its smoke over a lake, a boulder that rolls off a ledge raises dust, a block comes to rest on a laid table, a crate floats beside
-a wall, a boulder rolls onto a scree."""
+a wall, a boulder rolls onto a scree, a bookcase tips against a piano and its lamp stays hanging on its cord."""
 
 from __future__ import annotations
 
@@ -75,6 +75,10 @@ JUDGED: dict[str, tuple[str, ...]] = {
     "gas/rockfall": (
         *("causal:rolls:drops", "causal:drops:lands", "causal:lands:spreads", "causal:without:lands:spreads"),
         *GAS,
+    ),
+    "interiors/study": (
+        *("causal:tip:slide", "causal:tip:unbalance", "causal:without:tip:slide", "causal:without:tip:unbalance"),
+        *("claim:place:stays_hanging_on", "claim:place:under", "requirement:hangs", "numerical:step_travel:rigid"),
     ),
     "particles/collapse": ("causal:opens:collapses", "causal:collapses:topples"),
     "particles/sparks": ("causal:sprays:falls",),

@@ -18,7 +18,7 @@ from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.claim_marks import claim_operations
 from worldagent.worlds.claims import prompt_record
 from worldagent.worlds.patch import apply_patch, parse_spec
-from worldagent.worlds.spec import WorldSpec
+from worldagent.worlds.spec import Supports, WorldSpec
 
 Spec = dict[str, Any]
 FALL = ("story", "beats", "fall")
@@ -230,6 +230,21 @@ def test_what_only_a_reader_can_tell_stands_with_the_verdict() -> None:
     told = "'bottles' can move, and nothing that is claimed to happen is about b1, b2, b3"
     assert told in prompt_record(spec)["warnings"]
     assert not any("can move" in w for w in prompt_record(parse_spec({**small_spec(), "prompt": PROMPT}))["warnings"])
+
+
+def test_what_a_claim_of_place_says_of_some_frames_is_about_its_bodies() -> None:
+    """Something bears the bottles later on, by a claimed relation: the warning goes; it stays where the relation says nothing of when."""
+    told = "'bottles' can move, and nothing that is claimed to happen is about b1, b2, b3"
+    spec = _attempted("no_bottle_falls", ("a row of", "a [row](property b1) of"))
+    for frames, warned in ((None, True), ((1, 2), False)):
+        relation = Supports(a=next(n for n, e in spec.entities.items() if e.motion == "static"), b="b1", frames=frames)
+        graph = spec.graph.model_copy(update={"relations": {**spec.graph.relations, "later": relation}})
+        claims = {
+            n: c.model_copy(update={"by": [*c.by, "/graph/relations/later"]}) if c.type == "property" else c
+            for n, c in spec.claims.items()
+        }
+        held = spec.model_copy(update={"graph": graph, "claims": claims})
+        assert (told in prompt_record(held)["warnings"]) is warned
 
 
 def _attempted(name: str, *changes: tuple[str, str]) -> WorldSpec:

@@ -80,6 +80,19 @@ def test_a_static_row_or_pile_is_static_as_far_as_it_stands(spec: WorldSpec) -> 
     assert castle.entities["castle_tower_a"].motion == "dynamic", "a thing that is static by itself says which of it moves"
 
 
+def test_a_static_pile_is_told_what_lies_loose_on_it_and_is_fixed_as_a_whole(spec: WorldSpec) -> None:
+    pile = {"generator": "pile_of_books", "parameters": {"count": 3}, "motion": "static"}
+    loose, told = placed(spec, "pile", **pile)
+    bodies = ["pile", *loose.entities["pile"].asset.bodies]
+    assert [loose.entities[n].motion for n in bodies] == ["static", "dynamic", "dynamic"]
+    assert "pile_book_2, pile_book_3 lie loose" in told["still_moving"]
+    still, told = placed(spec, "pile", **pile, fixed=True)
+    assert {still.entities[n].motion for n in bodies} == {"static"}
+    assert "still_moving" not in told
+    moving, _ = placed(spec, "pile", **{**pile, "motion": "dynamic"}, fixed=True)
+    assert {moving.entities[n].motion for n in bodies} == {"dynamic"}
+
+
 def test_what_has_no_joints_cannot_be_fixed(spec: WorldSpec) -> None:
     with pytest.raises(InputError, match="no leaves, drawers or lids"):
         asset_operations(spec, "jar", AssetAsk(generator="glass", fixed=True))

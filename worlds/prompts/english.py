@@ -6,7 +6,7 @@ from .function_words import FUNCTION_WORDS
 
 __all__ = [
     "AUXILIARIES", "BE", "CONJUNCTIONS", "DETERMINERS", "KINDS", "LOOK", "MADE_OF",
-    "MATERIALS", "NUMBERS", "PARTICLES", "PHRASES", "PREPOSITIONS", "PRONOUNS", "REQUESTS",
+    "MATERIALS", "NUMBERS", "PARTICLES", "PHRASES", "POSTURES", "PREPOSITIONS", "PRONOUNS", "REQUESTS",
     "REVIEWED", "SHARES", "TIMES", "UNITS_OF_MEASURE", "WEATHER",
 ]  # fmt: skip
 
@@ -70,6 +70,8 @@ MATERIALS = _words(
     "leather velvet wool cotton silk canvas linen ceramic porcelain clay wax chalk ice straw bamboo oak pine larch birch granite marble limestone foam cork"
 )
 """Solids that a body can be of: before a noun they are a property of it, where water or oil would only say what it is for (water tower, oil drum)."""
+POSTURES = _words("hang dangle stand sit lie lean rest perch")
+"""Verbs that in a claim of place say how something is there, which the rows of that claim judge; no event has to take them up."""
 SUBJECTS = _words("i you he she it we they who which that somebody someone")
 """Pronouns after which a verb follows."""
 GERUNDS = _words("without by before after from while for")
@@ -188,6 +190,10 @@ KINDS: dict[str, frozenset[str]] = {
     **_kinds("come", "_to_rest", "stops"),
     **_kinds("rush surge", "", "flows"),
     **_kinds("carry", "", "drifts", "floats", "lifts"),
+    **_kinds("go come get fall throw knock bring", "_of_balance", "tips", "topples", "falls"),
+    **_kinds("go come get fall throw knock", "_off_balance", "tips", "topples", "falls"),
+    **_kinds("lose", "_balance", "tips", "topples", "falls"),
+    **_kinds("overbalance", "", "tips", "topples", "falls"),
     **_kinds("bob", "", "bobs"),
     **_kinds("bob", "_up", "rises", "bobs"),
 }

@@ -204,7 +204,8 @@ def _left_out(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
     for word in labelled(text):
         over = {reading.type for reading in readings if reading.start < word.end and word.start < reading.end}
         quote = text[word.start : word.end]
-        if word.type == "event" and word.confidence >= EVENT and over <= {"thing", "place", "property"}:
+        posture = "place" in over and bool(english.POSTURES & set(lemmas(quote.split()[0], "v")))
+        if word.type == "event" and word.confidence >= EVENT and over <= {"thing", "place", "property"} and not posture:
             yield Warned(
                 word.start,
                 word.end,

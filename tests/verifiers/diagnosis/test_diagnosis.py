@@ -465,3 +465,28 @@ def test_what_ends_apart_is_not_told_to_set_out_slower() -> None:
     assert not any(c.patch for c in told.corrections), "how much faster is not known"
     far = diagnose(_row("beat:rest", check="beat", entities=("a",), evidence={"asks": "displacement"}, **short), _spec())
     assert all("stops short" not in c.cause for c in far.corrections)
+
+
+@pytest.mark.parametrize(
+    ("broke", "group"),
+    [("centre below its highest place", "drivers"), ("way of that edge around it over its turn", "material")],
+)
+def test_what_does_not_tip_is_told_of_what_broke_and_not_of_dominoes(broke: str, group: str) -> None:
+    """A shelf that a force pushes: where its centre stays on this side of the edge it wants more push, where its foot slides more friction."""
+    spec = apply_patch(
+        _spec(),
+        [
+            {
+                "op": "add",
+                "path": "/simulation/drivers/shove",
+                "value": {"kind": "force", "entity": "b1", "force": [1.0, 0.0, 0.0], "end": 0.5},
+            }
+        ],
+    )
+    evidence = {"asks": "tips", "failed_first": broke, "conditions": [], "edit_classes": []}
+    row = _row("beat:tip", check="beat", measured=0.0, bound=0.2, unit="rad", first_failing_entity="b1", evidence=evidence)
+    told = diagnose(row.model_copy(update={"entities": ("b1",)}), spec)
+    assert told.corrections[0].group == group
+    assert told.corrections[0].because == f"failed_first is {broke!r}"
+    assert all(c.skill.endswith("#tips-not") for c in told.corrections)
+    assert not any("domino" in c.action or "wave" in c.action for c in told.corrections)

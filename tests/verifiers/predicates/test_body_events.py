@@ -28,7 +28,12 @@ TRUE: dict[str, list[tuple[str, ...]]] = {
     "stops": [("drop", "ball"), ("slide", "box"), ("topple", "slab")],
     "rolls": [("roll", "ball"), ("downhill", "ball"), ("roll", "ball", "floor")],
     "slides": [("slide", "box"), ("slip", "ball"), ("shove", "box", "floor"), ("push", "box", "floor")],
-    "tips": [("topple", "slab"), ("topple", "slab", "floor")],
+    "tips": [
+        ("topple", "slab"),
+        ("topple", "slab", "floor"),
+        ("topple_against", "cupboard"),
+        ("topple_against", "cupboard", "floor"),
+    ],
     "lands": [("drop", "ball"), ("drop", "ball", "floor")],
     "hits": [("hit", "hitter", "box"), ("drop", "ball", "floor"), ("bounce", "ball", "floor")],
     "pushes": [("push", "hand", "box"), ("lifted", "hand", "box")],

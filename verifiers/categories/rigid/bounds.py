@@ -95,6 +95,8 @@ SPIKE = 20.0
 """[1] Own choice, as between frames: nothing is this many times faster within a frame than at its ends or than its way asks for."""
 CAPPED = 0.05
 """[1] Own choice: share of steps that may end at the iteration cap before contact forces are not to be trusted."""
+USUAL_TOLERANCE = 1e-8
+"""[1] Default of MuJoCo: improvement of its cost by which the search for contact forces ends, scaled by mean inertia; rooms ask for less."""
 SLACK = 1.0
 """[m/s] Added to the speed limit for travel per frame: rounding of positions and half a frame of gravity."""
 STILL = 0.05

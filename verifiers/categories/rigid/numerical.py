@@ -14,13 +14,13 @@ from ...ledgers import motion
 from ...ledgers.balance import books_of
 from ...ledgers.exchanged import both_ways
 from ...ledgers.fields import feels_fields
-from ...rows.corrections import bake_again, correction, double_iterations, halve_step, separate
+from ...rows.corrections import bake_again, correction, double_iterations, halve_step, pointer, separate, set_value
 from ...rows.findings import Finding
 from ...scene import initial_state
 from ..container import rows_about
 from ..questions import COUNTERS, COUNTS, FINITE, ITERATIONS, SPEED, TRAVEL
 from .books import energy_scale
-from .bounds import CAPPED, GROWTH, QUATERNION_NOISE, SLACK, SLOW, SPIKE
+from .bounds import CAPPED, GROWTH, QUATERNION_NOISE, SLACK, SLOW, SPIKE, USUAL_TOLERANCE
 from .check import of_movers
 from .corrections import closer_masses
 from .links import owners
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
-    from ....worlds.requirements import Row
+    from ....worlds.requirements import Correction, Row
     from ...rows.questions import Question
     from ..container import Function
 
@@ -219,7 +219,9 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         raise EvidenceError(f"instance {solver!r} records no solver steps")
     share = float(capped.sum()) / total
     over = np.cumsum(capped) > CAPPED * total
+    exact = float(getattr(candidate.spec.simulation.solvers[solver].settings, "tolerance", USUAL_TOLERANCE))
     hints = (
+        *(_less_exactly(solver, exact) if exact < USUAL_TOLERANCE else ()),
         double_iterations(candidate, solver, "the contact solver does not converge"),
         closer_masses("very unequal masses in contact", "touching"),
     )
@@ -232,7 +234,17 @@ def _iterations(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         None,
         int(np.argmax(over)) if over.any() else None,
         hints,
+        {"tolerance": exact},
     )
+
+
+def _less_exactly(solver: str, exact: float) -> tuple[Correction, ...]:
+    """A search that ends sooner: the last digits of forces along a cord or chain come slowly, and say nothing."""
+    place = pointer("simulation", "solvers", solver, "settings", "tolerance")
+    wanted = float(f"{min(USUAL_TOLERANCE, 10.0 * exact):.6g}")
+    action = f"raise the tolerance from {exact:g} to {wanted:g}; {USUAL_TOLERANCE:g} is usual"
+    cause = "forces are searched for more exactly than they are found, as along a cord"
+    return (correction(cause, "step", action, pointers=(place,), patch=set_value(place, wanted)),)
 
 
 SHARED: Mapping[Question, Function] = {

@@ -19,6 +19,8 @@ ROLL_ROUND = 0.3
 """[1] Own choice: way of the contact around the body by what it turns through: 1 for a wheel, 0.45 for a die, 0 for what turns over one edge."""
 LAST_TURN = 1.0
 """[rad] Own choice: turning over which the point of contact is followed; a wheel's comes round again after a whole turn."""
+ON_FACE = 0.02
+"""[rad] Own choice: 1 degree; what has turned less still stands on its face, in the middle of which a push finds it, on whose edge it turns."""
 BEARS = 0.5
 """[1] of what contacts bear it with. Own choice: what bears the greater part is what it rolls, slides or tips on, where nobody says which."""
 SLIDE_SLIP = 0.5

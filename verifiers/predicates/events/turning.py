@@ -18,6 +18,7 @@ from .bounds import (
     LAST_TURN,
     LEVEL,
     MOST_SLIP,
+    ON_FACE,
     PAST_BALANCE,
     ROLL_HOP,
     ROLL_ROUND,
@@ -216,15 +217,15 @@ def tips_of(course: Course, other: str, span: slice) -> Tip:
 
 
 def _stays(met: Meeting, run: NDArray[np.bool_], same: NDArray[np.bool_], angle: F64) -> tuple[NDArray[np.bool_], F64]:
-    """True where the point of contact stays on the body over the last radian of its turning, or since the interval in which that began.
+    """True where the point of contact stays on the body over the last radian of its turning, or since it left the face that it stood on.
 
-    In that first interval it goes from the middle of a face to an edge of it. Also the way of that point over what the body turned through.
+    Up to then the point goes from the middle of that face to an edge of it. Also its way over what the body turned through.
     """
     result, ran, start = np.zeros(len(run), dtype=bool), np.ones(len(run)), 0
     for i in map(int, np.flatnonzero(run)):
         if i == 0 or not run[i - 1] or not same[i]:
             start = i
-        since = start + int(np.searchsorted(angle[start : i + 1], angle[i] - LAST_TURN))
+        since = start + int(np.searchsorted(angle[start : i + 1], max(ON_FACE, angle[i] - LAST_TURN)))
         if since >= i:
             continue
         axis, moved = met.axes[i], met.middles[i + 1] - met.middles[since + 1]

@@ -17,6 +17,7 @@ from worldagent.verifiers.categories.questions import AMOUNT, SETTLED
 from worldagent.verifiers.categories.questions import QUESTIONS as SHARED
 from worldagent.verifiers.categories.rigid.questions import NUMERICAL
 from worldagent.verifiers.contact.step_travel import thickness
+from worldagent.verifiers.diagnosis.cite import diagnose
 from worldagent.worlds.arrays import RigidPose
 from worldagent.worlds.built import Convex
 from worldagent.worlds.cache import Cache, write_container
@@ -138,6 +139,17 @@ def test_engine_warnings_and_capped_iterations_fail(tmp_path: Path) -> None:
     assert (rows["iterations"].status, rows["iterations"].measured) == ("fail", pytest.approx(5 / 84))
     assert rows["iterations"].corrections[0].patch[0]["value"] == 120
     assert failing(sliding(tmp_path / "b", records={"iterations_capped": 4.0})) == set()
+
+
+@pytest.mark.parametrize(("tolerance", "wanted"), [(1e-12, 1e-11), (5e-9, 1e-8), (1e-8, None)])
+def test_a_search_finer_than_usual_that_never_ends_is_told_to_end_sooner(
+    tmp_path: Path, tolerance: float, wanted: float | None
+) -> None:
+    """As of a lamp on a cord in a room, whose instance searches to 1e-12: more iterations never sufficed, a tolerance of 1e-11 took one."""
+    candidate = sliding(tmp_path, records={"iterations_capped": 5.0}, settings=RigidSettings(tolerance=tolerance))
+    row = diagnose(rows_of(candidate)["iterations"], candidate.spec)
+    first = row.corrections[0].patch[0] if row.corrections[0].patch else {"path": "", "value": None}
+    assert (first["path"].endswith("/settings/tolerance"), first["value"]) == (wanted is not None, wanted or 120)
 
 
 def test_travel_per_step_is_held_against_the_thinnest_collider(tmp_path: Path) -> None:

@@ -335,7 +335,11 @@ class Gas(GasFields):
         the coarser levels of the pressure take over the densities too."""
         expands = self.settings.expands
         self.projection.weigh(self._densities(), expands=expands, coarser=coarser)
+        self._press(name)
         return self.projection(self._flow(name), bound=bound, cap=cap, share=share)
+
+    def _press(self, name: str) -> None:
+        """Let pressures beyond open sides that are not the ambient one push a velocity that is about to be projected; here there are none."""
 
     def _flow(self, name: str) -> Flow:
         return Flow(self._face(name), self._solid, self._expansion, self._growth, self.cell)

@@ -14,19 +14,23 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
 from .border import side_faces
-from .engine import LIGHTNESS, MOTION, Gas, GasReport
+from .engine import MOTION, PACKED, Gas, GasReport
 from .far import FarGas, NearGas
 from .regions import label
 from .settings import GasSettings, Side
 from .solids import Solids, enclosed
-from .window import Cells, Window, bounds_of, fitted, shrunk
+from .window import Cells, Window, bounds_of, cells_of, fitted, shrunk
 
-__all__ = ["ActiveGas"]
+__all__ = ["ActiveGas", "gas_in"]
 
-MARGIN = 8
-"""Cells between what is followed and the inner sides, at least."""
-SEEN = 1e-5
-"""Own choice: share of the greatest amount of its kind from which on gas is followed."""
+MARGIN = 4
+"""Cells between what is followed and the inner sides that are left, at least, after the way of the fastest gas in a step."""
+SEEN, LEFT = 1e-3, 1e-8
+"""Own choice: shares of what sources let out from which on gas is followed, and up to which it is dropped as the box comes in."""
+FLOOR = (0.085, 1e-3, 1e-2, 1e-1)
+"""Own choice: lightness (25 K), soot, fuel and product [kg/m^3] in place of that, of what they let out none of."""
+LEAST_SPEED = 1e-6
+"""[m/s] Slower air is at rest."""
 QUICK = 0.5
 """Share of the greatest speed from which on air is followed, whatever it holds."""
 OFTEN = 16
@@ -48,7 +52,10 @@ class ActiveGas:
         device: where it runs.
     """
 
+    packed = (*PACKED, "active", "scale", "far")
+    """Names of what `pack` returns."""
     far_field = True
+    """False: the ambient pressure stands at inner sides, for comparison."""
 
     def __init__(
         self, shape: Cells, cell: float, sides: Sequence[Side], settings: GasSettings, *, start: NDArray[np.bool_],
@@ -61,15 +68,17 @@ class ActiveGas:
         self._at = enclosed(shape, sides, solids, widen=not moves)
         self._moves = moves
         self._rate = self._heating = self._spark = np.zeros(shape)
+        self._fed = self._heats = False
         self._content: F64 = np.zeros(4)
         self._scale = np.zeros(4)
-        self.slipped = np.zeros(5)
-        """Amounts and volume that inner sides let out, less what came in, and amounts that were dropped [cells]."""
         self._out = np.zeros(5)
+        self._slipped = np.zeros(5)
         self._sealed: list[Window] | None = None
         self.far = FarGas(shape, cell, sides, settings, solids=self._at, moves=moves, device=device) if self.far_field else None
+        self.margin = MARGIN + int(np.ceil(settings.courant))
+        """Cells between what is followed and the inner sides, at least."""
         began = bounds_of(start)
-        self._open(self._holding(fitted([began or Window((0, 0, 0), (1, 1, 1))], MARGIN, shape)))
+        self._open(self._holding(fitted([began or Window((0, 0, 0), (1, 1, 1))], self.margin, shape)))
 
     # ------------------------------------------------------------ the active box
 
@@ -78,7 +87,7 @@ class ActiveGas:
         self.near = NearGas(
             window, self.shape, self.far, self.sides, self.cell, self.settings, solids=window.solids(self._at), **self._known
         )
-        self._feed()
+        self._fed = False
         if self._spark.any():
             self.near.ignite(self._spark[window.cells])
 
@@ -88,41 +97,42 @@ class ActiveGas:
         return self.near.window
 
     def _feed(self) -> None:
-        """Let the engine have its part of the sources."""
-        at = self.window.cells
+        """Let the engine have its part of the sources, where it has not."""
+        if self._fed:
+            return
+        self._fed, at = True, self.window.cells
         self.near.emit(self._rate[at], self._content[at] if self._content.ndim > 1 else self._content)
-        self.near.heat(self._heating[at])
+        if self._heats:
+            self.near.heat(self._heating[at])
 
     def _follow(self, changed: NDArray[np.bool_] | None) -> None:
         """Grow, or come in, before a step; `changed` are cells whose room the step changes."""
         marks = [self._followed(SEEN)]
-        for values in (self._rate, self._heating):
-            marks.append(bounds_of(values != 0.0) if values.any() else None)
+        marks += [bounds_of(values != 0.0) for values in (self._rate, self._heating)[: 1 + self._heats]]
         marks.append(None if changed is None else bounds_of(changed))
         found = [w for w in marks if w is not None]
         if not found:
             return
         now = self.window
-        wanted = fitted(found, MARGIN, self.shape, now)
-        if self.near.steps % OFTEN == OFTEN - 1:
-            wanted = shrunk(wanted, fitted(found, MARGIN, self.shape))
+        wanted = fitted(found, self.margin, self.shape, now)
+        if self.near.steps % OFTEN == OFTEN - 1 and (left := self._followed(LEFT)) is not None:
+            wanted = shrunk(wanted, fitted([*found, left], self.margin, self.shape))
         wanted = self._holding(wanted)
         if wanted != now:
             self._change(wanted)
 
-    def _followed(self, seen: float) -> Window | None:
-        """Where there is gas, or where air is fast."""
-        near = self.near
-        inner = tuple(slice(0, n) for n in near.shape)
-        state = np.abs(near.state)
-        np.maximum(self._scale, state.max(axis=(0, 1, 2)), out=self._scale)
-        least = np.where(self._scale > 0.0, seen * self._scale, np.inf).astype(np.float32)
-        marks = (state > least).any(axis=-1)
-        speed = np.abs(near.velocity[inner]).max(axis=-1)
-        fastest = float(speed.max())
-        if fastest > 0.0:
-            marks |= speed > QUICK * fastest
-        return bounds_of(marks, near.window.low)
+    def _followed(self, share: float) -> Window | None:
+        """Where there is more gas than a share of what sources let out, or where air is fast."""
+        near, (nx, ny) = self.near, self.near.shape[:2]
+        least = np.where(self._scale > 0.0, self._scale, FLOOR) * share
+        found = near.extents(least, max(QUICK * near.fastest("velocity"), LEAST_SPEED))[:nx, :ny]
+        rows = bounds_of((found[..., 1] > 0)[..., None])
+        if rows is None:
+            return None
+        low, high = (
+            np.array(near.window.low) + at for at in ((*rows.low[:2], found[..., 0].min()), (*rows.high[:2], found[..., 1].max()))
+        )
+        return Window(cells_of(low), cells_of(high))
 
     def _holding(self, window: Window) -> Window:
         """A window that holds all of each sealed region which it meets: its pressure is one."""
@@ -139,6 +149,8 @@ class ActiveGas:
         """Go on in another active box."""
         old, before = self.near.pack(), self.window
         self._take()
+        if self.far is not None:
+            self.far.collect(self.near)
         now = dict(old)
         for name, width in (("state", 4), *((n, 3) for n in MOTION)):
             extra = 0 if name == "state" else 1
@@ -150,10 +162,12 @@ class ActiveGas:
                 kept = (old[name][there].astype(np.float64) * self._at.room[before.cells][there][..., None]).sum(axis=(0, 1, 2))
                 lost = (old[name].astype(np.float64) * self._at.room[before.cells][..., None]).sum(axis=(0, 1, 2)) - kept
         self._out[:4] += lost
-        self.slipped[:4] += lost
+        self._slipped[:4] += lost
         self._open(window)
         fields = window.solids(self._at)
-        now.update({f"solids/{n}": getattr(fields, n) if self._moves else now[f"solids/{n}"] for n in ("room", "opening", "velocity")})
+        now.update(
+            {f"solids/{n}": getattr(fields, n) if self._moves else now[f"solids/{n}"] for n in ("room", "opening", "velocity")}
+        )
         now["ratio"] = np.ones(len(self.near.regions.sealed))
         self.near.unpack(now)
         self.near.fill(before)
@@ -162,12 +176,19 @@ class ActiveGas:
 
     def emit(self, rate: F64, content: Sequence[float] | F64) -> None:
         """As of `Gas`."""
-        self._rate, self._content = rate, np.asarray(content, float)
+        self._rate, self._content, self._fed = rate, np.asarray(content, float), False
         self._scale = np.maximum(self._scale, np.abs(self._content).reshape(-1, 4).max(axis=0))
 
     def heat(self, rate: F64) -> None:
         """As of `Gas`."""
-        self._heating = rate
+        self._heating, self._fed, self._heats = rate, False, True
+
+    def blow(self, speeds: F64) -> None:
+        """As of `Gas`; raises ValueError where the air beyond moves."""
+        if np.any(speeds):
+            raise ValueError(
+                f"air beyond its sides moves with {np.abs(speeds).max():.3g} m/s, at most 0 where an active box follows a gas"
+            )
 
     def ignite(self, where: F64) -> None:
         """As of `Gas`."""
@@ -187,7 +208,7 @@ class ActiveGas:
         if solids is not None:
             after = enclosed(self.shape, self.sides, solids, widen=False)
             inner = tuple(slice(0, n) for n in self.shape)
-            changed = (after.room != self._at.room)[inner] | after.velocity.any(axis=-1)[inner]
+            changed = np.not_equal(after.room[inner], self._at.room[inner]) | after.velocity[inner].any(axis=-1)
         self._follow(changed)
         self._feed()
         if self.far is not None and solids is not None:
@@ -212,11 +233,17 @@ class ActiveGas:
         """Count what has left through the sides of the active box."""
         by_side = self.near.border.by_side()
         self._out += by_side.sum(axis=0)
-        self.slipped += by_side[np.array(self.window.inner(self.shape), bool)].sum(axis=0)
+        self._slipped += by_side[np.array(self.window.inner(self.shape), bool)].sum(axis=0)
 
     def take(self) -> F64:
         """(5,) four amounts and the volume that have left since the last call, less what came in [cells]."""
         found, self._out = self._out, np.zeros(5)
+        return found
+
+    def slipped(self) -> F64:
+        """(5,) amounts and volume that inner sides have let out since the last call, less what came in, and amounts that were dropped [cells];
+        part of what `take` tells."""
+        found, self._slipped = self._slipped, np.zeros(5)
         return found
 
     # ------------------------------------------------------------ fields
@@ -271,7 +298,7 @@ class ActiveGas:
     def pack(self) -> dict[str, Any]:
         """As of `Gas`, of the active box, and where that is."""
         far = np.zeros(0, np.float32) if self.far is None else self.far.velocity
-        found = {**self.near.pack(), "active": np.array(self.window), "scale": self._scale, "slipped": self.slipped, "far": far}
+        found = {**self.near.pack(), "active": np.array(self.window), "scale": self._scale, "far": far}
         if self._moves:
             found.update({f"solids/{n}": getattr(self._at, n) for n in ("room", "opening", "velocity")})
         return found
@@ -288,7 +315,7 @@ class ActiveGas:
         if window != self.window:
             self._open(window)
         self.near.unpack(own)
-        self._scale, self.slipped = found["scale"].copy(), found["slipped"].copy()
+        self._scale = found["scale"].copy()
         if self.far is not None:
             self.far.rest()
             self.far.velocity = found["far"]
@@ -300,3 +327,12 @@ def _overlap(a: Window, b: Window, extra: int) -> tuple[tuple[slice, ...], tuple
     high = [min(x, y) + extra for x, y in zip(a.high, b.high, strict=True)]
     mine, theirs = (tuple(slice(x - o, y - o) for x, y, o in zip(low, high, w.low, strict=True)) for w in (a, b))
     return mine, theirs
+
+
+def gas_in(
+    shape: Cells, cell: float, sides: Sequence[Side], settings: GasSettings, follows: bool, start: NDArray[np.bool_], **known: Any
+) -> Gas | ActiveGas:
+    """A gas in a box, or in an active box in it that follows it from the cells of its source on."""
+    return (
+        ActiveGas(shape, cell, sides, settings, start=start, **known) if follows else Gas(shape, cell, sides, settings, **known)
+    )

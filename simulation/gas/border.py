@@ -56,7 +56,7 @@ class Border:
 
     def take(self) -> F64:
         """(5,) four amounts and the volume that have left since the last call, less what came in [cells]."""
-        return self._taken().sum(axis=0)
+        return np.asarray(self._taken().sum(axis=0))
 
     def by_side(self) -> F64:
         """(6, 5) the same through each side, x-, x+, y-, y+, z-, z+, of a box without periodic axes."""

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.launch import warp
+from ...worlds.arrays import F64
 from ..grids.columns import vec6i
 from . import far_kernels as kernels
 from .engine import MOTION, Gas
 from .force_kernels import extrapolate
 from .settings import GasSettings
 from .solids import Solids
+from .window_kernels import extents
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,9 +33,9 @@ __all__ = ["MANY", "FarGas", "NearGas", "coarse"]
 
 MANY = 4
 """Cells across a coarse one."""
-CLOSE = 1e-5
+CLOSE = 1e-3
 """Own choice: largest divergence of coarse cells, as a share of the largest speed per cell."""
-FEW = 30
+FEW = 12
 """Own choice: most iterations of a coarse solve."""
 
 
@@ -41,12 +43,13 @@ def coarse(solids: Solids, shape: Cells) -> Solids:
     """Open shares of coarse cells between the solids of a whole box; beyond it nothing is open."""
     counts = [-(-n // MANY) for n in shape]
     room = _blocks(_padded(solids.room[tuple(slice(0, n) for n in shape)], counts))
-    openings, speeds = [], []
+    openings: list[NDArray[np.float32]] = []
+    speeds: list[NDArray[np.float32]] = []
     for axis in range(3):
         planes = np.minimum(MANY * np.arange(counts[axis] + 1), shape[axis])
         others = tuple(slice(0, n) for a, n in enumerate(shape) if a != axis)
         for values, found in ((solids.opening, openings), (solids.velocity, speeds)):
-            at = np.moveaxis(values[..., axis], axis, 0)[(planes, *others)]
+            at = np.moveaxis(values[..., axis], axis, 0)[planes][(slice(None), *others)]
             whole = _padded(at, [len(planes), *(c for a, c in enumerate(counts) if a != axis)], first=1)
             mean = whole.reshape(len(planes), whole.shape[1] // MANY, MANY, whole.shape[2] // MANY, MANY).mean(axis=(2, 4))
             found.append(np.moveaxis(np.pad(mean, ((0, 0), (0, 1), (0, 1))), 0, axis))
@@ -105,25 +108,24 @@ class FarGas(Gas):
         if self._turned:
             self._stand(self._at)
 
-    def meet(self, near: NearGas, name: str, seconds: float) -> None:
-        """Go on by a time, take over what an active box holds, project, and push at its inner sides.
+    def meet(self, near: NearGas, name: str) -> None:
+        """Go on by the time since the last projection, take over what an active box holds, project, and push at its inner sides.
 
         Args:
             near: the active box.
             name: of its velocity, which is about to be projected.
-            seconds: since the last time.
         """
         raw = "velocity/raw" if name == "velocity/middle" else "velocity"
         if raw == name and self.settings.scheme == "reflection":
             reflected = [1.0, *(self._face(f"velocity/{n}") for n in ("middle", "raw", "back"))]
             self.run(extrapolate, self.elements, reflected)
-            self._carry("velocity/back", "velocity/middle", seconds, raw)
+            self._carry("velocity/back", "velocity/middle", near.ahead, raw)
         else:
-            self._carry("velocity", "velocity", seconds, "velocity/raw")
+            self._carry("velocity", "velocity", near.ahead, "velocity/raw")
             self.run.swap(raw, "velocity/raw")
-        box, opening, velocity, room, state, expansion = near.held(name)
+        box, _, _, room, state, expansion = near.held(name)
         at = [self._box, box, MANY, near.low]
-        self.run(kernels.collect_faces, self.elements, [*at, opening, velocity, self._face(raw)], grain=256)
+        self.collect(near, name, raw)
         own = [self._cells("state"), self._expansion]
         self.run(kernels.collect_cells, self.elements, [*at, room, state, expansion, *own], grain=64)
         if raw != name:
@@ -131,6 +133,12 @@ class FarGas(Gas):
         fastest = max(near.fastest(name), 1e-9)
         self.solve(CLOSE * fastest, FEW, name, share=0.1 * CLOSE)
         near.pressed(self._box, self._room, self.projection.pressure, self._face(name), name)
+
+    def collect(self, near: NearGas, name: str = "velocity", into: str = "velocity") -> None:
+        """Take over what flows through the faces of an active box."""
+        box, opening, velocity = near.held(name)[:3]
+        inputs = [self._box, box, MANY, near.low, opening, velocity, self._face(into)]
+        self.run(kernels.collect_faces, self.elements, inputs, grain=256)
 
 
 class NearGas(Gas):
@@ -141,17 +149,31 @@ class NearGas(Gas):
         whole: cells of the declared box.
         far: the coarse cells of that.
         sides: of the declared box.
-        more: as of `Gas`.
+        cell: size of cells [m].
+        settings: of the engine.
+        known: as of `Gas`.
     """
 
-    def __init__(self, window: Window, whole: Cells, far: FarGas | None, sides: Sequence[Side], *more: Any, **known: Any) -> None:
+    def __init__(
+        self,
+        window: Window,
+        whole: Cells,
+        far: FarGas | None,
+        sides: Sequence[Side],
+        cell: float,
+        settings: GasSettings,
+        **known: Any,
+    ) -> None:
         wp = warp()
         self.window, self.far = window, far
         self.low = wp.vec3i(*window.low)
         inner = window.inner(whole)
-        self._inner, self._any = vec6i(*inner), any(inner)
-        self._ahead = 0.0
-        super().__init__(window.shape, *more[:1], window.sides(whole, sides), *more[1:], **known)
+        self._inner = vec6i(*inner)
+        if far is not None and any(inner):
+            self.pressing = (far.meet,)
+        self.ahead = 0.0
+        """Time that a velocity about to be projected has gone on [s]."""
+        super().__init__(window.shape, cell, window.sides(whole, sides), settings, **known)
 
     def fill(self, before: Window) -> None:
         """Let the air that did not lie in the active box before flow as the coarse cells tell."""
@@ -163,6 +185,14 @@ class NearGas(Gas):
             inputs = [self.far.box, self._box, MANY, self.low, start, end, self.far.speeds, self._face(name)]
             self.run(kernels.fill, self.elements, inputs, grain=1024)
 
+    def extents(self, least: F64, quick: float) -> NDArray[np.int32]:
+        """(nx + 1, ny + 1, 2) first cell of each row along z that holds more than the least (4,) of a quantity, or is quicker, and the end of them."""
+        rows = (self.shape[0] + 1) * (self.shape[1] + 1)
+        out = self.run.array("extents", 2 * rows, warp().int32)[: 2 * rows].reshape((rows, 2))
+        inputs = [self._box, warp().vec4(*least), quick, self._cells("state"), self._face("velocity"), out]
+        self.run(extents, rows, inputs, grain=128)
+        return np.array(out.numpy()).reshape(self.shape[0] + 1, self.shape[1] + 1, 2)
+
     def held(self, name: str) -> tuple[Any, ...]:
         """Fields that coarse cells take over: cells, open shares and speeds of faces, rooms, amounts and expansion of cells."""
         return self._box, self._opening, self._face(name), self._room, self._cells("state"), self._expansion
@@ -172,12 +202,8 @@ class NearGas(Gas):
         return self._fastest(name)
 
     def _step(self, seconds: float, held: NDArray[np.float32] | None) -> Any:
-        self._ahead = 0.5 * seconds if self.settings.scheme == "reflection" else seconds
+        self.ahead = 0.5 * seconds if self.settings.scheme == "reflection" else seconds
         return super()._step(seconds, held)
-
-    def _press(self, name: str) -> None:
-        if self.far is not None and self._any:
-            self.far.meet(self, name, self._ahead)
 
     def pressed(self, box: Any, room: Any, pressure: Any, speeds: Any, name: str) -> None:
         """Take over what stands and flows beyond its inner sides.

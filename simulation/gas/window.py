@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from .settings import Side
 
-__all__ = ["BLOCK", "Window", "bounds_of", "fitted", "shrunk"]
+__all__ = ["BLOCK", "Window", "bounds_of", "cells_of", "fitted", "shrunk"]
 
 BLOCK = 8
 """Cells by which a side moves."""
@@ -69,7 +69,7 @@ def bounds_of(marks: NDArray[np.bool_], low: Cells = (0, 0, 0)) -> Window | None
             return None
         first.append(low[axis] + int(found[0]))
         last.append(low[axis] + int(found[-1]) + 1)
-    return Window(_cells(first), _cells(last))
+    return Window(cells_of(first), cells_of(last))
 
 
 def fitted(needed: Sequence[Window], margin: int, shape: Cells, start: Window | None = None) -> Window:
@@ -78,7 +78,7 @@ def fitted(needed: Sequence[Window], margin: int, shape: Cells, start: Window | 
     last = [[min(n, -(-(b + margin) // BLOCK) * BLOCK) for b, n in zip(w.high, shape, strict=True)] for w in needed]
     if start is not None:
         first, last = [*first, list(start.low)], [*last, list(start.high)]
-    return Window(_cells(np.min(first, axis=0)), _cells(np.max(last, axis=0)))
+    return Window(cells_of(np.min(first, axis=0)), cells_of(np.max(last, axis=0)))
 
 
 def shrunk(now: Window, least: Window) -> Window:
@@ -86,9 +86,10 @@ def shrunk(now: Window, least: Window) -> Window:
     most = SLACK * BLOCK
     low = [b if b - a > most else a for a, b in zip(now.low, least.low, strict=True)]
     high = [b if a - b > most else a for a, b in zip(now.high, least.high, strict=True)]
-    return Window(_cells(low), _cells(high))
+    return Window(cells_of(low), cells_of(high))
 
 
-def _cells(values: Any) -> Cells:
+def cells_of(values: Any) -> Cells:
+    """Three counts as such."""
     a, b, c = (int(v) for v in values)
     return (a, b, c)

@@ -264,6 +264,10 @@ class ActiveGas:
         """(nx + 1, ny + 1, nz + 1, 3) speeds of lower faces [m/s]."""
         return self._whole(self.near.velocity, extra=1)
 
+    def only(self, values: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Values of cells of the declared box, 0 outside the active one: cells along its sides have a moving face."""
+        return self._whole(values[self.window.cells])
+
     @property
     def room(self) -> NDArray[np.float32]:
         """(nx, ny, nz) open share of cells."""

@@ -325,6 +325,9 @@ class SolverGas(CoupledSolver):
         heat, soot = engine.totals()[[LIGHTNESS, SOOT]] * self.unit * self.grid.cell**3
         density = engine.density * (1.0 - light) + state[..., SOOT]
         volume, speed = (engine.room * self.grid.cell**3).astype(np.float64).ravel(), _centred(velocity)
+        active = {}
+        if isinstance(engine, ActiveGas):
+            active, speed = {"gas_active": np.array(engine.window, np.int32)}, engine.only(speed)
         gravity = np.array(self.spec.simulation.gravity)
         moved = motion_records(density.ravel() * volume, self._middles, speed.reshape(-1, 3).astype(np.float64), gravity)
         heavier = (density.ravel() - engine.density) * volume
@@ -342,7 +345,6 @@ class SolverGas(CoupledSolver):
             "capped": tally["capped"],
         }
         burning = {} if self.fuel is None else self._burning(state)
-        active = {"gas_active": np.array(engine.window, np.int32)} if isinstance(engine, ActiveGas) else {}
         return {
             **active,
             **burning,

@@ -13,7 +13,7 @@ from ....worlds.arrays import F64
 from ...rows.corrections import correction
 from ...rows.findings import Finding
 from .books import declared
-from .bounds import BOOKS, THIN
+from .bounds import BOOKS, EVEN, THIN
 from .outflow import layer
 from .questions import FOLLOWING
 from .rows import kept_within, recomputed
@@ -64,7 +64,7 @@ class Following:
         box = self.box
         most = max([TINY, *(box.dark(m) for m in box.members)])
         span = max(
-            float(box.lightness_at(box.ambient + 1.0)),
+            float(box.lightness_at(box.ambient + (1.0 if box.heats else EVEN))),
             *(abs(float(box.lightness_at(box.physics(m).temperature))) for m in box.members),
         )
         return np.asarray(np.maximum(np.abs(now.soot) / most, np.abs(box.lightness(now)) / span))

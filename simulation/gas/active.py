@@ -46,10 +46,9 @@ class ActiveGas:
         sides: of the declared box; none is periodic.
         settings: of the engine.
         start: cells that hold the source, (nx, ny, nz).
-        gravity: [m/s^2].
         solids: what is not open.
         moves: whether they will move.
-        device: where it runs.
+        known: gravity and device, as of `Gas`.
     """
 
     packed = (*PACKED, "active", "scale", "far")
@@ -59,12 +58,11 @@ class ActiveGas:
 
     def __init__(
         self, shape: Cells, cell: float, sides: Sequence[Side], settings: GasSettings, *, start: NDArray[np.bool_],
-        gravity: tuple[float, float, float] = (0.0, 0.0, -9.81), solids: Solids | None = None, moves: bool = False,
-        device: str | None = None,
+        solids: Solids | None = None, moves: bool = False, **known: Any,
     ) -> None:  # fmt: skip
         self.shape, self.cell, self.sides, self.settings = shape, cell, tuple(sides), settings
         self.outer = side_faces(shape)[1]
-        self._known = {"gravity": gravity, "moves": moves, "device": device}
+        self._known = {**known, "moves": moves}
         self._at = enclosed(shape, sides, solids, widen=not moves)
         self._moves = moves
         self._rate = self._heating = self._spark = np.zeros(shape)
@@ -74,7 +72,11 @@ class ActiveGas:
         self._out = np.zeros(5)
         self._slipped = np.zeros(5)
         self._sealed: list[Window] | None = None
-        self.far = FarGas(shape, cell, sides, settings, solids=self._at, moves=moves, device=device) if self.far_field else None
+        self.far = (
+            FarGas(shape, cell, sides, settings, solids=self._at, moves=moves, device=known.get("device"))
+            if self.far_field
+            else None
+        )
         self.margin = MARGIN + int(np.ceil(settings.courant))
         """Cells between what is followed and the inner sides, at least."""
         began = bounds_of(start)
@@ -326,7 +328,7 @@ class ActiveGas:
 
 
 def _overlap(a: Window, b: Window, extra: int) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
-    """What two windows share, as parts of each; of fields with `extra` elements more than cells along each axis."""
+    """Parts of two windows that both share; of fields with `extra` elements more than cells along each axis."""
     low = [max(x, y) for x, y in zip(a.low, b.low, strict=True)]
     high = [min(x, y) + extra for x, y in zip(a.high, b.high, strict=True)]
     mine, theirs = (tuple(slice(x - o, y - o) for x, y, o in zip(low, high, w.low, strict=True)) for w in (a, b))

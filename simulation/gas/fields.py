@@ -42,7 +42,7 @@ class GasFields(ABC):
     transport: Transport
     border: Border
     pressing: tuple[Callable[[Any, str], None], ...] = ()
-    """What pushes at open sides, given this gas and the name of its velocity that is about to be projected; without any the ambient pressure does."""
+    """Pushes at open sides, given this gas and the name of its velocity that is about to be projected; without any the ambient pressure does."""
     packed = PACKED
     """Names of what `pack` returns."""
     steps: int

@@ -51,7 +51,7 @@ class Window(NamedTuple):
         return tuple(int(self.low[s // 2] > 0 if s % 2 == 0 else self.high[s // 2] < shape[s // 2]) for s in range(6))
 
     def sides(self, shape: Cells, declared: Sequence[Side]) -> tuple[Side, ...]:
-        """What its sides are: open inside the declared box, else as declared."""
+        """Kinds of its sides: open inside the declared box, else as declared."""
         return tuple("open" if i else d for i, d in zip(self.inner(shape), declared, strict=True))
 
     def solids(self, whole: Solids) -> Solids:

@@ -124,7 +124,7 @@ def test_air_outside_is_at_rest_and_ambient() -> None:
 
 
 def test_without_growth_smoke_leaves_through_inner_sides_and_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What slips out is part of what has left, so that the sums hold and a row can tell."""
+    """Smoke that slips out is part of all that has left, so that the sums hold and a row can tell."""
     monkeypatch.setattr(ActiveGas, "_follow", lambda self, changed: None)
     gas = active()
     gas.advance(40 * FRAME)

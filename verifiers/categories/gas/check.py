@@ -56,7 +56,7 @@ def _unread(kind: type[Watch], name: str, error: EvidenceError) -> Status:
 
 _WATCHING = Watching(WATCHES, Numbers, box_of, lambda box: box.steps(), _unread)
 _WATCHING_PART = Watching((*WATCHES, Following), Numbers, box_of, lambda box: box.steps(), _unread)
-"""Of a gas that a part of its box follows: others are not asked about one."""
+"""Watches of a gas that a part of its box follows: others are not asked about one."""
 
 
 def _watching(candidate: Candidate, solver: str) -> Watching:

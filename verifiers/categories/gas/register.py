@@ -127,7 +127,12 @@ def _of_box(name: str, instance: GasInstance, carrying: bool) -> list[tuple[str,
         found.append((f"closed sides of {name!r} are smooth walls", "the gas slips along them, seen or not"))
     if settings.follows:
         what = f"the gas of {name!r} is solved in a part of its box that follows it; the air beyond flows on cells four times as wide"
-        found.append((what, "frames hold air at rest there; in plumes up to 2 % of the soot lies elsewhere than in the whole box (measured)"))
+        found.append(
+            (
+                what,
+                "frames hold air at rest there; in plumes up to 2 % of the soot lies elsewhere than in the whole box (measured)",
+            )
+        )
     if settings.confinement > 0.0:
         what = f"vorticity confinement of {settings.confinement:g} spins the gas of {name!r}"
         found.append((what, "it puts energy in that no law gives, so that curls stay alive"))

@@ -163,7 +163,9 @@ def test_a_gas_that_is_followed_lies_in_still_air_and_in_a_box_that_is_worth_it(
     told = found.evidence["problems"][0] if "problems" in found.evidence else str(found)
     assert "1 m/s" in str(told)
     assert "set follows to false" in str(told)
-    small = row(changed((f"{AIR}/follows", True), (f"{AIR}/domain/size", [0.8, 0.8, 1.0]), (f"{AIR}/domain/center", [0, 0, 0.5])), "gases")
+    small = row(
+        changed((f"{AIR}/follows", True), (f"{AIR}/domain/size", [0.8, 0.8, 1.0]), (f"{AIR}/domain/center", [0, 0, 0.5])), "gases"
+    )
     assert small.status == "fail"
     assert "20 cells long" in str(small)
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...physics.substances import SEA_LEVEL
 from ...worlds.arrays import F64
 from .border import side_faces
 from .engine import MOTION, PACKED, Gas, GasReport
@@ -150,6 +151,7 @@ class ActiveGas:
     def _change(self, window: Window) -> None:
         """Go on in another active box."""
         old, before = self.near.pack(), self.window
+        ratio = self.near.pressure / SEA_LEVEL if self.near.regions.sealed.any() else None
         self._take()
         if self.far is not None:
             self.far.collect(self.near)
@@ -165,14 +167,27 @@ class ActiveGas:
                 lost = (old[name].astype(np.float64) * self._at.room[before.cells][..., None]).sum(axis=(0, 1, 2)) - kept
         self._out[:4] += lost
         self._slipped[:4] += lost
+        # Its memory is free before the next one takes some.
+        del self.near
         self._open(window)
         fields = window.solids(self._at)
         now.update(
             {f"solids/{n}": getattr(fields, n) if self._moves else now[f"solids/{n}"] for n in ("room", "opening", "velocity")}
         )
-        now["ratio"] = np.ones(len(self.near.regions.sealed))
+        now["ratio"] = np.ones(len(self.near.regions.sealed)) if ratio is None else self._ratios(before, ratio)
         self.near.unpack(now)
         self.near.fill(before)
+
+    def _ratios(self, before: Window, ratio: F64) -> F64:
+        """Pressures of the regions of the active box over the ambient one, from those of the cells of the one before."""
+        full = np.ones(self.shape)
+        full[before.cells] = ratio
+        regions, window = self.near.regions, self.window
+        number = regions.number.reshape([n + 1 for n in window.shape])[tuple(slice(0, n) for n in window.shape)]
+        inside, many = number >= 0, len(regions.sealed)
+        weight = np.bincount(number[inside], minlength=many)
+        total = np.bincount(number[inside], full[window.cells][inside], many)
+        return np.where(regions.sealed, total / np.maximum(weight, 1), 1.0)
 
     # ------------------------------------------------------------ sources
 
@@ -208,6 +223,8 @@ class ActiveGas:
         """As of `Gas`."""
         changed, after = None, self._at
         if solids is not None:
+            if self.near.steps % OFTEN == 0:
+                self._sealed = None
             after = enclosed(self.shape, self.sides, solids, widen=False)
             inner = tuple(slice(0, n) for n in self.shape)
             changed = np.not_equal(after.room[inner], self._at.room[inner]) | after.velocity[inner].any(axis=-1)
@@ -321,7 +338,7 @@ class ActiveGas:
         if window != self.window:
             self._open(window)
         self.near.unpack(own)
-        self._scale = found["scale"].copy()
+        self._scale, self._sealed = found["scale"].copy(), None
         if self.far is not None:
             self.far.rest()
             self.far.velocity = found["far"]

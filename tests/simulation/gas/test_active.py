@@ -225,7 +225,11 @@ def test_a_sealed_room_is_in_it_as_a_whole() -> None:
     assert gas.window.high[2] >= 56
     report = gas.step(0.01)
     assert report.divergence < 1e-5
-    assert float(gas.near.regions.ratio.max()) > 1.0
+    before = float(gas.near.pressure[16 - gas.window.low[0], 16 - gas.window.low[1], 20])
+    assert before > 101325.0
+    gas._change(Window((0, 0, 0), SHAPE))
+    assert float(gas.near.pressure[16, 16, 20]) == pytest.approx(before, rel=1e-9)
+    assert float(gas.near.pressure[1, 1, 1]) == 101325.0
 
 
 def test_windows_are_of_whole_blocks_with_their_margins() -> None:

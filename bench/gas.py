@@ -15,6 +15,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from ..geometry.launch import chosen_device
+from ..simulation.gas.active import ActiveGas, gas_in
 from ..simulation.gas.engine import Gas
 from ..simulation.gas.settings import GasSettings, Side
 from ..simulation.gas.solids import corners_of, cut
@@ -96,14 +97,16 @@ def _balls(cells: int) -> F64:
     return found
 
 
-def smoke_box(cells: int, scheme: Scheme, *, past_ball: bool = True) -> Gas:
-    """An open cube of 1 m with a floor, a source of hot smoke, and a ball above it."""
+def smoke_box(cells: int, scheme: Scheme, *, past_ball: bool = True, follows: bool = False) -> Gas | ActiveGas:
+    """An open cube of 1 m with a floor, a source of hot smoke, and a ball above it; `follows`: solved where the smoke is alone."""
     sides: tuple[Side, ...] = ("open", "open", "open", "open", "closed", "open")
     solids = cut(ball(cells)) if past_ball else None
-    gas = Gas((cells,) * 3, 1.0 / cells, sides, GasSettings(scheme=scheme, courant=3.0), solids=solids)
     middle = (np.arange(cells) + 0.5) / cells
     x, y, z = np.meshgrid(middle - 0.5, middle - 0.5, middle - 0.1, indexing="ij", sparse=True)
-    gas.emit(np.where(x * x + y * y + z * z < 0.08**2, 5.0, 0.0), SMOKE)
+    rate = np.where(x * x + y * y + z * z < 0.08**2, 5.0, 0.0)
+    settings = GasSettings(scheme=scheme, courant=3.0)
+    gas = gas_in((cells,) * 3, 1.0 / cells, sides, settings, follows, rate > 0.0, solids=solids)
+    gas.emit(rate, SMOKE)
     return gas
 
 

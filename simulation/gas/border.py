@@ -56,6 +56,14 @@ class Border:
 
     def take(self) -> F64:
         """(5,) four amounts and the volume that have left since the last call, less what came in [cells]."""
-        found: F64 = np.array(self._out.numpy(), dtype=np.float64).sum(axis=0)
+        return np.asarray(self._taken().sum(axis=0))
+
+    def by_side(self) -> F64:
+        """(6, 5) the same through each side, x-, x+, y-, y+, z-, z+, of a box without periodic axes."""
+        ends = np.cumsum([n // 2 for n in self.faces for _ in range(2)])
+        return np.array([part.sum(axis=0) for part in np.split(self._taken(), ends[:-1])])
+
+    def _taken(self) -> F64:
+        found: F64 = np.array(self._out.numpy(), dtype=np.float64)
         self._out.zero_()
         return found

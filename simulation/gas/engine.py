@@ -115,8 +115,7 @@ class Gas(GasFields):
         self.transport.fit(self._opening)
         self.fire = self._light()
         self._box.density = 0.0 if self.fire is None else self.density
-        self.steps = 0
-        self._last = 0.0
+        self.steps, self._last = 0, 0.0
         self.injected = np.zeros(4)
         """Amounts that sources have added."""
         self.velocity = np.zeros((self.elements, 3), np.float32)
@@ -333,8 +332,9 @@ class Gas(GasFields):
     def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0, coarser: bool = True) -> Solution:
         """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations; `coarser`:
         the coarser levels of the pressure take over the densities too."""
-        expands = self.settings.expands
-        self.projection.weigh(self._densities(), expands=expands, coarser=coarser)
+        self.projection.weigh(self._densities(), expands=self.settings.expands, coarser=coarser)
+        for press in self.pressing:
+            press(self, name)
         return self.projection(self._flow(name), bound=bound, cap=cap, share=share)
 
     def _flow(self, name: str) -> Flow:

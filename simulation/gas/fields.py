@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from .solids import Solids
 
 if TYPE_CHECKING:
     from ..grids.runner import Runner
+    from .border import Border
     from .regions import Regions
     from .settings import GasSettings
     from .transport import Transport
@@ -39,6 +40,11 @@ class GasFields(ABC):
     settings: GasSettings
     regions: Regions
     transport: Transport
+    border: Border
+    pressing: tuple[Callable[[Any, str], None], ...] = ()
+    """Pushes at open sides, given this gas and the name of its velocity that is about to be projected; without any the ambient pressure does."""
+    packed = PACKED
+    """Names of what `pack` returns."""
     steps: int
     _at: Solids
     _last: float
@@ -48,6 +54,10 @@ class GasFields(ABC):
     @abstractmethod
     def _stand(self, solids: Solids) -> None:
         """Take the open shares of solids."""
+
+    def take(self) -> F64:
+        """(5,) four amounts and the volume that have left through open sides since the last call, less what came in [cells]."""
+        return self.border.take()
 
     @property
     def velocity(self) -> NDArray[np.float32]:

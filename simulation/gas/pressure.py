@@ -56,7 +56,7 @@ class Projection:
         self.sides, self.regions, self._levels = sides, regions, levels
         self.wet, self.room, self.opening = wet, room, opening
         self.pressure, self.right = (run.field(f"gas/{name}", self.elements) for name in ("pressure", "right"))
-        self._lifts = [run.field(f"gas/lift/{axis}", self.elements) for axis in range(3)]
+        self.lifts = [run.field(f"gas/lift/{axis}", self.elements) for axis in range(3)]
         self._weighed = False
         self.asked = np.zeros(len(regions.sealed))
         """Mean outflow that sealed regions cannot give [m/s]: it changes the pressure of all their gas instead."""
@@ -77,7 +77,7 @@ class Projection:
             return
         fine = self._levels.fine
         known = [self.sides, int(expands), self.opening, density, self.wet]
-        self._rows([(kernels.weigh, [axis, *known, self._lifts[axis], fine.weights[axis]]) for axis in range(3)])
+        self._rows([(kernels.weigh, [axis, *known, self.lifts[axis], fine.weights[axis]]) for axis in range(3)])
         self._levels.refresh(coarser=coarser or not self._weighed)
         self._weighed = True
 
@@ -99,7 +99,7 @@ class Projection:
             bound = max(bound, share * self._levels.largest(self.right))
         found = self._levels.solve(self.right, self.pressure, bound, cap)
         known = [self.pressure, self.opening, flow.solid, flow.velocity]
-        self._rows([(kernels.project, [axis, self._lifts[axis], *known]) for axis in range(3)])
+        self._rows([(kernels.project, [axis, self.lifts[axis], *known]) for axis in range(3)])
         return found
 
     def _outflow(self, flow: Flow, sign: float, given: float, out: Any) -> None:

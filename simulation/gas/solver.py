@@ -30,8 +30,9 @@ from ..coupled_solver import CoupledSolver, motion_records
 from ..recipes import coupled_recipe, reader_recipe
 from ..sealed import from_bytes, to_bytes
 from ..step_reports import StepReport
+from .active import ActiveGas, gas_in
 from .coming import Coming
-from .engine import FUEL, LIGHTNESS, PACKED, PRODUCT, SOOT, Gas
+from .engine import FUEL, LIGHTNESS, PRODUCT, SOOT, Gas
 from .kindling import pieces_of
 from .obstacles import Obstacles
 from .settings import GasSettings
@@ -64,6 +65,8 @@ FIRE_SUMS = (
     "made_soot",
 )
 """Sums of a gas that burns."""
+FOLLOWING_SUMS = ("slipped_heat", "slipped_soot")
+"""Sums of a gas that an active box follows."""
 
 
 class SolverGas(CoupledSolver):
@@ -108,9 +111,10 @@ class SolverGas(CoupledSolver):
         settings = instance.settings
         self.fuel = fuel_of(self.physics)
         known = {n: getattr(settings, n) for n in GasSettings.__dataclass_fields__ if hasattr(settings, n)}
-        self.engine = Gas(
-            self.grid.shape, self.grid.cell, settings.domain.sides, GasSettings(**known, fuel=self.fuel),
-            gravity=spec.simulation.gravity, solids=self.obstacles.start, moves=self.obstacles.moves, device=settings.device,
+        self._covered = cover(entity, self.built[member], self.grid)
+        self.engine = gas_in(
+            self.grid.shape, self.grid.cell, settings.domain.sides, GasSettings(**known, fuel=self.fuel), settings.follows,
+            self._covered > 0.0, gravity=spec.simulation.gravity, solids=self.obstacles.start, moves=self.obstacles.moves, device=settings.device,
         )  # fmt: skip
         ambient = settings.ambient_temperature
         light = 1.0 - ambient / self.physics.temperature if settings.expands else self.physics.temperature / ambient - 1.0
@@ -128,9 +132,8 @@ class SolverGas(CoupledSolver):
         self._outer = self.grid.corner + self.grid.cell * self.engine.outer
         self.wind = 0.0
         """Speed of the fastest air beyond the sides, along an axis [m/s]."""
-        if self.fields and "open" in settings.domain.sides:
-            self._start_wind()
-        self._covered = cover(entity, self.built[member], self.grid)
+        if self.fields and "open" in settings.domain.sides and isinstance(self.engine, Gas):
+            self._start_wind(self.engine)
         self._fill(self.engine.room)
         pieces = pieces_of(spec, self.name, self.built, self.grid, self._surround)
         self.surfaces = None if pieces is None else Surfaces(pieces, self.grid, self.engine.room, ambient)
@@ -146,7 +149,7 @@ class SolverGas(CoupledSolver):
         self.wind = float(np.abs(speeds).max(initial=0.0))
         self.engine.blow(speeds)
 
-    def _start_wind(self) -> None:
+    def _start_wind(self, engine: Gas) -> None:
         """Wind that blows at frame 0 flows around the bodies then, as a flow without eddies."""
         self._blow(0.0)
         if self.wind == 0.0:
@@ -156,8 +159,8 @@ class SolverGas(CoupledSolver):
         for axis in range(3):
             middles = lower + 0.5 * self.grid.cell * (np.arange(3) != axis)
             speeds[..., axis] = self.fields.medium(middles.reshape(-1, 3), 0.0).velocity[:, axis].reshape(lower.shape[:3])
-        self.engine.velocity = speeds
-        self.engine.solve(self.engine.settings.tolerance * self.wind, self.engine.settings.iterations)
+        engine.velocity = speeds
+        engine.solve(engine.settings.tolerance * self.wind, engine.settings.iterations)
 
     # ------------------------------------------------------------------ steps
 
@@ -192,13 +195,17 @@ class SolverGas(CoupledSolver):
         tally["divergence"] = max(tally["divergence"], report.divergence)
         tally["capped"] += int(report.capped)
         tally["speed"] = max(tally["speed"], report.courant * self.grid.cell / limit)
-        out = self.engine.border.take() * cell
+        out = self.engine.take() * cell
         ledger["emitted_heat"] += volume * float(self.content[LIGHTNESS]) * float(self.unit[0])
         ledger["emitted_soot"] += volume * float(self.content[SOOT])
         ledger["escaped_heat"] += float(out[LIGHTNESS]) * float(self.unit[0])
         ledger["escaped_soot"] += float(out[SOOT])
         ledger["volume_emitted"] += volume
         ledger["volume_escaped"] += float(out[VOLUME])
+        if isinstance(self.engine, ActiveGas):
+            slipped = self.engine.slipped() * cell
+            ledger["slipped_heat"] += float(slipped[LIGHTNESS]) * float(self.unit[0])
+            ledger["slipped_soot"] += float(slipped[SOOT])
         if self.engine.fire is not None and self.fuel is not None:
             released, radiated = self.engine.fire.last
             ledger["emitted_fuel"] += volume * float(self.content[FUEL])
@@ -279,7 +286,8 @@ class SolverGas(CoupledSolver):
         """Sums since frame 0."""
         sums = ("emitted_soot", "escaped_soot", "emitted_heat", "escaped_heat", "lost_heat", "volume_emitted", "volume_escaped")
         fire = FIRE_SUMS if self.fuel is not None else ()
-        return dict.fromkeys((*sums, *fire, *(SURFACE_SUMS if self.surfaces is not None else ())), 0.0)
+        following = FOLLOWING_SUMS if self.instance.settings.follows else ()
+        return dict.fromkeys((*sums, *following, *fire, *(SURFACE_SUMS if self.surfaces is not None else ())), 0.0)
 
     def open_tally(self) -> dict[str, Any]:
         """Sums of a frame."""
@@ -296,7 +304,7 @@ class SolverGas(CoupledSolver):
     def unpack(self, state: bytes) -> None:
         """Continue from such a state."""
         more = () if self.surfaces is None else tuple(self.surfaces.pack())
-        found = from_bytes(state, (*PACKED, *more, "wind", "last_room"))
+        found = from_bytes(state, (*self.engine.packed, *more, "wind", "last_room"))
         self.engine.unpack(found)
         if self.surfaces is not None:
             self.surfaces.unpack(found)
@@ -317,6 +325,9 @@ class SolverGas(CoupledSolver):
         heat, soot = engine.totals()[[LIGHTNESS, SOOT]] * self.unit * self.grid.cell**3
         density = engine.density * (1.0 - light) + state[..., SOOT]
         volume, speed = (engine.room * self.grid.cell**3).astype(np.float64).ravel(), _centred(velocity)
+        active = {}
+        if isinstance(engine, ActiveGas):
+            active, speed = {"gas_active": np.array(engine.window, np.int32)}, engine.only(speed)
         gravity = np.array(self.spec.simulation.gravity)
         moved = motion_records(density.ravel() * volume, self._middles, speed.reshape(-1, 3).astype(np.float64), gravity)
         heavier = (density.ravel() - engine.density) * volume
@@ -335,6 +346,7 @@ class SolverGas(CoupledSolver):
         }
         burning = {} if self.fuel is None else self._burning(state)
         return {
+            **active,
             **burning,
             **self.coming.measured(self.frame),
             "gas_corner": self.grid.corner,

@@ -58,11 +58,13 @@ KINDS = (
     "quench",
     "borne",
     "waved",
+    "followed",
 )
 """A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
 fog; wind through the box; wind that begins later; a plate that is pulled through the smoke; wood gas that burns; methane that burns; propane hot enough to burn by itself; a fire
 whose fuel ends; a sheet beside a fire that catches it; one so far off that it does not; one that is swept
-through the flames; cloth that swings beside them; dust that a ball raises where it lands; steam of a hot block in water; a ball and a sheet that a stream carries."""
+through the flames; cloth that swings beside them; dust that a ball raises where it lands; steam of a hot block in water; a ball and a sheet that a stream carries; smoke in
+a wide box, followed by a part of it."""
 
 FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propane", 3.0e4), "puffed": ("heptane", 6.0e4)}
 """Fuel and power [W] of the kinds that burn."""
@@ -157,6 +159,9 @@ def scene_spec(kind: str) -> dict[str, Any]:
         physics["temperature"], settings["expands"] = 310.0, False
     elif kind == "puff":
         driver["end"] = 0.15
+    elif kind == "followed":
+        settings["domain"].update(center=[0, 0, 0.8], size=[1.6, 1.6, 1.6])
+        settings["follows"] = True
     elif kind == "curled":
         settings["confinement"] = 0.1
     elif kind in ("wind", "gust"):

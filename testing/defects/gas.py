@@ -21,6 +21,7 @@ from ..worlds.small_gas import SMOKE_PROMPT
 from ..worlds.small_worlds import build_all
 from . import _carried_changes as carried
 from . import _fire_changes as fires
+from . import _following_changes as following
 from . import _gas_changes as changes
 from . import _kindling_changes as kindling
 from . import _steam_changes as steam
@@ -160,6 +161,7 @@ def _looks(kinds: tuple[str, ...], change: Change = changes.still) -> Build:
 BURNING = ("fire", "burner")
 KINDLED = ("kindled", "torch", "hung")
 QUENCHED = ("quench",)
+FOLLOWED = ("followed",)
 BROKEN = (
     Mechanism("fade", "soot is lost from a frame on", True, _breaks(changes.fade, "soot"), 2e-4, 0.9, "1"),
     Mechanism("grow", "soot comes from nowhere", True, _breaks(changes.grow, "soot"), 2e-4, 0.9, "1"),
@@ -214,6 +216,10 @@ BROKEN = (
     Mechanism("gale", "a faster stream than that which carried", True, _breaks(carried.gale, "pushed", kinds=("borne", "waved")), 0.06, 1.0, "1"),
     Mechanism("blunter", "what is carried was less blunt than is told", True, _told(_blunter, "pushed", kind="borne"), 0.06, 3.0, "1"),
     Mechanism("airier", "a sheet that is carried caught less air than is told", True, _told(_airier, "pushed", kind="waved"), 0.08, 2.0, "1"),
+    Mechanism("arrive", "smoke at the sides of the part that follows it", True, _breaks(following.arrive, "arrived", kinds=FOLLOWED), 2e-3, 1.0, "1", 1e-3),
+    Mechanism("ooze", "smoke left the part that follows it", True, _breaks(following.ooze, "slipped", kinds=FOLLOWED), 2e-4, 0.9, "1", 1e-4),
+    Mechanism("stir", "air moves outside the part that follows", True, _breaks(following.stir, "beyond", kinds=FOLLOWED), 1e-3, 2.0, "m/s", 0.0),
+    Mechanism("leave_behind", "a source outside the part that follows", True, _breaks(following.leave_behind, "followed", kinds=FOLLOWED), 1.0, 6.0, "cells"),
     Mechanism("embezzle", "fuel is lost, burnt or not", True, _breaks(fires.embezzle, "fuel", kinds=BURNING), 2e-4, 0.9, "1"),
     Mechanism("lean", "more fuel came than the source has", True, _told(_lean, "fuel", kind="burner"), 2e-3, 0.9, "1"),
     Mechanism("flatter", "more heat than the fuel that burnt has", True, _breaks(fires.flatter, "burnt", kinds=BURNING), 0.01, 1.0, "1"),

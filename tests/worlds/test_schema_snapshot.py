@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "2316a8790316a56d7f03ffafff5a5544e6d956972ea8ae25a2f040ce3b62623c"
+SCHEMA = "f038a2fc176c53f473366c273befe8ddaf40969d17cecb144e6820db47e25978"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -53,6 +53,21 @@ class GasFrame:
     """[1] Open share of a cell."""
     fire: FireCells | None = None
     """None of a gas without fuel."""
+    part: NDArray[np.int32] | None = None
+    """First cell and the one behind the last of the part that was solved, shape (2, 3); None where all was."""
+
+    @property
+    def active(self) -> tuple[slice, ...]:
+        """The part that was solved: all cells, or what follows the gas."""
+        return (slice(None),) * 3 if self.part is None else tuple(slice(int(a), int(b)) for a, b in self.part.T)
+
+    @property
+    def inner_sides(self) -> tuple[int, ...]:
+        """Sides of that part that lie inside the box, of -x, +x, -y, +y, -z, +z."""
+        if self.part is None:
+            return ()
+        low, high = self.part
+        return tuple(s for s in range(6) if (high[s // 2] < self.room.shape[s // 2] if s % 2 else low[s // 2] > 0))
 
     @cached_property
     def open(self) -> Mask:

@@ -16,6 +16,7 @@ from .escapes import Escapes
 from .fate import Fate
 from .fires import Fires
 from .flow import Flow
+from .following import Following
 from .frames import box_of
 from .kindling import Kindling
 from .limits import Limits
@@ -54,9 +55,19 @@ def _unread(kind: type[Watch], name: str, error: EvidenceError) -> Status:
 
 
 _WATCHING = Watching(WATCHES, Numbers, box_of, lambda box: box.steps(), _unread)
-category_rows = _WATCHING.category_rows
+_WATCHING_PART = Watching((*WATCHES, Following), Numbers, box_of, lambda box: box.steps(), _unread)
+"""Watches of a gas that a part of its box follows: others are not asked about one."""
+
+
+def _watching(candidate: Candidate, solver: str) -> Watching:
+    return _WATCHING_PART if candidate.spec.simulation.gas[solver].settings.follows else _WATCHING
+
+
+def category_rows(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows of the category check of one instance."""
+    return _watching(candidate, solver).category_rows(candidate, solver)
 
 
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of the cache and of counters of one instance."""
-    return [*rows_about(candidate, solver, {}), *_WATCHING.numerical_rows(candidate, solver)]
+    return [*rows_about(candidate, solver, {}), *_watching(candidate, solver).numerical_rows(candidate, solver)]

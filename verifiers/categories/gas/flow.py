@@ -76,6 +76,18 @@ def _part(array: F64, axis: int, start: int) -> F64:
     return np.take(array, range(start, start + count), axis=axis)
 
 
+def _within(now: GasFrame) -> Mask:
+    """Cells of the active part whose neighbours all lie in it, or beyond sides of the box."""
+    found = np.zeros(now.room.shape, dtype=bool)
+    found[now.active] = True
+    for side in now.inner_sides:
+        at: list[Any] = list(now.active)
+        place = at[side // 2]
+        at[side // 2] = place.stop - 1 if side % 2 else place.start
+        found[tuple(at)] = False
+    return found
+
+
 MET = 2
 """[cells] How far from its middle a piece of cloth meets gas."""
 
@@ -96,6 +108,8 @@ class Flow:
         self.kinetic: list[tuple[float, float]] = []
         """Least and most [J]: without cells that bodies cut, and as if they were whole."""
         self.given: list[float] = []
+        self.taken_in: list[float] = []
+        """Energy of the motion that a frame is the first to tell, since its active part has grown [J]."""
 
     def see(self, now: GasFrame, before: GasFrame | None) -> None:
         """Look at one frame."""
@@ -104,7 +118,7 @@ class Flow:
         box = self.box
         net = net_outflow(mirrored(now.velocity, box.sides), box.cell) - self._asked(now)
         free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf) & box.bodies.apart(now, box.sides) & ~self._burning(now)
-        whole = minimum_filter(free, size=5, mode="nearest") & np.isfinite(net)
+        whole = minimum_filter(free, size=5, mode="nearest") & np.isfinite(net) & _within(now)
         calm = whole & ~np.any([s.cells(now, 2.0 * box.cell, box.duration) for s in box.sources], axis=0)
         if self._heats:
             calm &= minimum_filter(np.abs(now.temperature - box.ambient) < AMBIENT, size=3, mode="nearest")
@@ -114,7 +128,7 @@ class Flow:
         self.net.append(float(error[at]))
         self.where.append(now.place(tuple(int(i) for i in at)))
         self.short.append(max([0.0, *(self._outflow(now, net, whole, s) for s in box.sources)]))
-        self._work(now)
+        self._work(now, before)
 
     def _burning(self, now: GasFrame) -> Mask:
         """Cells that cloth meets which is not consumed: it takes heat from them, and gives gas; bodies that burn count as bodies."""
@@ -146,11 +160,13 @@ class Flow:
         self.judged += 1
         return abs(float(net[about].sum()) * box.volume - rate) / rate
 
-    def _work(self, now: GasFrame) -> None:
+    def _work(self, now: GasFrame, before: GasFrame | None) -> None:
         box = self.box
         motion = 0.5 * box.volume * box.density(now) * now.room * np.square(now.velocity.astype(np.float64)).sum(axis=-1)
         whole = box.bodies.depth(now) == -np.inf
         self.kinetic.append((float(motion[whole].sum()), float(motion.sum())))
+        known = 0.0 if before is None else float(motion[before.active].sum())
+        self.taken_in.append(0.0 if before is None else float(motion.sum()) - known)
         heavier = (now.soot - box.air * box.lightness(now)) * now.room * box.volume
         power = float(np.sum(heavier * (now.velocity.astype(np.float64) @ box.gravity)))
         time = box.duration * now.index
@@ -215,7 +231,7 @@ class Flow:
         work = np.concatenate([[0.0], np.cumsum(0.5 * box.duration * (power[1:] + power[:-1]))])
         doubt = np.concatenate([[0.0], np.cumsum(0.5 * box.duration * np.abs(np.diff(power)))])
         pushed = np.where(self.struck, np.maximum(np.diff(most, prepend=0.0), 0.0), 0.0)
-        work = work + np.cumsum(pushed)
+        work = work + np.cumsum(pushed) + np.cumsum(self.taken_in)
         scale = max(float(most.max()), float(np.abs(work).max()), TINY)
         growth = least - work - doubt - np.minimum.accumulate(most - work - doubt)
         over = np.maximum(growth, 0.0) / scale

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....physics.gases import mass_extinction
 from ....physics.substances import AIR_HEAT_CAPACITY, air_density
@@ -50,6 +51,8 @@ class GasBox:
         self.members: list[str] = list(plan.members)
         self.frames = candidate.frame_count
         self.duration = 1.0 / candidate.spec.simulation.fps
+        self.follows = bool(self.settings.follows)
+        """True where only a part of its box that follows it was solved."""
         self.gravity: F64 = np.array(candidate.spec.simulation.gravity, dtype=np.float64)
         self.sides: tuple[str, ...] = tuple(self.settings.domain.sides)
         self.cell = float(self.physics(self.members[0]).resolution)
@@ -213,7 +216,7 @@ class GasBox:
 
     def _read(self, index: int) -> GasFrame:
         fields = CHANNELS if self.combustion is None else {**CHANNELS, **FIRE}
-        data = self.cache.read(index, ("gas_corner", *fields))
+        data = self.cache.read(index, ("gas_corner", *(("gas_active",) if self.follows else ()), *fields))
         for name, width in fields.items():
             wanted = (*self.shape, width) if width else self.shape
             if data[name].shape != wanted:
@@ -225,7 +228,18 @@ class GasBox:
         fire = None if self.combustion is None else FireCells(*(data[n] for n in FIRE))
         corner = np.asarray(data["gas_corner"], dtype=np.float64)
         soot, temperature, velocity, room = (data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room"))
-        return GasFrame(index, self.cell, corner, soot, temperature, velocity, room, fire)
+        return GasFrame(index, self.cell, corner, soot, temperature, velocity, room, fire, self._part(index, data))
+
+    def _part(self, index: int, data: Mapping[str, Any]) -> NDArray[np.int32] | None:
+        """The part of the box that a frame tells was solved; None of all of it."""
+        if not self.follows:
+            return None
+        part = np.asarray(data["gas_active"])
+        if not ((part[0] >= 0) & (part[0] < part[1]) & (part[1] <= np.array(self.shape))).all():
+            raise EvidenceError(
+                f"gas_active of frame {index} of {self.solver!r} is {part.tolist()}, planned is a part of 0 to {list(self.shape)}; bake again"
+            )
+        return part
 
     def steps(self) -> Iterator[tuple[GasFrame, GasFrame | None]]:
         """All frames in order, each with the one before."""

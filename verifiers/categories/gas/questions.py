@@ -12,6 +12,7 @@ __all__ = [
     "FATE",
     "FIRES",
     "FLOW",
+    "FOLLOWING",
     "KINDLING",
     "LIMITS",
     "NUMBERS",
@@ -308,6 +309,37 @@ STEAM = by_name(
     _asked("kept", "little of the water boils off, since its liquid keeps it", "share of the water", "1", "BOILED"),
 )
 
+FOLLOWING = by_name(
+    _asked(
+        "arrived",
+        "where a part of the box follows the gas, nothing has come to the sides of that part inside the box",
+        "most soot or excess heat along them, over that of a source",
+        "1",
+        "THIN",
+    ),
+    _asked(
+        "slipped",
+        "where a part of the box follows the gas, nothing leaves through the sides of that part inside the box",
+        "soot or heat that did since frame 0, over what was emitted",
+        "1",
+        "BOOKS",
+    ),
+    _asked(
+        "beyond",
+        "where a part of the box follows the gas, there is ambient air at rest outside it",
+        "cells outside that hold something else",
+        "cells",
+        "0",
+    ),
+    _asked(
+        "followed",
+        "where a part of the box follows the gas, sources that let out gas and bodies that move are in it",
+        "cells of these outside",
+        "cells",
+        "0",
+    ),
+)
+
 FATE = by_name(
     _asked(
         "fate",
@@ -321,6 +353,6 @@ FATE = by_name(
 
 QUESTIONS = tuple(
     q
-    for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, PUSHING, FATE)
+    for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, PUSHING, FOLLOWING, FATE)
     for q in group.values()
 )

@@ -26,6 +26,8 @@ MARGIN = 4.0
 """Own choice: cells around a source that a box is offered to have at least."""
 SEEN = 9
 """Own choice: points along each edge of a side, and times of a sequence, at which a field is looked for."""
+LEAST_FOLLOWED = 24
+"""Own choice: cells along the longest side of a box from which on a part of it may follow its gas: two blocks of eight, and one to grow."""
 BOUSSINESQ = 0.1
 """Largest difference of temperatures, as a share of the ambient one, that Boussinesq's approximation describes within some percent
 (Gray and Giorgini 1976, doi:10.1016/0017-9310(76)90168-X)."""
@@ -73,6 +75,7 @@ def _instance(spec: WorldSpec, name: str, instance: GasInstance) -> Iterator[Pro
     yield from _burning(spec, name, member, physics, instance)
     yield from burning_problems(spec, name)
     yield from _blown(spec, member, instance)
+    yield from _followed(spec, name, member, instance)
     settings, hot = instance.settings, physics.temperature / instance.settings.ambient_temperature - 1.0
     if not settings.expands and abs(hot) > BOUSSINESQ:
         yield Problem(
@@ -211,8 +214,35 @@ def _blown(spec: WorldSpec, member: str, instance: GasInstance) -> Iterator[Prob
             yield Problem(place, text)
 
 
+def _followed(spec: WorldSpec, name: str, member: str, instance: GasInstance) -> Iterator[Problem]:
+    """A gas that a part of its box follows: the air beyond that part is still, and its box has room for one."""
+    if not instance.settings.follows:
+        return
+    place, held = f"/simulation/solvers/{name}/settings/follows", gas_of(spec, name)
+    for key, driver in field_drivers(spec).items():
+        if member in acting_on(spec, driver) and driver.field.kind not in ("drag", "attraction"):
+            speed = _fastest_at_sides(spec, driver, instance)
+            text = (
+                f"follows is true, and field {key!r} moves the air at the sides of the box of {member!r} with {speed:.3g} m/s; a part that follows "
+                "the gas lies in air at rest, 0 m/s: set follows to false"
+            )
+            yield Problem(place, text, replaced(place, False))
+    if held is not None and max(grid_of(instance, held[2].resolution).shape) < LEAST_FOLLOWED:
+        many = max(grid_of(instance, held[2].resolution).shape)
+        text = (
+            f"follows is true, and the box of {member!r} is {many} cells long; a part that follows the gas and its margin take "
+            f"{LEAST_FOLLOWED} cells at least, so that it would gain nothing: set follows to false"
+        )
+        yield Problem(place, text, replaced(place, False))
+
+
 def _arrives(spec: WorldSpec, driver: FieldDriver, instance: GasInstance) -> bool:
     """True if a field moves the air at an open side of a box, at some of a few times."""
+    return _fastest_at_sides(spec, driver, instance) > 0.0
+
+
+def _fastest_at_sides(spec: WorldSpec, driver: FieldDriver, instance: GasInstance) -> float:
+    """Greatest speed along an axis with which a field moves the air at open sides of a box, at a few times [m/s]; 0 without any."""
     fields, (low, high) = Fields({"field": driver}), domain_box(instance)
     axes = [np.linspace(low[k], high[k], SEEN) for k in range(3)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
@@ -222,7 +252,10 @@ def _arrives(spec: WorldSpec, driver: FieldDriver, instance: GasInstance) -> boo
         if s == "open"
     ]
     last = (spec.simulation.frames - 1) / spec.simulation.fps
-    return any(np.abs(fields.medium(np.concatenate(sides), t).velocity).max() > 0.0 for t in np.linspace(0.0, last, SEEN))
+    if not sides:
+        return 0.0
+    at = np.concatenate(sides)
+    return max(float(np.abs(fields.medium(at, t).velocity).max()) for t in np.linspace(0.0, last, SEEN))
 
 
 def _owner(spec: WorldSpec, member: str) -> str:

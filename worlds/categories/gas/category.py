@@ -46,7 +46,7 @@ GAS = CategorySpec(
         *SIDES,
         *STEPS,
         *parameters(SETTINGS, "scheme courant", "step", "repair", "rows hold the motion against laws"),
-        *parameters(SETTINGS, "expands confinement", "gas", "repair", "an approximation that stands in the register"),
+        *parameters(SETTINGS, "expands confinement follows", "gas", "repair", "an approximation that stands in the register"),
         *parameters(
             SETTINGS,
             "viscosity diffusivity ambient_temperature coefficient",

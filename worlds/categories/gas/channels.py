@@ -45,6 +45,11 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
         quantity("iterations", "1", "most iterations of the pressure solves in a step of the frame", total="max", sign="+"),
         quantity("capped", "1", "steps of the frame that ended at the iteration cap", sign="+"),
     ),
+    "gas follow": (
+        Channel("gas_active", "i4", (2, 3), "cells", "first cell, and the one behind the last, along each axis, of the part of the box that was solved; air is still elsewhere", sign="+"),
+        quantity("slipped_soot", "kg", "that left through sides of that part inside the box since frame 0; part of what escaped, and none should"),
+        quantity("slipped_heat", "J", "the same of heat"),
+    ),
     "gas fire": (
         Channel("gas_fuel", "f4", BOX, "kg/m^3", "fuel that has not burnt"),
         Channel("gas_product", "f4", BOX, "kg/m^3", "what fuel and its air have become, without soot"),
@@ -84,6 +89,8 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
 def writers(spec: WorldSpec, name: str) -> Iterator[str]:
     """Further kinds of writer: a gas that burns, solids and cloth that burn in it, and what makes steam."""
     held = gas_of(spec, name) if name in spec.simulation.gas else None
+    if held is not None and spec.simulation.gas[name].settings.follows:
+        yield "gas follow"
     if held is not None and held[2].fuel is not None:
         yield "gas fire"
     if held is not None and flammable_parts(spec, name):

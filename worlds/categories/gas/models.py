@@ -87,6 +87,10 @@ class GasSettings(SpecModel):
         default=0.0, ge=0, le=1.0, description="strength of vorticity confinement; above 0 it puts energy in, and is registered"
     )
     ambient_temperature: float = Field(default=293.15, ge=150, le=1000, description="of the air around [K]")
+    follows: bool = Field(
+        default=False,
+        description="true: solved in a part of the domain alone that follows the gas and grows with it, still air beyond; for a plume in a tall domain without wind",
+    )
     iterations: int = Field(default=60, ge=2, le=1000, description="most iterations of a pressure solve")
     coefficient: NonNegative = Field(
         default=1.0,

@@ -152,3 +152,26 @@ def test_a_probe_coarsens_its_cells() -> None:
 def test_what_gas_meets_by_a_definition_of_its_own_needs_no_record_of_another_engine(event: dict[str, Any]) -> None:
     beat = {"text": "it does", "frames": [1, 20], "owner": "air", "subject": "smoke", "predicate": {"entity": "smoke", **event}}
     assert row(changed(("/story", {"semantics": "smoke", "beats": {"it": beat}})), "evidence").status == "pass"
+
+
+def test_a_gas_that_is_followed_lies_in_still_air_and_in_a_box_that_is_worth_it() -> None:
+    """A wind would have to be told of the air beyond the part that is solved; a field that does not reach the box is no wind there."""
+    tall = (f"{AIR}/follows", True), (f"{AIR}/domain/size", [1.6, 1.6, 2.4]), (f"{AIR}/domain/center", [0, 0, 1.2])
+    assert row(changed(*tall), "gases").status == "pass"
+    found = row(changed(*tall, ("/simulation/drivers/wind", WIND)), "gases")
+    assert found.status == "fail"
+    told = found.evidence["problems"][0] if "problems" in found.evidence else str(found)
+    assert "1 m/s" in str(told)
+    assert "set follows to false" in str(told)
+    small = row(
+        changed((f"{AIR}/follows", True), (f"{AIR}/domain/size", [0.8, 0.8, 1.0]), (f"{AIR}/domain/center", [0, 0, 0.5])), "gases"
+    )
+    assert small.status == "fail"
+    assert "20 cells long" in str(small)
+
+
+def test_a_gas_that_is_followed_costs_less() -> None:
+    tall = (f"{AIR}/domain/size", [1.6, 1.6, 2.4]), (f"{AIR}/domain/center", [0, 0, 1.2])
+    whole, part = gas_counts(changed(*tall)), gas_counts(changed(*tall, (f"{AIR}/follows", True)))
+    assert part["cell_steps"] == pytest.approx(0.6 * whole["cell_steps"])
+    assert part["cells"] == whole["cells"]

@@ -169,12 +169,17 @@ def _sections(words: list[str], called: list[_Called], room: int) -> tuple[dict[
     told: dict[str, str] = {}
     for weights, most in groups:
         spare, rest = min(most, room - size_of(told)), sum(weights.values())
+        # Sections that much of the prompt speaks of come before each skill gets its share.
+        much = [(_calls(p.partition("/")[0], p, words), p) for p in texts if p.partition("/")[0] in weights]
+        for _, place in sorted(((c, p) for c, p in much if c >= MANY), key=lambda one: -one[0]):
+            cost = size_of({place: texts[place]})
+            if cost <= spare:
+                told[place], spare = texts[place], spare - cost
         for name, weight in weights.items():
             share, rest = spare * weight // rest, rest - weight
-            for place in (p for p in texts if p.startswith(f"{name}/")):
+            for place in (p for p in texts if p.startswith(f"{name}/") and p not in told):
                 cost = size_of({place: texts[place]})
-                # A section that much of the prompt speaks of comes before the skill's own share is looked at.
-                if cost <= share or (cost <= spare and _calls(name, place, words) >= MANY):
+                if cost <= share:
                     told[place] = texts[place]
                     share, spare = share - cost, spare - cost
     # What no skill's own share had room for may fit into what the others left.

@@ -17,8 +17,10 @@ from worldagent.construction import build_entity
 from worldagent.server.skill_files import SKILLS
 from worldagent.testing.defects import _liquid_resolution as liquid_resolution
 from worldagent.testing.defects import _liquid_scenes as liquid_scenes
+from worldagent.testing.defects._films import film_of
 from worldagent.testing.defects._gas_scenes import scene as gas_scene
 from worldagent.testing.defects.suites import CHECKS, suite_of
+from worldagent.testing.worlds.event_worlds import event_world
 from worldagent.testing.worlds.small_worlds import IDENTITY, Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.tools import TOOLS
 from worldagent.verifiers.categories import check as category
@@ -28,7 +30,7 @@ from worldagent.verifiers.diagnosis.table import Condition, Entry, entries, tabl
 from worldagent.verifiers.story import beats, causal, counterfactual, phases
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.groups import GROUPS
-from worldagent.worlds.predicates import Contact, Displacement, Reaches, Tilts, Topples
+from worldagent.worlds.predicates import Contact, Displacement, Reaches, Tilts, Topples, TouchEvent
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, Bond, BoxRegion, Breakable, BrickPattern, CameraKey, Shot, Story
 
@@ -195,9 +197,17 @@ def _fades(folder: Path) -> Candidate:
     return Candidate(base.folder, spec, base.built, base.stage, base.caches)
 
 
+def _rocks(folder: Path) -> Candidate:
+    """A slab that rocks on its edge and does not tip."""
+    spec = event_world("rock")
+    frames = (0, spec.simulation.frames - 1)
+    beat = Beat(text="it tips", owner="rigid", subject="slab", frames=frames, predicate=TouchEvent(kind="tips", entity="slab"))
+    return film_of(spec.model_copy(update={"story": Story(beats={"tip": beat})})).candidate(folder)
+
+
 OWN: dict[str, list[tuple[Callable[[Path], Candidate], Callable[[Candidate], list[Row]]]]] = {
     "category": [(_fades, category.check), (_clings, category.check), (_dribbles, category.check), (_seeps, category.check)],
-    "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check)],
+    "beat": [(_motion, beats.check), (_motion, phases.check), (_pauses, phases.check), (_rocks, beats.check)],
     "causal": [(_motion, causal.check), (_pauses, causal.check), (_motion, counterfactual.check)],
     "contact": [(_pressed, contact.check), (_squeezed, contact.check)],
     "numerical": [(_capped, category.check_numerical)],

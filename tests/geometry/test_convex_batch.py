@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from worldagent.geometry import Care, Solid, clearance_batch, convex_gaps, distance_to_surface, query_noise, signed_clearance
 from worldagent.geometry import batch as module
-from worldagent.geometry.convex_batch import convex_of
+from worldagent.geometry.convex_batch import convex_clearances, convex_of
 from worldagent.geometry.forest import Forest
 from worldagent.worlds.arrays import RigidPose
 
@@ -76,7 +76,7 @@ def test_a_list_of_many_pairs_is_the_list_of_few(monkeypatch: pytest.MonkeyPatch
     care = Care(enough=0.3)
     few = clearance_batch(*given, skip_above=0.2, care=care).distance
     asked = []
-    loops = module.convex_clearances
+    loops = convex_clearances
     monkeypatch.setattr(module, "convex_clearances", lambda *a, **k: asked.append(len(a[1])) or loops(*a, **k))
     monkeypatch.setattr(module, "MANY", 1)
     many = clearance_batch(*given, skip_above=0.2, care=care).distance

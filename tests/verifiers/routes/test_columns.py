@@ -40,7 +40,7 @@ def test_a_cell_inside_a_triangle_and_one_beside_it_come_out_as_cutting_leaves_t
         assert alive == kept
         beside += not alive
         if alive:
-            whole += np.isin(found[:, 0], (found[:, 0].min(), found[:, 0].max())).all()
+            whole += int(np.isin(found[:, 0], (found[:, 0].min(), found[:, 0].max())).all())
             assert np.allclose(found[:, :2].min(axis=0), expected[:, :2].min(axis=0), atol=1e-9)
             assert np.allclose(found[:, :2].max(axis=0), expected[:, :2].max(axis=0), atol=1e-9)
             assert np.allclose([found[:, 2].min(), found[:, 2].max()], [expected[:, 2].min(), expected[:, 2].max()], atol=1e-9)

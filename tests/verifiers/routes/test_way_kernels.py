@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from worldagent.verifiers.routes.walkable import DIRECTIONS
 from worldagent.verifiers.routes.way_kernels import bottleneck, moved
-from worldagent.worlds.arrays import F64
 
 NODES, LINKS = 80, 130
 
 
-def _bisected(source: F64, target: F64, clearance: F64, free: F64, stops: list[F64]) -> float:
+def _bisected(source: Any, target: Any, clearance: Any, free: Any, stops: list[Any]) -> float:
     """Largest of the clearances at which one piece of the nodes that have it touches every stop; -1 for none."""
     for value in np.unique(clearance[free])[::-1]:
         keep = free & (clearance >= value)

@@ -8,6 +8,7 @@ import jsonpatch
 import numpy as np
 import pytest
 import trimesh
+from worldagent import geometry
 from worldagent.construction.build import build_entity
 from worldagent.testing.worlds.small_worlds import ball, box, build_all, entity, ground, make_candidate, pose, world
 from worldagent.verifiers.scene import interpenetration, self_crossing
@@ -257,7 +258,7 @@ def test_surfaces_searched_together_have_the_rows_of_those_searched_alone(tmp_pa
     alone = rows_of(tmp_path, things)
     assert "interpenetration:self:ring" not in alone
     asked = []
-    search = self_crossing.self_crossings
+    search = geometry.self_crossings
     monkeypatch.setattr(self_crossing, "_known", {})
     monkeypatch.setattr(self_crossing, "TOGETHER", 1)
     monkeypatch.setattr(self_crossing, "self_crossings", lambda solid, **k: asked.append(len(solid.faces)) or search(solid, **k))

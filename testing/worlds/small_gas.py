@@ -14,6 +14,7 @@ __all__ = [
     "SMOKE_PROMPT",
     "dust_spec",
     "fire_spec",
+    "followed_spec",
     "hung_spec",
     "kindled_spec",
     "smoke_spec",
@@ -94,6 +95,17 @@ def smoke_spec(*, frames: int = 25, resolution: float = 0.05, rate: float = 0.00
         },
         **changes,
     }
+
+
+def followed_spec(*, frames: int = 30, **settings: Any) -> dict[str, Any]:
+    """Smoke that rises in a tall box, of which a part follows it; `settings` are those of its instance."""
+    spec = smoke_spec(frames=frames, rate=0.02)
+    spec["entities"]["smoke"]["physics"]["temperature"] = 600.0
+    spec["entities"]["plate"]["pose"]["position"] = [0.05, 0, 2.9]
+    own = spec["simulation"]["solvers"]["air"]["settings"]
+    own["domain"].update(center=[0, 0, 1.2], size=[1.6, 1.6, 2.4])
+    own.update({"follows": True, **settings})
+    return spec
 
 
 def stirred_spec(*, frames: int = 25, **changes: Any) -> dict[str, Any]:

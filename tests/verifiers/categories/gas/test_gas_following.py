@@ -15,7 +15,7 @@ from worldagent.simulation.gas.solver import SolverGas
 from worldagent.testing.defects._gas_scenes import SOLVER
 from worldagent.testing.worlds.by_category import spec_of
 from worldagent.testing.worlds.simulated_worlds import edited, simulate
-from worldagent.testing.worlds.small_gas import SMOKE_PROMPT, smoke_spec
+from worldagent.testing.worlds.small_gas import SMOKE_PROMPT, followed_spec
 from worldagent.verifiers.categories.gas.check import WATCHES, category_rows, numerical_rows
 from worldagent.verifiers.categories.gas.flow import Flow
 from worldagent.verifiers.categories.gas.following import Following
@@ -30,13 +30,7 @@ FRAMES = 30
 
 def tall(frames: int = FRAMES, **settings: Any) -> dict[str, Any]:
     """Smoke that rises in a tall box."""
-    spec = smoke_spec(frames=frames, rate=0.02)
-    spec["entities"]["smoke"]["physics"]["temperature"] = 600.0
-    spec["entities"]["plate"]["pose"]["position"] = [0.05, 0, 2.9]
-    own = spec["simulation"]["solvers"][SOLVER]["settings"]
-    own["domain"].update(center=[0, 0, 1.2], size=[1.6, 1.6, 2.4])
-    own.update({"follows": True, **settings})
-    return spec
+    return followed_spec(frames=frames, **settings)
 
 
 def baked(folder: Path, spec: dict[str, Any]) -> Candidate:

@@ -53,7 +53,7 @@ def check(candidate: Candidate) -> list[Row]:
     ground, start = Ground(surfaces), SupportGraph(surfaces, until=1)
     held = Held(surfaces, ground)
     rows = [
-        *_relations(surfaces),
+        *_relations(surfaces, start),
         *_at_rest(start),
         *_derived(start),
         *loose_rows(candidate),
@@ -99,8 +99,9 @@ def _fluid(candidate: Candidate, relation: Supports) -> bool:
     return relation.a in candidate.liquids or relation.b in candidate.liquids
 
 
-def _relations(surfaces: Surfaces) -> list[Row]:
-    candidate, graph, rows = surfaces.candidate, SupportGraph(surfaces), []
+def _relations(surfaces: Surfaces, start: SupportGraph) -> list[Row]:
+    candidate, rows = surfaces.candidate, []
+    graph = start if surfaces.frames == 1 else SupportGraph(surfaces)
     for name, relation, interval in _declared(candidate):
         judge = partial(carried if _fluid(candidate, relation) else carries, graph, relation)
         answer = partial(_over_interval, candidate, judge, interval)

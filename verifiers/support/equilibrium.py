@@ -47,6 +47,11 @@ class Balance(NamedTuple):
     missing: float
     """Force, as a share of its weight, that friction and contact cannot give once it does not tip."""
 
+    @property
+    def whole(self) -> bool:
+        """True if it lacks nothing where it is."""
+        return self.shift <= 0.0 and self.missing <= ENOUGH
+
 
 @dataclass(frozen=True)
 class Group:
@@ -69,6 +74,12 @@ class Group:
         kept = tuple(c for c in self.contacts if {c[0], c[1]} != {a, b})
         return Group(self.members, kept, self.centers, self.weights, self.sizes, self.down)
 
+    def alone(self, member: str) -> Group:
+        """One of the bodies, on the others as if they could give any force."""
+        index = [self.members.index(member)]
+        kept = tuple(c for c in self.contacts if member in c[:2])
+        return Group((member,), kept, self.centers[index], self.weights[index], self.sizes[index], self.down)
+
     def of(self, members: Collection[str]) -> Group:
         """Some of the bodies, as if the others were not there."""
         index = [i for i, m in enumerate(self.members) if m in members]
@@ -89,9 +100,8 @@ def solve(group: Group, *, claimed: Iterable[str] = (), shift: float = 0.0) -> d
     said = set(claimed) or set(group.members)
     cost = np.array([1.0 if m in said else OTHERS for m in group.members])
     ways = _around(group.down)
-    nothing = np.zeros(len(group.members))
     # Most groups rest as they are, which one program shows.
-    missing = _gripping(group, cost, ways, nothing)
+    missing = _resting(group, cost)
     moves = np.zeros((len(missing), 3))
     if missing.max() > ENOUGH:
         moves = _tipping(group, cost, ways)
@@ -195,6 +205,19 @@ def _tipping(group: Group, cost: F64, ways: F64) -> F64:
     return np.asarray(group.sizes[:, None] * (each @ ways))
 
 
+def _resting(group: Group, cost: F64) -> F64:
+    """Least force and moment that nothing gives where all stay as they are, as a share of each body's weight, shape (members,)."""
+    from scipy.sparse import hstack
+
+    push, lift = _pushes(group, None), _helpers(len(group.members), torque=True)
+    each = lift.shape[1] // len(group.members)
+    price = np.concatenate([np.zeros(push.shape[1]), np.repeat(cost, each)])
+    # Of a program of this form a presolve takes longer than it spares.
+    found = _minimum(price, hstack([push, lift]), _load(group), presolve=False)
+    share = group.weights / group.weights.sum()
+    return np.asarray(found[push.shape[1] :].reshape(-1, each).sum(axis=1) / share)
+
+
 def _gripping(group: Group, cost: F64, ways: F64, shifts: F64) -> F64:
     """Least force and moment that nothing gives, as a share of each body's weight, shape (members,)."""
     from scipy.sparse import coo_matrix, hstack, identity, kron
@@ -218,7 +241,7 @@ def _load(group: Group) -> F64:
     return load.reshape(-1)
 
 
-def _minimum(price: F64, matrix: Any, load: F64, limit: tuple[Any, F64] | None = None) -> F64:
+def _minimum(price: F64, matrix: Any, load: F64, limit: tuple[Any, F64] | None = None, *, presolve: bool = True) -> F64:
     """Cheapest solution >= 0; one exists always, because missing forces can be bought.
 
     Raises:
@@ -227,7 +250,8 @@ def _minimum(price: F64, matrix: Any, load: F64, limit: tuple[Any, F64] | None =
     from scipy.optimize import linprog
 
     less = {} if limit is None else {"A_ub": limit[0], "b_ub": limit[1]}
-    found = linprog(price, A_eq=matrix.tocsr(), b_eq=load, bounds=(0.0, None), method="highs", **less)
+    options = {"presolve": presolve}
+    found = linprog(price, A_eq=matrix.tocsr(), b_eq=load, bounds=(0.0, None), method="highs", options=options, **less)
     if found.x is None:
         raise EvidenceError(f"the balance of contact forces has no numeric solution: {found.message}")
     return np.asarray(found.x)

@@ -5,7 +5,7 @@ Contacts are read from geometry, never from contact logs: a sleeping body has no
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -54,6 +54,7 @@ class SupportGraph:
         self._gripped: dict[str, NDArray[np.bool_]] = {}
         self._floating: dict[str, NDArray[np.bool_]] = {}
         self._rests: dict[tuple[str, str, bytes], bool] = {}
+        self._together: dict[int, set[str]] = {}
         self.resting: dict[str, tuple[Group, Balance, F64]] = {}
         """Group, balance and way to the middle of its support [m] at frame 0, per body, kept by `verifiers/support/resting.py`."""
 
@@ -61,6 +62,15 @@ class SupportGraph:
     def links(self) -> tuple[Link, ...]:
         """Joints and rope ends."""
         return links_of(self.surfaces)
+
+    @cached_property
+    def _links_at(self) -> dict[str, tuple[Link, ...]]:
+        """Links by the entities that they hold, in their order."""
+        found: dict[str, list[Link]] = {}
+        for link in self.links:
+            for name in {link.a, link.b} - {None}:
+                found.setdefault(str(name), []).append(link)
+        return {name: tuple(links) for name, links in found.items()}
 
     @cached_property
     def still(self) -> frozenset[str]:
@@ -75,14 +85,14 @@ class SupportGraph:
     def linked(self, a: str, b: str) -> NDArray[np.bool_]:
         """At which frames a joint or rope end holds the two together, shape (frames,)."""
         holds = np.zeros(self.surfaces.frames, dtype=bool)
-        for link in self.links:
+        for link in self._links_at.get(a, ()):
             if {link.a, link.b} == {a, b}:
                 holds |= link.holds
         return holds
 
     def jointed(self, entity: str, frame: int) -> bool:
         """True if any joint, pin or rope end that bears weight is attached to the entity at a frame."""
-        return bool(self._pins(entity)) or any(entity in (link.a, link.b) and bool(link.holds[frame]) for link in self.links)
+        return bool(self._pins(entity)) or any(bool(link.holds[frame]) for link in self._links_at.get(entity, ()))
 
     def held(self, entity: str) -> NDArray[np.bool_]:
         """At which frames the entity needs nothing beneath it: static, authored, fixed to the world, or not yet let go by a driver
@@ -95,8 +105,8 @@ class SupportGraph:
         for driver in spec.simulation.drivers.values():
             if isinstance(driver, ReleaseDriver) and driver.entity == entity and spoken_of(spec, entity):
                 holds |= time <= driver.time
-        for link in self.links:
-            if link.a is None and link.b == entity:
+        for link in self._links_at.get(entity, ()):
+            if link.a is None:
                 holds |= link.holds
         return holds | (None in self._pins(entity))
 
@@ -121,8 +131,8 @@ class SupportGraph:
                 yield other, carried
         for carrier in sorted(self._pins(entity) - {None}, key=str):
             yield str(carrier), np.ones(self.surfaces.frames, dtype=bool)
-        for link in self.links:
-            if link.a is not None and entity in (link.a, link.b) and link.a != link.b:
+        for link in self._links_at.get(entity, ()):
+            if link.a is not None and link.a != link.b:
                 yield (link.b if entity == link.a else link.a), link.holds
 
     def grounded(self, entity: str) -> NDArray[np.bool_]:
@@ -176,15 +186,30 @@ class SupportGraph:
 
     def rests(self, entity: str, frame: int, *, without: str = "") -> bool:
         """True if contact forces within friction can bear the entity, optionally as if it did not touch one other."""
+        if not without and self.rest_together((entity,), frame):
+            return True
         key = (entity, without, self._place(entity, frame))
         if key not in self._rests:
-            group = group_of(self, entity, frame)
-            if group is not None:
-                group = pressed(self.surfaces, group, self.still, frame)
-            if group is not None and without:
-                group = group.without(entity, without)
-            self._rests[key] = group is not None and _can_rest(self.surfaces, group, entity)
+            self._rests[key] = self._can_rest(entity, frame, without)
         return self._rests[key]
+
+    def rest_together(self, entities: Iterable[str], frame: int) -> bool:
+        """True if it was found before that all of these can rest at a frame, none of them at another's cost."""
+        return self._together.get(frame, set()).issuperset(entities)
+
+    def _can_rest(self, entity: str, frame: int, without: str) -> bool:
+        group = group_of(self, entity, frame)
+        if group is None:
+            return False
+        group = pressed(self.surfaces, group, self.still, frame)
+        if without:
+            group = group.without(entity, without)
+            # What cannot rest on bodies that give any force cannot on bodies that must rest themselves.
+            return bool(_resting(self.surfaces, group.alone(entity), entity)) and bool(_resting(self.surfaces, group, entity))
+        balances = _resting(self.surfaces, group, entity)
+        if set(balances) == set(group.members) and all(b.whole for b in balances.values()) and len(group.members) < LARGEST:
+            self._together.setdefault(frame, set()).update(group.members)
+        return bool(balances)
 
     def _place(self, entity: str, frame: int) -> bytes:
         """Poses, as seen from the entity, of all that touches it directly or through others."""
@@ -267,15 +292,15 @@ def rolling(surfaces: Surfaces, entity: str) -> float:
     return max((materials[m].rolling_friction for m in used if m in materials), default=0.0)
 
 
-def _can_rest(surfaces: Surfaces, group: Group, entity: str) -> bool:
-    """True if the entity can rest, on bodies of the group that can themselves."""
+def _resting(surfaces: Surfaces, group: Group, entity: str) -> dict[str, Balance]:
+    """Bodies of the group, the entity among them, that can rest on each other; none where the entity cannot."""
     while entity in group.members:
         found = solve(group, claimed=(entity,), shift=OUTSIDE)
         fit = {m for m, b in found.items() if b.missing <= MISSING and b.shift <= OUTSIDE + rolling(surfaces, m)}
         if len(fit) == len(group.members):
-            return True
+            return found
         group = group.of(fit)
-    return False
+    return {}
 
 
 def beside(surfaces: Surfaces, entity: str, frame: int) -> list[str]:

@@ -135,7 +135,12 @@ def _balances(graph: SupportGraph, entity: str, claimed: Sequence[str]) -> tuple
         if group is None:
             return None
         simple = _standing(group)
-        found = {entity: simple[0]} if simple else solve(group, claimed=claimed, shift=OUTSIDE)
+        if simple:
+            found = {entity: simple[0]}
+        elif graph.rest_together(group.members, 0):
+            found = {m: Balance(0.0, np.zeros(3), 0.0) for m in group.members}
+        else:
+            found = solve(group, claimed=claimed, shift=OUTSIDE)
         for name, balance in found.items():
             known[name] = (group, balance, simple[1] if simple else _middle(group, name, balance))
     return known[entity]

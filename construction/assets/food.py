@@ -10,7 +10,7 @@ from pydantic import Field
 from .generator import Generator, Parameters, material
 from .made import Body, Made
 from .profiles import arc, circle
-from .turning import solid, stacked
+from .turning import TRIM, drawn, solid, stacked
 
 __all__ = ["GENERATORS"]
 
@@ -63,6 +63,24 @@ def _apple(p: AppleParameters, rng: np.random.Generator) -> Made:
     body.turned("flesh", [(u * r, v * h) for u, v in outline], segments=24)
     body.turned("core", solid([(core * r, 0.05 * h), (core * r, 0.86 * h)]), segments=24)
     _stalk(body, (0, 0, 0.86 * h), 0.32 * h, 0.03 * r, rng, leaf=p.leaf)
+    return Made.of(body)
+
+
+class OrangeParameters(Parameters):
+    """An orange or another round fruit of its family: a ball that rolls, with a button where the stalk was."""
+
+    diameter: float = Field(
+        default=0.075, ge=0.045, le=0.15, description="[m]: 0.055 of a mandarin, 0.075 of an orange, 0.11 of a grapefruit"
+    )
+    material: str = material("maize", "potatoes", "terracotta")
+
+
+def _orange(p: OrangeParameters, rng: np.random.Generator) -> Made:
+    body, r = Body("orange", p.material), p.diameter / 2
+    body.sphere("flesh", (0, 0, r), r)
+    wide = float(rng.uniform(0.06, 0.09)) * r
+    body.cylinder("button", (0, 0, 2 * r), (0, 0, 2 * r + TRIM), wide, material="grass")
+    drawn(body, "button")
     return Made.of(body)
 
 
@@ -325,6 +343,7 @@ def _pizza(p: PizzaParameters, rng: np.random.Generator) -> Made:
 
 GENERATORS = (
     Generator("apple", "apple with stalk and leaf", AppleParameters, _apple, ("fruit", "food", "kitchen")),
+    Generator("orange", "orange, a ball that rolls", OrangeParameters, _orange, ("fruit", "citrus", "mandarin", "grapefruit", "food", "kitchen"), stands=False),
     Generator("pear", "pear with its stalk", PearParameters, _pear, ("fruit", "food", "kitchen")),
     Generator("banana", "banana lying on its side", BananaParameters, _banana, ("fruit", "food", "kitchen")),
     Generator("carrot", "carrot with leaves", CarrotParameters, _carrot, ("vegetable", "food", "kitchen", "garden")),

@@ -363,6 +363,22 @@ def beside() -> WorldSpec:
     return _world({"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(-0.101, 0, 0.101))}, frames=30)
 
 
+def meets() -> WorldSpec:
+    """A box slides along the floor against a wall, which stops it, and stays there."""
+    wall = box(0.2, 2.0, 0.5, at=(0.4, 0, 0.25))
+    return _world(
+        {"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101), velocity=(1.2, 0, 0))}, materials=SLIPPERY, frames=48
+    )
+
+
+def reaches() -> WorldSpec:
+    """A box slides along the floor up to a wall, nearly stopped by friction when it touches it."""
+    wall = box(0.2, 2.0, 0.5, at=(0.4, 0, 0.25))
+    return _world(
+        {"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101), velocity=(0.44, 0, 0))}, materials=SLIPPERY, frames=48
+    )
+
+
 def jam() -> WorldSpec:
     """A force drives a box along the floor against a wall that holds it."""
     wall = box(0.2, 2.0, 0.5, at=(0.6, 0, 0.25))
@@ -436,6 +452,8 @@ EVENT_WORLDS: Mapping[str, Callable[[], WorldSpec]] = {
         door_moves,
         lean,
         beside,
+        meets,
+        reaches,
         jam,
         seesaw,
         seesaw_struck,

@@ -203,8 +203,9 @@ BODY_EVENTS = (
     _event(
         "rests_against",
         "s",
-        "It is still for at least 0.25 s on end, touches `other` from the side, itself or by what joints tie to it, and without that contact the others could not hold it.",
-        "statics: forces within the cones of friction that balance its weight (Erdmann 1994, doi:10.1177/027836499401300306)",
+        "It is still for at least 0.25 s on end, touches `other` from the side, itself or by what joints tie to it; and without that contact the others "
+        "could not hold it, or it came towards `other` at 0.02 m/s or more and that took at least 0.5 of this momentum.",
+        "statics: forces within the cones of friction that balance its weight (Erdmann 1994, doi:10.1177/027836499401300306); or the impulse that stopped it",
         directed=True,
         channels=POSE,
     ),

@@ -50,7 +50,7 @@ TRUE: dict[str, list[tuple[str, ...]]] = {
     "lifts": [("lifted", "hand", "box"), ("toss", "hand", "box"), ("seesaw", "beam", "cube")],
     "lowers": [("lowered", "hand", "box")],
     "throws": [("toss", "hand", "box")],
-    "rests_against": [("lean", "plank", "wall"), ("wedged", "cart", "block")],
+    "rests_against": [("lean", "plank", "wall"), ("wedged", "cart", "block"), ("meets", "box", "wall")],
     "jams": [("jam", "box", "wall")],
 }
 """World, entity and other of each kind where it happens."""
@@ -145,9 +145,11 @@ FALSE: dict[str, list[tuple[str, ...]]] = {
         ("bounce", "floor", "ball"),
         ("rest", "lower", "box"),
     ],
-    # Touches and would stay without it, has it lean on itself, lies on it, moves along it.
+    # Touches and would stay without it, stops by itself where it touches, has it lean on itself, lies on it, moves along it.
     "rests_against": [
         ("beside", "box", "wall"),
+        ("reaches", "box", "wall"),
+        ("meets", "wall", "box"),
         ("lean", "wall", "plank"),
         ("lean", "plank", "floor"),
         ("rest", "box", "lower"),

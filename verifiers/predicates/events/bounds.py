@@ -100,6 +100,10 @@ UPHILL_STILL = 0.5
 """[1] of the rise. Own choice: what carries it rises by less itself."""
 REST_TIME = 0.25
 """[s] Own choice: as STOP_TIME."""
+APPROACH = 0.02
+"""[m/s] Own choice: slower, nothing comes towards what it rests against; twice the noise of a velocity."""
+TAKEN = 0.5
+"""[1] of the momentum with which it came. Own choice: what ends a motion takes the greater part of it; friction on the way the rest."""
 JAM_DRIVE = 0.1
 """[1] of the weight. Own choice: less than a tenth of its weight hardly drives it."""
 JAM_HOLD = 0.5

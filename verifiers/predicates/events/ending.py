@@ -85,7 +85,7 @@ def _still(course: Course, span: slice) -> NDArray[np.bool_]:
 
 
 def rests_against(scope: Scope, p: PairEvent) -> Outcome:
-    """Measured: how long it is still on end, touching the other, without which it would not stay [s]."""
+    """Measured: how long it is still on end, touching the other, without which it would not stay or by which it stopped [s]."""
     course, span = course_of(scope.candidate, p.entity), span_of(scope)
     course_of(scope.candidate, p.other)
     still = _still(course, span)
@@ -94,7 +94,7 @@ def rests_against(scope: Scope, p: PairEvent) -> Outcome:
     held, why = np.zeros(len(still), dtype=bool), f"{p.entity} is not still for {least:g} s"
     for i in np.flatnonzero(lasted >= least):
         if i == 0 or lasted[i - 1] < least:
-            answer = held_by(course, p.other, span.start + int(i) + 1)
+            answer = held_by(course, p.other, span.start + onset(still, int(i)), span.start + int(i) + 1)
             why = why if answer is None else answer
         held[i] = answer is None
 

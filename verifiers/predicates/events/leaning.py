@@ -1,4 +1,4 @@
-"""Judges whether a body at rest needs another one to stay where it is: the balance of its contacts and joints with it and without it."""
+"""Judges whether another body holds one at rest: the balance of its contacts and joints without it, or that it took its motion."""
 
 from __future__ import annotations
 
@@ -11,16 +11,23 @@ from ...support.bounds import MISSING, OUTSIDE
 from ...support.equilibrium import Group, solve
 from ...support.joint_forces import FreeJoint, joint_forces, joint_hold, rounded
 from ...support.touching import Contacts, contacts_of
-from .bounds import LEVEL
-from .course import Course, course_of
+from .bounds import APPROACH, LEVEL, TAKEN
+from .course import Course, between, course_of
 
 __all__ = ["held_by"]
 
 
-def held_by(course: Course, other: str, frame: int) -> str | None:
+def held_by(course: Course, other: str, since: int, frame: int) -> str | None:
     """Why another entity does not hold a body from the side at a frame, in words; None where it does.
 
+    It does where the body would not stay without it, or where it came to rest by it: a ball that rolls into a wall and stays there.
     What joints tie to the body counts as its own: a wedge under a wheel holds the cart. Joints give the forces that they can give.
+
+    Args:
+        course: of the body.
+        other: whom it touches.
+        since: frame from which it is still.
+        frame: the frame.
 
     Raises:
         EvidenceError: a surface is missing, or a joint holds the body to the ground, by a spring, by friction or at its stop.
@@ -58,8 +65,25 @@ def held_by(course: Course, other: str, frame: int) -> str | None:
         -course.up,
     )
     if _stays(_without(group, other)):
-        return f"without {other} it would stay as well"
+        return None if _stopped(course, other, met, since) else f"without {other} it would stay as well, and {other} did not stop it"
     return None if _stays(group) else f"its contacts do not hold it at frame {frame} either"
+
+
+def _stopped(course: Course, other: str, met: list[Contacts], since: int) -> bool:
+    """True if the body last came towards the other before it was still, and contact with that took most of this motion."""
+    ways = np.concatenate([c.normals for c in met])
+    way = ways[np.abs(ways @ course.up) < LEVEL].mean(axis=0)
+    size = float(np.linalg.norm(way))
+    if size < LEVEL:  # it is clamped between two sides of the other
+        return False
+    way /= size
+    towards = -(course.velocities[: since + 1] @ way)
+    coming = np.flatnonzero(towards >= APPROACH)
+    if len(coming) == 0 or course.books is None:
+        return False
+    last = int(coming[-1])
+    given = between(course.candidate, other, course.entity).impulse[last:since].sum(axis=0) @ way
+    return bool(given >= TAKEN * course.mass * towards[last])
 
 
 def _joints(course: Course) -> list[FreeJoint]:

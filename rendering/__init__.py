@@ -9,7 +9,7 @@ from .plots.ledger import ledger_series, plot_ledger
 from .preview import PreviewRenderer, id_view, preview
 from .report.encoded import ReportPictures
 from .report.page import matrix_page
-from .report.pictures import report_pictures
+from .report.pictures import report_pictures, report_sheet
 from .sheet import Encoded, contact_sheet, encode
 from .tracer.denoise import denoise, meter, tonemap
 from .tracer.variant import Variant, choose_variant
@@ -47,6 +47,7 @@ __all__ = [
     "render_sequence",
     "renderer_versions",
     "report_pictures",
+    "report_sheet",
     "section_view",
     "shot_of",
     "tonemap",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 from ..execution import JobContext, Part
@@ -183,6 +184,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     """Have a fresh process judge the present candidate; record its verdict."""
     import secrets
 
+    from ..rendering import report_sheet
     from ..verifiers.acceptance import WaitingJudge, judge_fresh
     from .bundles import remember_refuted
     from .review.verdict import reviewed
@@ -193,9 +195,10 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     if session.ledger.bake(freeze) is None:
         raise RefusedError("acceptance needs a complete bake of these exact settings; call bake_sim first")
     _require_whole_history(session)
-    with WaitingJudge() as waiting:  # it loads its modules meanwhile
+    with WaitingJudge() as waiting, ThreadPoolExecutor(1) as second:  # it loads its modules meanwhile
         require_true_geometry(session, built)
         plates_of(work, context, distrust=True)
+        sheet = second.submit(report_sheet, work.candidate("full"))  # drawn while the judge works
         context.progress(LOOKING, 1, "a fresh process judges the candidate")
         progress = Part(context.progress, LOOKING, JUDGED)
         record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=progress, waiting=waiting)
@@ -215,7 +218,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     kept = {k: v for k, v in record.items() if k != "events"}
     session.ledger.add_acceptance(freeze, session.revision, record["subject"], record["verdict"], kept)
     context.progress(JUDGED, 1, "writing the report")
-    proof = _proof(session, record)
+    proof = _proof(session, record, sheet.result)
     context.progress(1, 1, record["verdict"])
     return {
         "verdict": record["verdict"],
@@ -261,14 +264,20 @@ def _beside(session: Session, rows: Sequence[Row]) -> list[str]:
     return [r.id for r in session.ledger.rows() if r.id not in judged]
 
 
-def _proof(session: Session, record: dict[str, Any]) -> dict[str, Any]:
-    """Writes the matrix report of a verdict, and the bundle of an accepted one; where they are, in the world folder."""
+def _proof(session: Session, record: dict[str, Any], sheet: Callable[[], bytes]) -> dict[str, Any]:
+    """Writes the matrix report of a verdict, and the bundle of an accepted one; where they are, in the world folder.
+
+    Args:
+        session: of the world.
+        record: of the judgement.
+        sheet: gives the report's contact sheet.
+    """
     from .bundles import make_bundle
     from .matrix_report import write_report
 
     folder = session.folder
     page = folder.acceptance / f"{record['freeze'][:16]}.html"
-    write_report(page, folder, record, spec=session.spec)
+    write_report(page, folder, record, spec=session.spec, sheet=sheet)
     found = {"report": folder.relative(page)}
     if record["verdict"] != "accepted":
         return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,13 @@ __all__ = ["report_world", "write_report"]
 
 
 def write_report(
-    out: Path, folder: WorldFolder, record: Mapping[str, Any], *, spec: WorldSpec | None = None, problems: Sequence[str] = ()
+    out: Path,
+    folder: WorldFolder,
+    record: Mapping[str, Any],
+    *,
+    spec: WorldSpec | None = None,
+    problems: Sequence[str] = (),
+    sheet: Callable[[], bytes] | None = None,
 ) -> None:
     """Write the page about a judged candidate.
 
@@ -30,6 +36,7 @@ def write_report(
         record: of the judgement.
         spec: what was judged; default `world.json` as it is now.
         problems: further reasons against the verdict.
+        sheet: gives the contact sheet where it was drawn before.
     """
     from ..rendering import ReportPictures, matrix_page, report_pictures
 
@@ -39,7 +46,7 @@ def write_report(
         pictures = (
             ReportPictures()
             if candidate is None
-            else report_pictures(candidate, record["rows"], account=_account(candidate), record=record)
+            else report_pictures(candidate, record["rows"], sheet=sheet, account=_account(candidate), record=record)
         )
     except EvidenceError:  # what is damaged cannot be drawn; its rows say so
         pictures = ReportPictures()

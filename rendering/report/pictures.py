@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from ..preview import PreviewRenderer, preview
 from ..sheet import contact_sheet, encode
 from .encoded import ReportPictures
 
-__all__ = ["report_pictures"]
+__all__ = ["report_pictures", "report_sheet"]
 
 SHEET_FRAMES = 12
 MAX_ROW_PICTURES = 8
@@ -32,10 +32,20 @@ SHEET_BYTES, LEDGER_BYTES, ROW_BYTES, SHOWN_BYTES = 320_000, 200_000, 60_000, 32
 """Upper limits of the single pictures, so that a page stays below 2 MB."""
 
 
+def report_sheet(candidate: Candidate, renderer: PreviewRenderer | None = None) -> bytes:
+    """Contact sheet over all frames of a candidate, as JPEG; whoever waits for a verdict may draw it meanwhile."""
+    renderer, fps = renderer or PreviewRenderer(candidate), candidate.spec.simulation.fps
+    frames = sorted(set(np.linspace(0, candidate.last_frame, SHEET_FRAMES).round().astype(int).tolist()))
+    tiles = [preview(candidate, k, width=440, height=248, renderer=renderer) for k in frames]
+    labels = [f"frame {k}  {k / fps:.2f} s" for k in frames]
+    return contact_sheet(tiles, labels, columns=min(4, len(tiles)), max_bytes=SHEET_BYTES)
+
+
 def report_pictures(
     candidate: Candidate,
     rows: Iterable[Mapping[str, Any]],
     *,
+    sheet: Callable[[], bytes] | None = None,
     account: Account | None = None,
     record: Mapping[str, Any] | None = None,
 ) -> ReportPictures:
@@ -44,15 +54,13 @@ def report_pictures(
     Args:
         candidate: what was judged, of any stage.
         rows: its rows; failing ones get a picture first, at most `MAX_ROW_PICTURES` in all.
+        sheet: gives the contact sheet where it was drawn before.
         record: of the judgement; with it the spans of the prompt get pictures, at most `MAX_SHOWN`.
         account: the verifiers' ledgers; without one the solver's bare records are plotted.
     """
     renderer = PreviewRenderer(candidate)
     fps = candidate.spec.simulation.fps
-    frames = sorted(set(np.linspace(0, candidate.last_frame, SHEET_FRAMES).round().astype(int).tolist()))
-    tiles = [preview(candidate, k, width=440, height=248, renderer=renderer) for k in frames]
-    columns = min(4, len(tiles))
-    sheet = contact_sheet(tiles, [f"frame {k}  {k / fps:.2f} s" for k in frames], columns=columns, max_bytes=SHEET_BYTES)
+    drawn = report_sheet(candidate, renderer) if sheet is None else sheet()
     try:
         plotted = plot_ledger(candidate, width=1000, height=620) if account is None else plot_account(candidate, account)
         ledger = encode(plotted, LEDGER_BYTES).data
@@ -70,7 +78,7 @@ def report_pictures(
             f"{', '.join(names)} at frame {frame} ({frame / fps:.2f} s)",
             encode(image, ROW_BYTES).data,
         )
-    return ReportPictures(sheet, ledger, found, *_spans(candidate, record or {}, rows, renderer))
+    return ReportPictures(drawn, ledger, found, *_spans(candidate, record or {}, rows, renderer))
 
 
 # ---------------------------------------------------------------- spans of the prompt

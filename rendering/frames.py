@@ -77,6 +77,7 @@ class FrameRenderer:
         self.candidate = candidate
         self._scene = SceneRenderer(candidate, eyes=() if camera is None else (camera.position,))
         self._unshot: float | None = None
+        self._bare: dict[Any, list[U8]] = {}
 
     def _gain(self, shot: str | None, frame: int, camera: Camera | None) -> float:
         """Exposure of a shot, or of another camera: one for all that stand in the same light, see `exposures`.
@@ -159,15 +160,25 @@ class FrameRenderer:
             raise InputError(f"{view.subject!r} is drawn with its landscape and can't be left out of a picture")
         camera = camera_for(self.candidate, view.frame, shot=view.shot, width=size[0], height=size[1])
         gain = self._gain(view.shot, view.frame, None)
-        pictures = []
-        for without in (None, view.subject):
-            self._scene.pose(view.frame, without)
-            features = self._scene.features(camera)
-            for seed in range(SEED, SEED + SEEDS):
-                radiance = denoise(self._scene.radiance(camera, samples, seed=seed), features)
-                pictures.append(self._developed(camera, radiance, gain, seed))
         self._scene.pose(view.frame)
-        return Plate(np.stack(pictures[:SEEDS]), np.stack(pictures[SEEDS:]))
+        shown = self._of_each_seed(camera, samples, gain)
+        self._scene.pose(view.frame, view.subject)
+        # Where the subject alone moves, one bare picture serves all frames of a camera that stands still.
+        place, eye = self._scene.standing(), np.concatenate([camera.position, camera.target])
+        key = (place, view.subject, size, samples, gain, eye.tobytes(), camera.fov_deg, camera.roll)
+        bare = self._bare.get(key) if place is not None else None
+        if bare is None:
+            bare = self._bare[key] = self._of_each_seed(camera, samples, gain)
+        self._scene.pose(view.frame)
+        return Plate(np.stack(shown), np.stack(bare))
+
+    def _of_each_seed(self, camera: Camera, samples: int, gain: float) -> list[U8]:
+        """Pictures of the scene as it is posed, one per seed."""
+        features, pictures = self._scene.features(camera), list[U8]()
+        for seed in range(SEED, SEED + SEEDS):
+            radiance = denoise(self._scene.radiance(camera, samples, seed=seed), features)
+            pictures.append(self._developed(camera, radiance, gain, seed))
+        return pictures
 
 
 def renderer_versions() -> dict[str, str]:

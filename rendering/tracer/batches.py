@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -83,6 +84,11 @@ class Batch:
     def entities(self) -> frozenset[str]:
         """Entities that own vertices."""
         return frozenset(entity for entity, _ in self.bodies)
+
+    def place_digest(self, positions: F32, without: str | None) -> bytes:
+        """SHA-256 of the positions that `placed` gave, but for those of the entity left out, which is a point somewhere."""
+        there = np.array([entity != without for entity, _ in self.bodies])
+        return hashlib.sha256(np.ascontiguousarray(positions[there[self.owner]]).tobytes()).digest()
 
     def placed(self, candidate: Candidate, frame: int, without: str | None = None) -> tuple[F32, F32]:
         """World positions and normals at a frame; entities that do not exist then, and one left out, shrink to a point.

@@ -106,6 +106,7 @@ class SceneRenderer:
         self._fixed = scene
         self._frame = frame
         self._without: str | None = None
+        self._posed: dict[str, bytes] = {}
         self._glassy = any(look.transmission > 0 for look in looks.values())
         self._load(frame)
         self._aov = mi.load_dict({"type": "aov", "aovs": "albedo:albedo,normal:sh_normal"})
@@ -159,7 +160,14 @@ class SceneRenderer:
             for name, (_, normals) in placed.items():
                 self._parameters[f"{name}.vertex_normals"] = normals.ravel()
             self._parameters.update()
+            self._posed |= {batch.name: batch.place_digest(placed[batch.name][0], without) for batch in moved}
         self._frame, self._without = frame, without
+
+    def standing(self) -> bytes | None:
+        """Where all that may move is, but for what is left out, as bytes; None where more than places changes from frame to frame."""
+        if self._loose or self._wet or self._burning:
+            return None
+        return repr(sorted(self._posed.items())).encode()
 
     def draws(self, entity: str) -> bool:
         """True if an entity is a shape of its own that can be left out; the ground of a landscape is drawn with its land."""

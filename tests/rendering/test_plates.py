@@ -35,6 +35,23 @@ def test_only_the_subject_is_missing_from_the_picture_without_it(candidate: Any,
     assert np.array_equal(plate.bare, again.bare)
 
 
+@pytest.mark.parametrize(("subject", "reused"), [("ball", True), ("block", False)])
+def test_the_bare_picture_serves_other_frames_only_where_the_subject_alone_moves(
+    candidate: Any, monkeypatch: pytest.MonkeyPatch, subject: str, reused: bool
+) -> None:
+    """The ball moves and the block stands still."""
+    renderer, taken = FrameRenderer(candidate), list[int]()
+    first = renderer.plate(View(subject, "all", 1), size=SIZE, samples=4)
+    radiance = SceneRenderer.radiance
+    monkeypatch.setattr(SceneRenderer, "radiance", lambda *a, **k: (taken.append(k["seed"]), radiance(*a, **k))[1])
+    second = renderer.plate(View(subject, "all", 2), size=SIZE, samples=4)
+    assert len(taken) == SEEDS * (1 if reused else 2)
+    assert np.array_equal(first.bare, second.bare) == reused
+    fresh = FrameRenderer(candidate).plate(View(subject, "all", 2), size=SIZE, samples=4)
+    assert np.array_equal(second.bare, fresh.bare)
+    assert np.array_equal(second.shown, fresh.shown)
+
+
 def test_a_plate_is_exposed_like_the_film(candidate: Any) -> None:
     renderer = FrameRenderer(candidate)
     film = renderer.render(2, width=SIZE[0], height=SIZE[1], samples=16)

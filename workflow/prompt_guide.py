@@ -65,6 +65,8 @@ class _Guide(NamedTuple):
     sections: Mapping[str, tuple[str, ...]]
     """By heading the words that call for it; none: always."""
     examples: Mapping[str, tuple[str, ...]]
+    matter: bool
+    """It is about matter with a solver of its own: its things count as verbs do, for they decide what is simulated."""
 
 
 class _Called(NamedTuple):
@@ -133,6 +135,7 @@ def _guides() -> Mapping[str, _Guide]:
             tuple(w for told in data["words"].values() for w in told.split()),
             {k: tuple(v.split()) for k, v in data["sections"].items()},
             {k: tuple(v.split()) for k, v in data["examples"].items()},
+            data.get("matter", False),
         )
     return found
 
@@ -149,9 +152,14 @@ def _among(entries: tuple[str, ...], words: list[str]) -> tuple[str, ...]:
 
 
 def _called(words: list[str], verbs: set[str]) -> list[_Called]:
-    """Skills by how many words of the prompt call for them, verbs first."""
-    found = [_Called(name, _among(guide.words, words)) for name, guide in _guides().items()]
-    return sorted((c for c in found if c.because), key=lambda c: -sum(VERB if w in verbs else 1 for w in c.because))
+    """Skills by how many words of the prompt call for them, verbs and matter first."""
+    guides = _guides()
+    found = [_Called(name, _among(guide.words, words)) for name, guide in guides.items()]
+
+    def weight(c: _Called) -> int:
+        return sum(VERB if w in verbs or guides[c.name].matter else 1 for w in c.because)
+
+    return sorted((c for c in found if c.because), key=lambda c: -weight(c))
 
 
 def _wanted(name: str, words: list[str]) -> list[str]:

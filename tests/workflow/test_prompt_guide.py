@@ -33,6 +33,7 @@ GUIDES = sorted(SKILLS.glob("*/guide.json"))
         ("Sand runs out when the gate opens, and the heap topples a tile.", {"particles"}, {"opens", "topples"}, "particles/collapse.json"),
         ("A lava tongue reaches a pond and steam rises.", {"gas"}, {"rises"}, "gas/lava.json"),
         ("Rauch zieht aus dem Schornstein.", {"gas"}, set(), "gas/chimney.json"),
+        ("A curtain hangs in a window of a room; a gust blows its hem against a porcelain vase on the stone sill, and the vase shatters.", {"cloth", "fracture"}, set(), "fracture/pot.json"),
         ("A red jelly falls on a plate and wobbles.", {"elastic-bodies"}, {"wobbles", "falls"}, "elastic-bodies/jelly.json"),
     ],
 )  # fmt: skip

@@ -367,7 +367,9 @@ def meets() -> WorldSpec:
     """A box slides along the floor against a wall, which stops it, and stays there."""
     wall = box(0.2, 2.0, 0.5, at=(0.4, 0, 0.25))
     return _world(
-        {"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101), velocity=(1.2, 0, 0))}, materials=SLIPPERY, frames=48
+        {"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101), velocity=(1.2, 0, 0))},
+        materials=SLIPPERY,
+        frames=48,
     )
 
 
@@ -375,7 +377,9 @@ def reaches() -> WorldSpec:
     """A box slides along the floor up to a wall, nearly stopped by friction when it touches it."""
     wall = box(0.2, 2.0, 0.5, at=(0.4, 0, 0.25))
     return _world(
-        {"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101), velocity=(0.44, 0, 0))}, materials=SLIPPERY, frames=48
+        {"wall": wall, "box": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.101), velocity=(0.44, 0, 0))},
+        materials=SLIPPERY,
+        frames=48,
     )
 
 

@@ -10,7 +10,7 @@ from ..channels import names_written
 from ..drivers import deed, in_secret, to_declare, undeclared
 from ..errors import EvidenceError
 from ..fields import acting_on
-from ..predicates import Contact, NoContact, Predicate, atoms_of, entities_of
+from ..predicates import Contact, NoContact, PairEvent, Predicate, atoms_of, entities_of
 from ..predicates.registry import PREDICATES, is_invariant
 from ..problems import Problem, removed, replaced
 from ..references import cycle_in, kinds_of, mentions_joint
@@ -193,6 +193,10 @@ def _without_record(spec: WorldSpec) -> list[Problem]:
                 pairs = dict.fromkeys((a, b) for a in _meant(atom.a, predicate) for b in _meant(atom.b, predicate) if a != b)
                 told = (text for pair in pairs for c in CATEGORIES.values() if (text := c.unrecorded(spec, *pair)))
                 problems += [Problem(place, f"{atom.kind}: {text}") for text in list(told)[:1]]
+            elif isinstance(atom, PairEvent):
+                known = [spec.entities[n].physics.category for n in (atom.entity, atom.other) if n in spec.entities]
+                told = (CATEGORIES[c].unstruck for c in known if atom.kind == "hits")
+                problems += [Problem(place, f"{atom.kind}: {text}") for text in told if text][:1]
     return problems
 
 

@@ -89,6 +89,8 @@ class CategorySpec:
     """The medium that an instance moved, from its cache; of categories whose instances carry others."""
     unrecorded: Callable[[WorldSpec, str, str], str] = lambda spec, a, b: ""
     """Why no record tells contacts of two entities of which one is of it, and what to ask instead; empty where one does."""
+    unstruck: str = ""
+    """Why no record tells when and how fast its contacts with bodies begin, and what to ask instead; empty where one does."""
     recipes: Callable[[WorldSpec, str], Mapping[str, str]] = lambda spec, motion: {}
     """Recipes of its own artifacts by name, given that of the motion."""
     weakenings: Callable[[str, Mapping[str, Any], Mapping[str, Any]], Iterable[str]] = lambda place, old, new: ()

@@ -172,7 +172,8 @@ def _any_of(words: tuple[str, ...]) -> regex.Pattern[str]:
     """A pattern of any of these words as whole words; those of scripts without blanks stand anywhere."""
     ordered = sorted(words, key=len, reverse=True)
     spaced, clustered = (
-        "|".join(regex.escape(word) for word in ordered if bool(_CLUSTERED.search(word)) is anywhere) for anywhere in (False, True)
+        "|".join(regex.escape(word) for word in ordered if bool(_CLUSTERED.search(word)) is anywhere)
+        for anywhere in (False, True)
     )
     # The marks of an edge stand outside of what ignores case: there they would take a second of each process to compile.
     either = rf"(?<![\p{{L}}\p{{M}}])(?i:{spaced})(?![\p{{L}}\p{{M}}])", f"(?i:{clustered})"

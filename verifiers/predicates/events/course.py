@@ -13,7 +13,7 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ....worlds.fields import fields_of
-from ...categories.registry import judge_of
+from ...categories.registry import judge_of, pressed
 from ...ledgers import motion
 from ...ledgers.balance import Books, books_of, contacts_of
 from ...ledgers.origins import Given, Origin
@@ -165,15 +165,15 @@ class Course:
         return np.where(weight > 0.0, borne / np.maximum(weight, 1e-300), 1.0)
 
     @cached_property
-    def matter(self) -> dict[str, F64]:
-        """Impulse of the matter of coupled instances on it, by entity [N s], shape (F - 1, 3); none where several may have given it."""
-        found: dict[str, F64] = {}
+    def matter(self) -> dict[str, Given]:
+        """What matter of coupled instances gave it, by entity; none where several may have given it."""
+        found: dict[str, Given] = {}
         for origin, given in self.origins.items():
             members = (
                 {m for n in origin.name.split(", ") for m in _members(self.candidate, n)} if origin.kind == "matter" else set()
             )
             if len(members) == 1:
-                found[members.pop()] = given.impulse
+                found[members.pop()] = given
         return found
 
     @cached_property
@@ -205,7 +205,7 @@ def course_of(candidate: Candidate, entity: str) -> Course:
 
 
 def between(candidate: Candidate, by: str, on: str) -> Between:
-    """Contact of one entity with another, from the logs of all instances that have both.
+    """Contact of one entity with another, from the logs of all instances that have both; of a body with a sheet from what that gave it.
 
     Raises:
         EvidenceError: no log can tell, or a channel is missing or damaged.
@@ -217,6 +217,13 @@ def _between(candidate: Candidate, by: str, on: str) -> Between:
     if by == on:
         raise EvidenceError(f"{by!r} does nothing to itself; name two entities")
     count = candidate.frame_count - 1
+    if not any({by, on} <= set(cache.index.colliders) for cache in candidate.rigid_caches.values()):
+        for body, sheet, way in ((on, by, 1.0), (by, on, -1.0)):
+            felt = pressed(candidate, body, sheet) if sheet in candidate.deforming else None
+            if felt is not None:
+                given = course_of(candidate, body).matter.get(sheet)
+                impulse = np.zeros((count, 3)) if given is None else way * given.impulse[:count]
+                return Between(impulse, felt[1 : count + 1] > 0.0)
     impulse, touched = np.zeros((count, 3)), np.zeros(count, dtype=bool)
     for cache in motion.caches_with(candidate, by, on):
         log, names = contacts_of(candidate, cache), cache.index.colliders

@@ -197,7 +197,7 @@ def _landings(course: Course, span: slice, asked: str | None) -> tuple[F64, list
     light, drops = course.carried < CARRIED, -np.diff(course.heights)
     sinking = -(course.velocities @ course.up)
     pushed = {n: between(course.candidate, n, course.entity).impulse @ course.up for n in course.partners if asked in (None, n)}
-    pushed |= {n: given @ course.up for n, given in course.matter.items() if asked in (None, n)}
+    pushed |= {n: given.impulse @ course.up for n, given in course.matter.items() if asked in (None, n)}
     fallen, since, landed = 0.0, -1, False
     for k in range(span.start, span.stop):
         if light[k] and drops[k] > 0.0:

@@ -65,7 +65,9 @@ def held_by(course: Course, other: str, since: int, frame: int) -> str | None:
         -course.up,
     )
     if _stays(_without(group, other)):
-        return None if _stopped(course, other, met, since) else f"without {other} it would stay as well, and {other} did not stop it"
+        return (
+            None if _stopped(course, other, met, since) else f"without {other} it would stay as well, and {other} did not stop it"
+        )
     return None if _stays(group) else f"its contacts do not hold it at frame {frame} either"
 
 

@@ -165,7 +165,7 @@ def pushes(scope: Scope, p: PairEvent) -> Outcome:
     one, two = course_of(scope.candidate, p.entity), course_of(scope.candidate, p.other)
     span = span_of(scope)
     met = between(scope.candidate, p.entity, p.other)
-    given = two.origins.get(Origin("contact", p.entity))
+    given = two.origins.get(Origin("contact", p.entity), two.matter.get(p.entity))
     count = span.stop - span.start
     work = np.zeros(count) if given is None else given.work[span]
     moved = np.diff(two.centers[span.start : span.stop + 1], axis=0)
@@ -206,5 +206,5 @@ def pushes(scope: Scope, p: PairEvent) -> Outcome:
 
 
 def _works(by: Course, on: Course, span: slice) -> float:
-    given = on.origins.get(Origin("contact", by.entity))
+    given = on.origins.get(Origin("contact", by.entity), on.matter.get(by.entity))
     return 0.0 if given is None else float(given.work[span].sum())

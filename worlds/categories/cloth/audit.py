@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ...materials import DENSITY_RANGES
 from ...problems import Problem, replaced
 from ...weights import ROUNDING
 from ..holders import cannot_hold
-from .facts import THIN, grids_of, held_by, vertices_of
+from .facts import THIN, grids_of, held_by, vertices_by_part, vertices_of
 from .models import ClothPhysics
 
 if TYPE_CHECKING:
@@ -27,6 +30,7 @@ def cloth_problems(spec: WorldSpec) -> list[Problem]:
     for name, entity in spec.entities.items():
         if entity.physics.category == "cloth":
             found += [*_entity(name, entity), *_resolution(spec, name, entity), *_pins(spec, name, entity), *_tear(name, entity)]
+            found += _joined(name, entity)
         else:
             for key, part in entity.parts.items():
                 if part.shape.kind == "sheet":
@@ -89,6 +93,24 @@ def _resolution(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]
                 f"sheet {key!r} of {name!r} has fewer than {LEAST_EDGES} edges across; use a resolution of at most {most:.3g} m"
             )
             yield Problem(where, text, replaced(where, most))
+
+
+def _joined(name: str, entity: Entity) -> Iterator[Problem]:
+    """Parts that meet at vertices, as if they were sewn: nothing joins them, and they push each other apart from frame 0 on."""
+    from scipy.spatial import cKDTree
+
+    physics = entity.physics
+    if physics.category != "cloth":
+        return
+    for (one, mine), (two, theirs) in combinations(vertices_by_part(entity).items(), 2):
+        near = int(np.isfinite(cKDTree(mine).query(theirs, distance_upper_bound=physics.thickness)[0]).sum())
+        if near:
+            text = (
+                f"{near} vertices of part {two!r} of {name!r} lie within its thickness of {physics.thickness:g} m of vertices of part {one!r}: parts of "
+                f"a cloth are separate sheets, which nothing joins and which push each other apart. Make one sheet of them (a claim of a hem "
+                f"or corner names the whole cloth), or leave more than the thickness between them"
+            )
+            yield Problem(f"/entities/{name}/parts/{two}", text)
 
 
 def _tear(name: str, entity: Entity) -> Iterator[Problem]:

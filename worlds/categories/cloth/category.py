@@ -78,6 +78,7 @@ CLOTH = CategorySpec(
     masses=mass_problems,
     coupling=coupling_problems,
     unrecorded=unrecorded,
+    unstruck="no record tells when and how fast a sheet begins to touch a body: ask contact with min_impulse, or pushes",
     rest_way=rest_way,
     weakenings=weakenings,
 )

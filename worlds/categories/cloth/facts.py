@@ -29,6 +29,7 @@ __all__ = [
     "stiffest_step",
     "tears",
     "touching_distance",
+    "vertices_by_part",
     "vertices_of",
 ]
 
@@ -189,16 +190,19 @@ def release_time(spec: WorldSpec, name: str, without: frozenset[str] = frozenset
 
 def vertices_of(entity: Entity) -> F64 | None:
     """Vertices of a cloth entity in its frame (n, 3) [m]; None where a part is a file."""
-    found = []
-    for _, part in sorted(entity.parts.items()):
+    found = vertices_by_part(entity)
+    return np.concatenate([found[key] for key in sorted(found)]) if found and len(found) == len(entity.parts) else None
+
+
+def vertices_by_part(entity: Entity) -> dict[str, F64]:
+    """Vertices of each part of a cloth entity in the entity's frame (n, 3) [m]; those that are files left out."""
+    found = {}
+    for key, part in entity.parts.items():
         if part.shape.kind == "sheet":
-            points = sheet_grid(part.shape)[0]
+            found[key] = pose_of(part.pose).apply(sheet_grid(part.shape)[0])
         elif part.shape.kind == "mesh" and part.shape.vertices is not None:
-            points = np.array(part.shape.vertices) * part.shape.scale
-        else:
-            return None
-        found.append(pose_of(part.pose).apply(points))
-    return np.concatenate(found) if found else None
+            found[key] = pose_of(part.pose).apply(np.array(part.shape.vertices) * part.shape.scale)
+    return found
 
 
 def rest_way(spec: WorldSpec, name: str) -> float:

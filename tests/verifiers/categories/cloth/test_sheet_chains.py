@@ -11,6 +11,7 @@ from worldagent.testing.worlds.simulated_worlds import beat, edited, simulate
 from worldagent.testing.worlds.small_cloth import CATCH_PROMPT, catch_spec
 from worldagent.verifiers.categories.registry import JUDGES, pressed
 from worldagent.verifiers.predicates.evaluators import evaluate
+from worldagent.verifiers.predicates.events.course import between
 from worldagent.verifiers.story import causal
 from worldagent.verifiers.story.chains import Chains
 from worldagent.verifiers.story.onsets import begins
@@ -18,7 +19,7 @@ from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.patch import parse_spec
-from worldagent.worlds.predicates import Contact, Deflection, Displacement, NoContact, Predicate
+from worldagent.worlds.predicates import Contact, Deflection, Displacement, NoContact, PairEvent, Predicate
 from worldagent.worlds.spec import WorldSpec
 
 FRAMES = 14
@@ -79,6 +80,25 @@ def test_a_ball_that_falls_into_a_sheet_touches_it(caught: Candidate) -> None:
     assert _contact(caught, 2.0 * found.value).status == "fail"
     assert evaluate(caught, NoContact(a="cloth", b="ball"), (0, FRAMES - 1)).status == "fail"
     assert begins(caught, "ball", "cloth", (0, FRAMES - 1)) == (int(np.argmax(given > 0)) - 1) / 24
+
+
+def test_a_sheet_that_throws_a_ball_back_pushes_it(missed: Candidate, tmp_path: Path) -> None:
+    """It takes the ball's fall, which is no push, and then gives it a way upwards; what it gave is what the ball's momentum says."""
+    last = 23
+    thrown = simulate(tmp_path / "thrown", _world(frames=last + 1))
+    asked = PairEvent(kind="pushes", entity="cloth", other="ball")
+    found = evaluate(thrown, asked, (0, last))
+    height, speed = (thrown.caches["rigid"].series(name)[:, 0, 2] for name in ("position", "velocity"))
+    lowest = int(np.argmin(height))
+    assert found.status == "pass", found.explanation
+    assert found.first_true_frame is not None
+    assert found.first_true_frame > lowest
+    assert evaluate(thrown, asked, (0, lowest)).status == "fail"
+    met = between(thrown, "cloth", "ball")
+    felt = thrown.entity("ball").bodies[0].mass * (speed[-1] - speed[0] + 9.81 * last / 24)
+    assert met.impulse[:, 2].sum() == pytest.approx(felt, rel=0.05)
+    assert np.array_equal(between(thrown, "ball", "cloth").impulse, -met.impulse)
+    assert evaluate(missed, asked, (0, FRAMES - 1)).status == "fail"
 
 
 def test_a_ball_that_misses_touches_nothing_and_is_no_cause(missed: Candidate) -> None:
@@ -148,6 +168,10 @@ def _evidence(world: WorldSpec, predicate: Predicate) -> tuple[str, str]:
 def test_contacts_that_no_record_tells_are_refused_by_the_audit() -> None:
     asked = Contact(a="ball", b="cloth")
     assert _evidence(_world(), asked)[0] == "pass"
+    assert _evidence(_world(), PairEvent(kind="pushes", entity="cloth", other="ball"))[0] == "pass"
+    status, told = _evidence(_world(), PairEvent(kind="hits", entity="ball", other="cloth"))
+    assert status == "fail"
+    assert "min_impulse, or pushes" in told
     for world, what in (
         (_world(holder="ball"), "holds a pin"),
         (_two(), "instance of its own"),

@@ -51,6 +51,19 @@ def test_what_cannot_work_is_named(changes: dict[str, Any], said: str) -> None:
     assert any(said in p for p in _problems(_flag(**changes)))
 
 
+@pytest.mark.parametrize(("gap", "told"), [(0.0, True), (3e-4, True), (2e-3, False)])
+def test_parts_of_a_cloth_that_meet_are_told_to_be_separate_sheets(gap: float, told: bool) -> None:
+    """A hem of the flag, in its plane beside its free edge."""
+    spec = deepcopy(flag_spec())
+    parts = spec["entities"]["flag"]["parts"]
+    (sheet,) = parts.values()
+    (width, height), edge = sheet["shape"]["size"], sheet["shape"]["resolution"]
+    hem = {**sheet["shape"], "size": [width, 4.0 * edge]}
+    parts["hem"] = {"shape": hem, "pose": {"position": [0.0, -0.5 * height - gap - 2.0 * edge, 0.0]}}
+    found = [p for p in _problems(parse_spec({**spec, "prompt": FLAG_PROMPT})) if "separate sheets" in p]
+    assert bool(found) == told
+
+
 def test_a_pin_needs_a_holder_of_one_body() -> None:
     """A rope is a chain of bodies, a breakable body falls into pieces: the audit refuses both before anything is simulated."""
     spec = deepcopy(flag_spec())

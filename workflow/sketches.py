@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from ..worlds.requirements import Row
     from ..worlds.spec import WorldSpec
 
-__all__ = ["end_of", "owed_to_step", "sketch"]
+__all__ = ["end_of", "owed_to_step", "sketch", "unjudged"]
 
 STEP_TRAVEL = "numerical:step_travel"
 SIMULATING = 0.8
@@ -101,8 +102,10 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
         rows = session.cited(rows)
     picture = motion_sheet(candidate, session.folder, f"sketch_{freeze[:8]}.jpg")
     owed = [r.id for r in rows if "owed_to_step" in r.evidence]
+    silent = unjudged(rows, session.spec, candidate.last_frame)
     return {
         **({"fail_by_the_step_of_the_sketch_alone": owed} if owed else {}),
+        **({"cannot_be_judged": silent} if silent else {}),
         "left_out": sorted(unmoved),
         "beats_true_from": {
             n: f for n, f in first_true_frames(candidate).items() if not unmoved & {session.spec.story.beats[n].subject}
@@ -110,6 +113,16 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
         **said_by(session.ledger, test),
         **summary([r for r in rows if r.status != "unverified"]),
         "picture": picture,
+    }
+
+
+def unjudged(rows: Iterable[Row], spec: WorldSpec, last: int) -> dict[str, str]:
+    """Beats that lie within a sketch of frames 0 to `last` and whose rows lack evidence all the same, with the reason: a probe lacks it too."""
+    within = {name for name, beat in spec.story.beats.items() if beat.frames[1] <= last}
+    return {
+        r.id: str(r.evidence.get("explanation", ""))
+        for r in rows
+        if r.check == "beat" and r.status == "unverified" and set(r.subject) & within
     }
 
 

@@ -1,13 +1,14 @@
-"""Rows of a sketch that fail by the sketch's own step alone say so."""
+"""Rows of a sketch that fail by the sketch's own step alone say so, and beats of which nothing can tell."""
 
 from __future__ import annotations
 
 import pytest
 from worldagent.testing.worlds.small_worlds import ball, ground, world
-from worldagent.workflow.sketches import owed_to_step
+from worldagent.workflow.sketches import owed_to_step, unjudged
 from worldagent.worlds.coarsening import sketched
+from worldagent.worlds.predicates import PairEvent
 from worldagent.worlds.requirements import Row
-from worldagent.worlds.spec import RigidSettings
+from worldagent.worlds.spec import Beat, RigidSettings, Story
 
 
 @pytest.mark.parametrize(
@@ -41,3 +42,31 @@ def test_travel_per_step_is_told_at_the_step_of_production(measured: float, step
     assert owed_to_step(row.model_copy(update={"question": "numerical:speed"}), spec, coarse).evidence == {
         "explanation": "ball travels"
     }
+
+
+@pytest.mark.parametrize(
+    ("check", "status", "last", "told"),
+    [
+        ("beat", "unverified", 12, True),
+        ("beat", "unverified", 11, False),
+        ("beat", "fail", 12, False),
+        ("causal", "unverified", 12, False),
+    ],
+)
+def test_a_beat_within_a_sketch_that_nothing_can_judge_is_told(check: str, status: str, last: int, told: bool) -> None:
+    """One that ends later is judged by a longer run."""
+    beat = Beat(
+        text="b", owner="rigid", subject="ball", frames=(3, 12), predicate=PairEvent(kind="hits", entity="ball", other="floor")
+    )
+    spec = world({"floor": ground(), "ball": ball(0.1, motion="dynamic", at=(0, 0, 1))}, story=Story(beats={"strike": beat}))
+    row = Row(
+        id=f"{check}:strike",
+        question=check,
+        subject=("strike",),
+        check=check,
+        group="physical",
+        predicate="p",
+        status=status,
+        evidence={"explanation": "no cache has it"},
+    )
+    assert unjudged([row], spec, last) == ({f"{check}:strike": "no cache has it"} if told else {})

@@ -23,10 +23,10 @@ from ..grids.multigrid import Solution
 from ..grids.row_kernels import greatest_of_three
 from ..grids.runner import BEFORE, Runner
 from . import box_kernels as boxes
-from . import carry_kernels as carries
 from . import force_kernels as forces
 from . import transport_kernels as transport
 from .border import Border, side_faces
+from .carry import Carrier
 from .fields import FUEL, LIGHTNESS, MOTION, PACKED, PRODUCT, SOOT, GasFields
 from .fire import Fire
 from .levels import Levels
@@ -47,6 +47,14 @@ MADE = 0.5
 LEAST_SPEED = 1e-9
 ROWS = 64
 """Own choice: rows of cells that are worth a thread of a CPU."""
+
+
+Motion = str | tuple[float, str, str]
+"""Name of a velocity, or ratio and names of one that is extrapolated: velocity + ratio (velocity - the one before)."""
+
+
+def _motion(of: Motion) -> tuple[float, str, str]:
+    return (0.0, of, of) if isinstance(of, str) else of
 
 
 @dataclass(frozen=True)
@@ -99,6 +107,7 @@ class Gas(GasFields):
         self._expansion = self.run.upload("gas/expansion", np.zeros(self.elements, np.float32), wp.float32)
         self._growth = self.run.upload("gas/growth", np.zeros(self.elements, np.float32), wp.float32)
         self._levels = Levels(self.run, self._box, shape)
+        self._carrier = Carrier(self.run, self._box, shape)
         self._stand(enclosed(shape, sides, solids, widen=not moves))
         # Air lies before the first element too, below the first row.
         self._air = self.run.upload("gas/density", np.ones(self.elements + 2 * BEFORE, np.float32), wp.float32)[BEFORE:]
@@ -267,17 +276,13 @@ class Gas(GasFields):
             warp().copy(self._face("velocity/middle"), self._face("velocity/raw"), count=self.elements)
             first = self._project("velocity/middle", coarser=True)
             self._transport("velocity/middle", seconds, held)
-            reflected = [1.0, self._face("velocity/middle"), self._face("velocity/raw"), self._face("velocity/back")]
-            self.run(forces.extrapolate, self.elements, reflected)
-            self._carry("velocity/back", "velocity/middle", half, "velocity")
+            self._carry((1.0, "velocity/middle", "velocity/raw"), "velocity/middle", half, "velocity")
             self._push("velocity", half)
             iterations, capped = first.iterations, first.capped
         else:
             ratio = 0.5 * seconds / self._last if self._last > 0.0 else 0.0
-            ahead = [ratio, self._face("velocity"), self._face("velocity/before"), self._face("velocity/middle")]
-            self.run(forces.extrapolate, self.elements, ahead)
+            self._carry("velocity", (ratio, "velocity", "velocity/before"), seconds, "velocity/raw")
             warp().copy(self._face("velocity/before"), self._face("velocity"), count=self.elements)
-            self._carry("velocity", "velocity/middle", seconds, "velocity/raw")
             self.run.swap("velocity", "velocity/raw")
             self._push("velocity", seconds)
         last = self._project("velocity", coarser=self.settings.scheme != "reflection")
@@ -298,14 +303,10 @@ class Gas(GasFields):
     def _rows(self, *calls: tuple[Any, Sequence[Any]]) -> None:
         self.run.rows(self._box, self.shape, calls, grain=ROWS)
 
-    def _carry(self, source: str, carrier: str, seconds: float, out: str) -> None:
+    def _carry(self, source: Motion, carrier: Motion, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
-        way = [seconds / self.cell, self._face(carrier), self._face("velocity/bend")]
-        state = [len(self.shape), *way, self._face(source)]
-        self._rows((carries.bends, way))
-        found = [self._face("velocity/once"), self._face("velocity/low"), self._face("velocity/high")]
-        self._rows((carries.carry, [*state, *found]))
-        self._rows((carries.correct, [*state, *found, self._face("velocity/carried")]))
+        ways = {of: (of[0], self._face(of[1]), self._face(of[2])) for of in map(_motion, (source, carrier))}
+        self._carrier(ways[_motion(source)], ways[_motion(carrier)], seconds / self.cell, self._face("velocity/carried"))
         self.run.swap("velocity/carried", out)
 
     def _push(self, name: str, seconds: float) -> None:

@@ -28,7 +28,7 @@ from typing import Any
 from ..geometry.launch import cores, load, warp
 from .team import team
 
-__all__ = ["ALONE", "FEW", "Chain", "Pass", "Passes"]
+__all__ = ["ALONE", "FEW", "Chain", "Pass", "Passes", "Waves"]
 
 SMALLEST = 256
 """Elements below which a slice is not worth a thread; also what one thread of a CPU folds."""
@@ -77,16 +77,16 @@ class Pass:
         self._prepare(count, inputs)
 
     def _prepare(self, count: int, inputs: Sequence[Any]) -> None:
-        wp = warp()
         self.count, self.inputs = count, tuple(inputs)
         parts = self._parts(count)
         cuts = [count * k // parts // self.align * self.align for k in range(parts)] + [count]
-        self.launches = [
-            wp.launch(self.kernel, dim=end - first, inputs=[first, *inputs], device=self.device, record_cmd=True, **self._block)
-            for first, end in pairwise(cuts)
-            if end > first
-        ]
+        self.launches = [self.part(first, end) for first, end in pairwise(cuts) if end > first]
         self._calls = [one.launch for one in self.launches]
+
+    def part(self, first: int, end: int) -> Any:
+        """A launch over some of the elements, as they are now."""
+        inputs = [first, *self.inputs]
+        return warp().launch(self.kernel, dim=end - first, inputs=inputs, device=self.device, record_cmd=True, **self._block)
 
     def _parts(self, count: int) -> int:
         shared = self.device == "cpu" and cores() > 1
@@ -146,6 +146,55 @@ class Pass:
 
         slices = zip(*(one._calls for one in passes), strict=True)
         team(cores() - 1)([partial(follow, calls) for calls in slices])
+
+
+class Waves:
+    """Passes over the same layers, made one after the other, each of which may read what the ones before wrote one layer beyond its own.
+
+    On a CPU a slice of layers goes through all of them while its fields are at hand: each takes a layer less at both ends than the one
+    before, and when all slices have come so far, what is left around their ends. The result is that of whole passes, bit for bit.
+
+    Args:
+        passes: of one count; the first reads no other layer. One that others follow changes nothing that these read of the layer beside
+            (such as cells of one colour of two).
+        layer: elements of one layer.
+    """
+
+    def __init__(self, passes: Sequence[Pass], layer: int) -> None:
+        self.passes = list(passes)
+        layers, reach = passes[0].count // layer, len(passes) - 1
+        parts = min(SLICES * cores(), layers // max(1, 2 * reach + 1)) if passes[0].device == "cpu" else 1
+        cuts = [layers * k // max(1, parts) for k in range(max(1, parts) + 1)]
+        self._stages: list[list[Callable[[], None]]] = []
+        if parts > 1:
+            last = len(cuts) - 2
+            slices = [
+                [(lo + n * (k > 0), hi - n * (k < last)) for n in range(reach + 1)] for k, (lo, hi) in enumerate(pairwise(cuts))
+            ]
+            borders = [[(cut - n, cut + n) for n in range(reach + 1)] for cut in cuts[1:-1]]
+            self._stages = [[self._follow(ranges, layer) for ranges in stage] for stage in (slices, borders)]
+
+    def _follow(self, ranges: Sequence[tuple[int, int]], layer: int) -> Callable[[], None]:
+        parts = zip(self.passes, ranges, strict=True)
+        calls = [one.part(lo * layer, hi * layer).launch for one, (lo, hi) in parts if hi > lo]
+
+        def follow() -> None:
+            for call in calls:
+                call()
+
+        return follow
+
+    def __call__(self) -> None:
+        """Run all passes over all layers."""
+        for stage in self._stages:
+            if cores() > 1:
+                team(cores() - 1)(stage)
+            else:
+                for call in stage:
+                    call()
+        if not self._stages:
+            for one in self.passes:
+                one()
 
 
 class Passes:

@@ -111,9 +111,12 @@ def upper(box: Box, at: wp.vec3i, axis: wp.int32):
 def run_of(box: Box, span: int, t: int):
     """The run of cells of a thread: row along x, row along y, first cell, end."""
     many = box.nz + 1
-    pieces = (many + span - 1) // span
-    row = t // pieces
-    lo = (t - row * pieces) * span
+    row = t
+    lo = int(0)
+    if span < many:
+        pieces = (many + span - 1) // span
+        row = t // pieces
+        lo = (t - row * pieces) * span
     i = row // (box.ny + 1)
     return wp.vec4i(i, row - i * (box.ny + 1), lo, wp.where(lo + span < many, lo + span, many))
 

@@ -30,14 +30,35 @@ _RELAX = (
     + """
     const float* B = right.data;
     float* V = x.data;
+#if defined(__clang__)
+    // A processor waits to read what it has just written beside: a piece of a row is worked out apart, then written.
+    float next[64];
+    for (int from = lo; from < hi; from += 64) {
+        const int many = hi - from < 64 ? hi - from : 64;
 """
     + LOOP
     + """
-    for (int k = lo; k < hi; ++k) {
-        const float next = (B[own + k] + GAS_PULL(V)) * D[own + k];
-        if (((k + colour) & 1) == 0)
-            V[own + k] = next;
+        for (int n = 0; n < many; ++n) {
+            const int k = from + n;
+            next[n] = (B[own + k] + GAS_PULL(V)) * D[own + k];
+        }
+"""
+    + LOOP
+    + """
+        for (int n = 0; n < many; ++n) {
+            const int kept = -((from + n + colour) & 1);
+            int before, after;
+            __builtin_memcpy(&before, V + own + from + n, 4);
+            __builtin_memcpy(&after, next + n, 4);
+            after = (before & kept) | (after & ~kept);
+            __builtin_memcpy(V + own + from + n, &after, 4);
+        }
     }
+#else
+    for (int k = lo; k < hi; ++k)
+        if (((k + colour) & 1) == 0)
+            V[own + k] = (B[own + k] + GAS_PULL(V)) * D[own + k];
+#endif
 """
 )
 _MULTIPLY = (

@@ -118,8 +118,8 @@ class Gas(GasFields):
         """Density of the ambient air [kg/m^3]."""
         self.load = 1.0 / self.density
         """Density that a unit of soot [kg/m^3] adds, relative to the air's."""
-        self._sums = wp.zeros((5, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)
-        self.border = Border(self.run, shape, [s == "periodic" for s in sides[::2]])
+        self._sums = wp.zeros((4, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)
+        self.border = Border(self.run, shape)
         self.transport = Transport(self.run, shape, self._box, cell, self.border, expands=self.settings.expands)
         self.transport.fit(self._opening)
         self.fire = self._light()
@@ -236,7 +236,7 @@ class Gas(GasFields):
 
     def longest(self) -> float:
         """Longest step now [s]."""
-        speed, light = self._fastest("velocity"), self._totals()[4]
+        speed, light = self._fastest("velocity"), self._lightest()
         pull = float(np.linalg.norm(self.gravity)) * light
         # The speed that buoyancy gives within the step counts too: speed dt + pull dt^2 / 2 = courant cell.
         reach = self.settings.courant * self.cell
@@ -328,12 +328,14 @@ class Gas(GasFields):
         tolerance = 0.5 * self.settings.tolerance
         bound = tolerance * max(self._fastest(name), LEAST_SPEED)
         # Gas that starts from rest: a cell whose outflow is r has a face of speed r / 6 at least.
-        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0, coarser=coarser)
+        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0, coarser=coarser, known=True)
 
-    def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0, coarser: bool = True) -> Solution:
+    def solve(
+        self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0, coarser: bool = True, known: bool = False
+    ) -> Solution:
         """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations; `coarser`:
-        the coarser levels of the pressure take over the densities too."""
-        self.projection.weigh(self._densities(), expands=self.settings.expands, coarser=coarser)
+        the coarser levels of the pressure take over the densities too; `known`: densities have been worked out since amounts changed."""
+        self.projection.weigh(self._air if known else self._densities(), expands=self.settings.expands, coarser=coarser)
         for press in self.pressing:
             press(self, name)
         return self.projection(self._flow(name), bound=bound, cap=cap, share=share)
@@ -343,18 +345,20 @@ class Gas(GasFields):
 
     def _densities(self) -> Any:
         """Densities of elements now, over that of the ambient air."""
-        run = self.run
-        span = run.span(run.block)
-        inputs = [span, self.elements, self.load, self._cells("state"), self._air]
-        run(densities, -(-self.elements // span), inputs, grain=RUNS if span > 1 else 1)
+        self._runs(densities, [self.load, self._cells("state"), self._air])
         return self._air
+
+    def _runs(self, kernel: Any, inputs: Sequence[Any]) -> None:
+        """Run a kernel over runs of elements."""
+        span = self.run.span(self.run.block)
+        self.run(kernel, -(-self.elements // span), [span, self.elements, *inputs], grain=RUNS if span > 1 else 1)
 
     def _expand(self, seconds: float) -> None:
         """Volume per volume and second that sources and heat ask for, and conduction."""
         wp, run = warp(), self.run
         rate, heating = run.array("gas/rate", self.elements, wp.float32), run.array("gas/heating", self.elements, wp.float32)
         regions = [self.regions.numbers, self.regions.ratios]
-        run(transport.expansion_of, self.elements, [rate, heating, int(self.settings.expands), *regions, self._expansion])
+        self._runs(transport.expansion_of, [rate, heating, int(self.settings.expands), *regions, self._expansion])
         if self.settings.diffusivity > 0.0:
             number = self.settings.diffusivity * seconds / self.cell**2
             walls = run.array("gas/walls", 6, wp.vec2)
@@ -377,7 +381,7 @@ class Gas(GasFields):
             parts = self.transport.parts(seconds, velocity, self._opening, self._room)
             fields = {"room": self._room, "made": [self._expansion, *self.projection.taken], "source": source}
             for part in range(parts):
-                self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, **fields)
+                self.transport.standing(seconds / parts, self.steps + part, **fields)
         self.injected = self.injected + seconds * self._emitted
 
     # ------------------------------------------------------------ sums
@@ -388,14 +392,16 @@ class Gas(GasFields):
         self.run(greatest_of_three, many, [self.elements, self.run.block, self._face(name), out], grain=RUNS)
         return float(self.run.read(out, many).max())
 
-    def _totals(self) -> F64:
+    def _lightest(self) -> float:
+        """Largest size of a cell's lightness."""
         many = -(-self.elements // self.run.block)
-        out = self._sums
-        inputs = [self._box, self.elements, self.run.block, self._room, self._cells("state"), out]
-        self.run(transport.amounts, many, inputs, grain=16)
-        found = np.array(out.numpy(), dtype=np.float64)
-        return np.append(found[:4].sum(axis=1), found[4].max())
+        out = self.run.array("fastest", many, warp().float32)
+        self.run(transport.lightest, many, [self.elements, self.run.block, self._cells("state"), out], grain=RUNS)
+        return float(self.run.read(out, many).max())
 
     def totals(self) -> F64:
         """(4,) sums of lightness, soot, fuel and product over cells times their open volume [cells]."""
-        return self._totals()[:4]
+        many = -(-self.elements // self.run.block)
+        inputs = [self._box, self.elements, self.run.block, self._room, self._cells("state"), self._sums]
+        self.run(transport.amounts, many, inputs, grain=RUNS)
+        return np.array(self._sums.numpy(), dtype=np.float64).sum(axis=1)

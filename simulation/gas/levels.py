@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ...geometry.launch import warp
@@ -93,6 +94,10 @@ class Levels:
         self._cycle = self._prepare_cycle()
         least = [LEAST_OF_CELLS, *[LEAST] * len(self.all)]
         self._invert = [self._rows(kernels.invert, one, [least[depth], *one.system]) for depth, one in enumerate(self.all)]
+        self._coarse = [
+            [self._rows(kernels.coarse_weights, b, [a.box, axis, a.weights[axis], b.weights[axis]]) for axis in range(3)]
+            for a, b in pairwise(self.all)
+        ]
         many = [self.elements, run.block]
         self._inner = self._flat(row_kernels.inner, [*many, fine.right, fine.x, self._sums])
         self._along = self._flat(row_kernels.inner, [*many, self._p, self._ap, self._sums])
@@ -114,18 +119,8 @@ class Levels:
         """Take over new weights of the finest level; `coarser`: in the others too, which only guide the solve."""
         for depth, level in enumerate(self.all[: None if coarser else 1]):
             if depth > 0:
-                fine = self.all[depth - 1]
-                for axis in range(3):
-                    inputs = [
-                        level.box,
-                        fine.box,
-                        axis,
-                        level.shape[axis],
-                        fine.shape[axis],
-                        fine.weights[axis],
-                        level.weights[axis],
-                    ]
-                    self.run(kernels.coarse_weights, level.elements, inputs)
+                for call in self._coarse[depth - 1]:
+                    call()
             self._invert[depth]()
 
     def _prepare_cycle(self) -> list[Callable[[], None]]:

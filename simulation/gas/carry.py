@@ -7,15 +7,24 @@ from typing import TYPE_CHECKING, Any
 from ...geometry.launch import warp
 from ..grids.runner import BEFORE
 from . import carry_kernels as kernels
+from .plane_kernels import planes
 
 if TYPE_CHECKING:
     from ..grids.runner import Runner
 
-__all__ = ["Carrier"]
+__all__ = ["Carrier", "Motion", "motion"]
+
+Motion = str | tuple[float, str, str]
+"""Name of a velocity, or ratio and names of one that is extrapolated: velocity + ratio (velocity - the one before)."""
 
 ROWS = 64
 """Own choice: rows of cells that are worth a thread of a CPU."""
 NAMES = ("carrier", "source", "bend", "once", "low", "high", "better")
+
+
+def motion(of: Motion) -> tuple[float, str, str]:
+    """Ratio and names of a velocity."""
+    return (0.0, of, of) if isinstance(of, str) else of
 
 
 class Carrier:
@@ -44,10 +53,10 @@ class Carrier:
             out: velocities on the device.
         """
         held = self._planes
-        self._rows(kernels.planes, [*carrier, held["carrier"]])
-        same = source is carrier
+        self._rows(planes, [*carrier, held["carrier"]])
+        same = source[0] == carrier[0] and source[1] is carrier[1] and source[2] is carrier[2]
         if not same:
-            self._rows(kernels.planes, [*source, held["source"]])
+            self._rows(planes, [*source, held["source"]])
         way = [cells, held["carrier"], held["bend"]]
         state = [len(self.shape), *way, held["carrier" if same else "source"]]
         self._rows(kernels.bends, way)

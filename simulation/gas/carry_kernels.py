@@ -26,10 +26,11 @@ from .box_kernels import (
     start_speed,
     traced,
 )  # fmt: skip
+from .plane_kernels import join_row
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["bends", "carry", "correct", "planes"]
+__all__ = ["bends", "carry", "correct"]
 
 _BETWEEN = """
 #define GAS_MIX(a, b, f) ((a) + (f) * ((b) - (a)))
@@ -171,65 +172,6 @@ _CORRECT = (
     return missed;
 """
 )
-
-
-_PLANES = (
-    """
-    const float* N = (const float*)now.data;
-    const float* B = (const float*)before.data;
-    float* X = out.data;
-    float* Y = X + plane;
-    float* Z = Y + plane;
-"""
-    + LOOP
-    + """
-    for (int c = lo; c < hi; ++c) {
-        X[c] = N[3 * c] + ratio * (N[3 * c] - B[3 * c]);
-        Y[c] = N[3 * c + 1] + ratio * (N[3 * c + 1] - B[3 * c + 1]);
-        Z[c] = N[3 * c + 2] + ratio * (N[3 * c + 2] - B[3 * c + 2]);
-    }
-"""
-)
-_JOIN = (
-    """
-    const float* X = better.data;
-    const float* Y = X + plane;
-    const float* Z = Y + plane;
-    float* O = (float*)out.data;
-"""
-    + LOOP
-    + """
-    for (int c = lo; c < hi; ++c) {
-        O[3 * c] = X[c];
-        O[3 * c + 1] = Y[c];
-        O[3 * c + 2] = Z[c];
-    }
-"""
-)
-
-
-@wp.func_native(_PLANES)
-def plane_run(
-    lo: int, hi: int, plane: int, ratio: float, now: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3),
-    out: wp.array2d(dtype=float),
-):  # fmt: skip
-    """As `planes`, over elements that follow each other."""
-
-
-@wp.func_native(_JOIN)
-def join_row(lo: int, hi: int, plane: int, better: wp.array2d(dtype=float), out: wp.array(dtype=wp.vec3)):
-    """Velocities of elements, of their planes."""
-
-
-@wp.kernel
-def planes(
-    first: wp.int32, box: Box, span: int, ratio: float, now: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3),
-    out: wp.array2d(dtype=float),
-):  # fmt: skip
-    """Components of now + ratio (now - before), a velocity that is extrapolated or reflected, in planes."""
-    at = run_of(box, span, first + wp.tid())
-    own = index_of(box, at[0], at[1], 0)
-    plane_run(own + at[2], own + at[3], (box.nx + 1) * (box.ny + 1) * (box.nz + 1), ratio, now, before, out)
 
 
 @wp.func_native(_BEND)
@@ -405,7 +347,9 @@ def correct(
             if k < end:
                 c = own + k
                 if k < ends[0] or k >= ends[1] or wp.isnan(better[axis, c]):
-                    better[axis, c] = correct_one(box, axis, wp.vec3i(at[0], at[1], k), c, cells, carrier, source, once, low, high)
+                    better[axis, c] = correct_one(
+                        box, axis, wp.vec3i(at[0], at[1], k), c, cells, carrier, source, once, low, high
+                    )
             k += 1
         for k in range(wp.max(at[2], end), at[3]):
             better[axis, own + k] = 0.0

@@ -26,7 +26,7 @@ from . import box_kernels as boxes
 from . import force_kernels as forces
 from . import transport_kernels as transport
 from .border import Border, side_faces
-from .carry import Carrier
+from .carry import Carrier, Motion, motion
 from .fields import FUEL, LIGHTNESS, MOTION, PACKED, PRODUCT, SOOT, GasFields
 from .fire import Fire
 from .levels import Levels
@@ -47,14 +47,6 @@ MADE = 0.5
 LEAST_SPEED = 1e-9
 ROWS = 64
 """Own choice: rows of cells that are worth a thread of a CPU."""
-
-
-Motion = str | tuple[float, str, str]
-"""Name of a velocity, or ratio and names of one that is extrapolated: velocity + ratio (velocity - the one before)."""
-
-
-def _motion(of: Motion) -> tuple[float, str, str]:
-    return (0.0, of, of) if isinstance(of, str) else of
 
 
 @dataclass(frozen=True)
@@ -270,10 +262,10 @@ class Gas(GasFields):
         half = 0.5 * seconds if self.settings.scheme == "reflection" else seconds
         self._expand(seconds)
         iterations, capped = 0, False
+        # Velocities are carried by the flow halfway through the time that this takes; half a step lies between flows that reflection knows.
+        ahead = (0.5 * seconds / self._last if self._last > 0.0 else 0.0, "velocity", "velocity/before")
         if self.settings.scheme == "reflection":
-            # Flows a quarter of a step ahead: halfway through what they carry.
-            ratio = 0.5 * seconds / self._last if self._last > 0.0 else 0.0
-            self._carry("velocity", (ratio, "velocity", "velocity/before"), half, "velocity/raw")
+            self._carry("velocity", ahead, half, "velocity/raw")
             self._push("velocity/raw", half)
             warp().copy(self._face("velocity/middle"), self._face("velocity/raw"), count=self.elements)
             first = self._project("velocity/middle", coarser=True)
@@ -283,8 +275,7 @@ class Gas(GasFields):
             self._push("velocity", half)
             iterations, capped = first.iterations, first.capped
         else:
-            ratio = 0.5 * seconds / self._last if self._last > 0.0 else 0.0
-            self._carry("velocity", (ratio, "velocity", "velocity/before"), seconds, "velocity/raw")
+            self._carry("velocity", ahead, seconds, "velocity/raw")
             warp().copy(self._face("velocity/before"), self._face("velocity"), count=self.elements)
             self.run.swap("velocity", "velocity/raw")
             self._push("velocity", seconds)
@@ -308,8 +299,8 @@ class Gas(GasFields):
 
     def _carry(self, source: Motion, carrier: Motion, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
-        ways = {of: (of[0], self._face(of[1]), self._face(of[2])) for of in map(_motion, (source, carrier))}
-        self._carrier(ways[_motion(source)], ways[_motion(carrier)], seconds / self.cell, self._face("velocity/carried"))
+        ways = ((ratio, self._face(now), self._face(before)) for ratio, now, before in map(motion, (source, carrier)))
+        self._carrier(*ways, seconds / self.cell, self._face("velocity/carried"))
         self.run.swap("velocity/carried", out)
 
     def _push(self, name: str, seconds: float) -> None:

@@ -14,6 +14,7 @@ from ..grids.multigrid import BOTTOM, DEPTH, FEWEST, Solution
 from ..passes import Waves
 from . import box_kernels as boxes
 from . import level_kernels as kernels
+from .coarse_kernels import coarse_weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -93,11 +94,10 @@ class Levels:
         )
         self._cycle = self._prepare_cycle()
         least = [LEAST_OF_CELLS, *[LEAST] * len(self.all)]
-        self._invert = [self._rows(kernels.invert, one, [least[depth], *one.system]) for depth, one in enumerate(self.all)]
-        self._coarse = [
-            [self._rows(kernels.coarse_weights, b, [a.box, axis, a.weights[axis], b.weights[axis]]) for axis in range(3)]
-            for a, b in pairwise(self.all)
-        ]
+        self._weighing = [[self._rows(kernels.invert, one, [least[depth], *one.system])] for depth, one in enumerate(self.all)]
+        """Of each level, what follows from the weights of the one below."""
+        for (a, b), calls in zip(pairwise(self.all), self._weighing[1:], strict=True):
+            calls[:0] = [self._rows(coarse_weights, b, [a.box, axis, a.weights[axis], b.weights[axis]]) for axis in range(3)]
         many = [self.elements, run.block]
         self._inner = self._flat(row_kernels.inner, [*many, fine.right, fine.x, self._sums])
         self._along = self._flat(row_kernels.inner, [*many, self._p, self._ap, self._sums])
@@ -117,11 +117,9 @@ class Levels:
 
     def refresh(self, *, coarser: bool = True) -> None:
         """Take over new weights of the finest level; `coarser`: in the others too, which only guide the solve."""
-        for depth, level in enumerate(self.all[: None if coarser else 1]):
-            if depth > 0:
-                for call in self._coarse[depth - 1]:
-                    call()
-            self._invert[depth]()
+        for calls in self._weighing[: None if coarser else 1]:
+            for call in calls:
+                call()
 
     def _prepare_cycle(self) -> list[Callable[[], None]]:
         """One V-cycle from `right` to `x` of the finest level, symmetric."""

@@ -208,6 +208,11 @@ class Waves:
             borders = [[(cut - n, cut + n) for n in range(reach + 1)] for cut in cuts[1:-1]]
             self._stages = [[self._follow(ranges, layer) for ranges in stage] for stage in (slices, borders)]
 
+    @property
+    def sliced(self) -> bool:
+        """True where slices go through all passes."""
+        return bool(self._stages)
+
     def _follow(self, ranges: Sequence[tuple[int, int]], layer: int) -> Callable[[], None]:
         parts = zip(self.passes, ranges, strict=True)
         launches = [one.part(lo * layer, hi * layer) for one, (lo, hi) in parts if hi > lo]

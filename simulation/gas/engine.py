@@ -294,9 +294,6 @@ class Gas(GasFields):
     def _cells(self, name: str) -> Any:
         return self.run.array(name, self.elements, warp().vec4)
 
-    def _rows(self, *calls: tuple[Any, Sequence[Any]]) -> None:
-        self.run.rows(self._box, self.shape, calls, grain=ROWS)
-
     def _carry(self, source: Motion, carrier: Motion, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
         ways = ((ratio, self._face(now), self._face(before)) for ratio, now, before in map(motion, (source, carrier)))
@@ -307,7 +304,8 @@ class Gas(GasFields):
         """Forces on a velocity."""
         settings, run = self.settings, self.run
         expands = int(settings.expands)
-        self._rows((forces.buoy, [self._pull, seconds, expands, self._densities(), self._face(name)]))
+        pushed = [self._pull, seconds, expands, self._densities(), self._face(name)]
+        run.rows(self._box, self.shape, [(forces.buoy, pushed)], grain=ROWS)
         if settings.confinement > 0.0:
             run(forces.curl, self.elements, [self._box, self.cell, self._face(name), self._face("vorticity")])
             push = settings.confinement * self.cell * seconds

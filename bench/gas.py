@@ -62,10 +62,12 @@ def vortices(
         speed[..., 1] = (-np.cos(k * (middle - x))[:, None] * np.sin(k * (faces - y))[None, :])[:, :, None]
         return speed
 
-    gas.velocity = (vortex(0.0) + [*wind, 0.0]).astype(np.float32)
+    gas.velocity = (vortex(0.0) + np.array([*wind, 0.0])).astype(np.float32)
     reports = gas.advance(1.0)
     left = math.exp(-2.0 * k * k * viscosity)
-    start, true, end = (v[:cells, :cells, 0, :2] for v in (vortex(0.0), left * vortex(1.0), gas.velocity - [*wind, 0.0]))
+    start, true, end = (
+        v[:cells, :cells, 0, :2] for v in (vortex(0.0), left * vortex(1.0), gas.velocity - np.array([*wind, 0.0]))
+    )
     return {
         "error": float(np.sqrt(np.square(end - true).mean() / np.square(true).mean())),
         "energy": float(np.square(end).sum() / np.square(start).sum()),

@@ -78,7 +78,8 @@ def test_sweeps_over_slices_of_layers_give_what_sweeps_over_all_do(sides: tuple[
     gas.solve(1e-6, 1)
     fine = gas._levels.fine
     waves = [one for one in gas._levels._cycle if isinstance(one, Waves)]
-    assert len(waves) >= 2 and all(one.sliced for one in waves)
+    assert len(waves) >= 2
+    assert all(one.sliced for one in waves)
     draw = np.random.default_rng(5).standard_normal(fine.elements).astype(np.float32)
     found = []
     for sliced in (True, False):

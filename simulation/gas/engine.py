@@ -296,8 +296,8 @@ class Gas(GasFields):
 
     def _carry(self, source: Motion, carrier: Motion, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
-        ways = ((ratio, self._face(now), self._face(before)) for ratio, now, before in map(motion, (source, carrier)))
-        self._carrier(*ways, seconds / self.cell, self._face("velocity/carried"))
+        what, by = ((ratio, self._face(now), self._face(before)) for ratio, now, before in map(motion, (source, carrier)))
+        self._carrier(what, by, seconds / self.cell, self._face("velocity/carried"))
         self.run.swap("velocity/carried", out)
 
     def _push(self, name: str, seconds: float) -> None:
@@ -396,4 +396,4 @@ class Gas(GasFields):
         many = -(-self.elements // self.run.block)
         inputs = [self._box, self.elements, self.run.block, self._room, self._cells("state"), self._sums]
         self.run(transport.amounts, many, inputs, grain=RUNS)
-        return np.array(self._sums.numpy(), dtype=np.float64).sum(axis=1)
+        return np.asarray(self._sums.numpy().sum(axis=1), np.float64)

@@ -95,7 +95,7 @@ class Levels:
         self._cycle = self._prepare_cycle()
         least = [LEAST_OF_CELLS, *[LEAST] * len(self.all)]
         self._weighing = [[self._rows(kernels.invert, one, [least[depth], *one.system])] for depth, one in enumerate(self.all)]
-        """Of each level, what follows from the weights of the one below."""
+        """Passes of each level that take over the weights of the one below."""
         for (a, b), calls in zip(pairwise(self.all), self._weighing[1:], strict=True):
             calls[:0] = [self._rows(coarse_weights, b, [a.box, axis, a.weights[axis], b.weights[axis]]) for axis in range(3)]
         many = [self.elements, run.block]

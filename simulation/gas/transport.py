@@ -106,7 +106,7 @@ class Transport:
         self._together([self._settle(axis, through)])
 
     def _counting(self) -> tuple[Any, list[Any]]:
-        """What counts what has left with sweeps along all axes."""
+        """Kernel that counts what has left with sweeps along all axes, with its parameters."""
         return self.border.counting(self.quantities, self._axes("through"), self._axes("moved"))
 
     def parts(self, seconds: float, velocity: Any, opening: Any, room: Any) -> int:

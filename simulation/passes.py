@@ -19,8 +19,9 @@ A second kernel of `width` threads closes it over the `Passes.parts(total)` part
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from itertools import pairwise
 from operator import is_
 from typing import Any
@@ -28,7 +29,7 @@ from typing import Any
 from ..geometry.launch import cores, load, warp
 from .team import team
 
-__all__ = ["ALONE", "FEW", "Chain", "Pass", "Passes"]
+__all__ = ["ALONE", "FEW", "Chain", "Pass", "Passes", "Waves"]
 
 SMALLEST = 256
 """Elements below which a slice is not worth a thread; also what one thread of a CPU folds."""
@@ -40,6 +41,36 @@ SLICES = 2
 """Slices of one thread: others take the rest where it is held up."""
 BLOCK, FOLDED = 256, 8
 """Threads of a block on a GPU (Warp's default), and what one of them folds."""
+
+
+@cache
+def _packs() -> bool:
+    """True if launches on a CPU are what `Packed` knows: a private part of Warp, which another version may change."""
+    return str(warp().__version__).startswith("1.19.")
+
+
+class Packed:
+    """A launch whose arguments on a CPU are packed once; Warp packs them anew each time (3 to 5 microseconds, where the call takes 1).
+
+    Args:
+        launch: as Warp recorded it.
+    """
+
+    def __init__(self, launch: Any) -> None:
+        self.launch = launch
+        self.call: Callable[[], None] = launch.launch
+        self._args: Any = None
+        if launch.device.is_cpu and launch.block_dim <= 1 and _packs():
+            values = launch.params[1:]
+            fields = [(f"at_{n}", type(value)) for n, value in enumerate(values)]
+            self._args = type("Arguments", (ctypes.Structure,), {"_fields_": fields})(*values)
+            self.call = partial(launch.hooks.forward, ctypes.byref(launch.params[0]), ctypes.byref(self._args))
+
+    def change(self, place: int, value: Any) -> None:
+        """Take over a new value of a number, by its place among the kernel's parameters."""
+        self.launch.set_param_at_index(place, value)
+        if self._args is not None:
+            setattr(self._args, f"at_{place}", self.launch.params[place + 1])
 
 
 class Pass:
@@ -77,16 +108,16 @@ class Pass:
         self._prepare(count, inputs)
 
     def _prepare(self, count: int, inputs: Sequence[Any]) -> None:
-        wp = warp()
         self.count, self.inputs = count, tuple(inputs)
         parts = self._parts(count)
         cuts = [count * k // parts // self.align * self.align for k in range(parts)] + [count]
-        self.launches = [
-            wp.launch(self.kernel, dim=end - first, inputs=[first, *inputs], device=self.device, record_cmd=True, **self._block)
-            for first, end in pairwise(cuts)
-            if end > first
-        ]
-        self._calls = [one.launch for one in self.launches]
+        self.launches = [self.part(first, end) for first, end in pairwise(cuts) if end > first]
+        self._calls = [one.call for one in self.launches]
+
+    def part(self, first: int, end: int) -> Packed:
+        """A launch over some of the elements, as they are now."""
+        inputs, dim = [first, *self.inputs], end - first
+        return Packed(warp().launch(self.kernel, dim=dim, inputs=inputs, device=self.device, record_cmd=True, **self._block))
 
     def _parts(self, count: int) -> int:
         shared = self.device == "cpu" and cores() > 1
@@ -107,9 +138,12 @@ class Pass:
             self._prepare(count, inputs)
             return True
         self.count, self.inputs = count, tuple(inputs)
-        self.launches[0].set_dim(count)
+        launch = self.launches[0].launch
+        launch.set_dim(count)
         for k in others:
-            self.launches[0].set_param_at_index(k + 1, inputs[k])
+            launch.set_param_at_index(k + 1, inputs[k])
+        self.launches = [Packed(launch)]
+        self._calls = [self.launches[0].call]
         return True
 
     def __call__(self, changed: dict[int, float] | None = None) -> None:
@@ -129,7 +163,7 @@ class Pass:
         """Take over new values of numbers, by their place among the kernel's parameters."""
         for place, value in changed.items():
             for one in self.launches:
-                one.set_param_at_index(place, value)
+                one.change(place, value)
 
     @staticmethod
     def together(passes: Sequence[Pass]) -> None:
@@ -146,6 +180,60 @@ class Pass:
 
         slices = zip(*(one._calls for one in passes), strict=True)
         team(cores() - 1)([partial(follow, calls) for calls in slices])
+
+
+class Waves:
+    """Passes over the same layers, made one after the other, each of which may read what the ones before wrote one layer beyond its own.
+
+    On a CPU a slice of layers goes through all of them while its fields are at hand: each takes a layer less at both ends than the one
+    before, and when all slices have come so far, what is left around their ends. The result is that of whole passes, bit for bit.
+
+    Args:
+        passes: of one count; the first reads no other layer. One that others follow changes nothing that these read of the layer beside
+            (such as cells of one colour of two).
+        layer: elements of one layer.
+    """
+
+    def __init__(self, passes: Sequence[Pass], layer: int) -> None:
+        self.passes = list(passes)
+        layers, reach = passes[0].count // layer, len(passes) - 1
+        parts = min(SLICES * cores(), layers // max(1, 2 * reach + 1)) if passes[0].device == "cpu" else 1
+        cuts = [layers * k // max(1, parts) for k in range(max(1, parts) + 1)]
+        self._stages: list[list[Callable[[], None]]] = []
+        if parts > 1:
+            last = len(cuts) - 2
+            slices = [
+                [(lo + n * (k > 0), hi - n * (k < last)) for n in range(reach + 1)] for k, (lo, hi) in enumerate(pairwise(cuts))
+            ]
+            borders = [[(cut - n, cut + n) for n in range(reach + 1)] for cut in cuts[1:-1]]
+            self._stages = [[self._follow(ranges, layer) for ranges in stage] for stage in (slices, borders)]
+
+    @property
+    def sliced(self) -> bool:
+        """True where slices go through all passes."""
+        return bool(self._stages)
+
+    def _follow(self, ranges: Sequence[tuple[int, int]], layer: int) -> Callable[[], None]:
+        parts = zip(self.passes, ranges, strict=True)
+        launches = [one.part(lo * layer, hi * layer) for one, (lo, hi) in parts if hi > lo]
+
+        def follow() -> None:
+            for one in launches:
+                one.call()
+
+        return follow
+
+    def __call__(self) -> None:
+        """Run all passes over all layers."""
+        for stage in self._stages:
+            if cores() > 1:
+                team(cores() - 1)(stage)
+            else:
+                for call in stage:
+                    call()
+        if not self._stages:
+            for one in self.passes:
+                one()
 
 
 class Passes:

@@ -33,26 +33,24 @@ def side_faces(shape: tuple[int, int, int]) -> tuple[tuple[int, int, int], F64]:
 
 
 class Border:
-    """The faces of a box's sides along axes that are not periodic.
+    """The faces of a box's sides; nothing leaves through those that are not open.
 
     Args:
-        run: launches and the device.
+        run: the device.
         shape: cells along each axis.
-        wraps: which axes are periodic.
     """
 
-    def __init__(self, run: Runner, shape: tuple[int, int, int], wraps: Sequence[bool]) -> None:
-        faces = [0 if wraps[a] else 2 * shape[(a + 1) % 3] * shape[(a + 2) % 3] for a in range(3)]
-        self.run, self.faces = run, faces
+    def __init__(self, run: Runner, shape: tuple[int, int, int]) -> None:
+        self.faces = [2 * shape[(a + 1) % 3] * shape[(a + 2) % 3] for a in range(3)]
         self.elements = (shape[0] + 1) * (shape[1] + 1) * (shape[2] + 1)
-        self._starts = [0, faces[0], faces[0] + faces[1]]
-        self._out = warp().zeros((max(1, sum(faces)), 5), dtype=warp().float64, device=run.device)
+        self._out = warp().zeros((sum(self.faces), 5), dtype=warp().float64, device=run.device)
 
-    def count(self, box: Any, axis: int, through: Any, moved: Any) -> None:
-        """Add what a sweep along an axis takes out: volumes through lower faces, and the amounts that they take along (planes)."""
+    def counting(self, planes: int, throughs: Sequence[Any], moved: Sequence[Any]) -> tuple[Any, list[Any]]:
+        """Kernel over rows of cells, with its parameters, that adds what sweeps along all axes take out: volumes through lower faces, and the
+        first amounts that they take along (planes)."""
         from .border_kernels import leave
 
-        self.run(leave, self.faces[axis], [box, axis, self.elements, through, moved, self._starts[axis], self._out], grain=4096)
+        return leave, [planes, self.elements, *throughs, *moved, self._out]
 
     def take(self) -> F64:
         """(5,) four amounts and the volume that have left since the last call, less what came in [cells]."""

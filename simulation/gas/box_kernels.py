@@ -6,6 +6,8 @@ All fields have (nx + 1)(ny + 1)(nz + 1) elements. Element (i, j, k) of a veloci
 the last layers hold the upper faces of the box; elements beyond the cells of a scalar are not used. Positions are in cells.
 """
 
+from typing import Any
+
 import warp as wp
 
 from ..grids.columns import vec6i
@@ -109,9 +111,12 @@ def upper(box: Box, at: wp.vec3i, axis: wp.int32):
 def run_of(box: Box, span: int, t: int):
     """The run of cells of a thread: row along x, row along y, first cell, end."""
     many = box.nz + 1
-    pieces = (many + span - 1) // span
-    row = t // pieces
-    lo = (t - row * pieces) * span
+    row = t
+    lo = int(0)
+    if span < many:
+        pieces = (many + span - 1) // span
+        row = t // pieces
+        lo = (t - row * pieces) * span
     i = row // (box.ny + 1)
     return wp.vec4i(i, row - i * (box.ny + 1), lo, wp.where(lo + span < many, lo + span, many))
 
@@ -161,10 +166,15 @@ def corners(box: Box, axis: wp.int32, x: wp.vec3):
 
 
 @wp.func
-def value_at(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, i: wp.int32, j: wp.int32, k: wp.int32):
-    """One component of a sample, which is held in the box or repeated."""
-    c = index_of(box, along(box, 0, int(axis == 0), i), along(box, 1, int(axis == 1), j), along(box, 2, int(axis == 2), k))
+def part_of(field: wp.array(dtype=wp.vec3), c: wp.int32, axis: wp.int32):
+    """One component of a sample."""
     return field[c][axis]
+
+
+@wp.func
+def part_of(field: wp.array2d(dtype=float), c: wp.int32, axis: wp.int32):  # noqa: F811
+    """One component of a sample, of a field that is held in planes."""
+    return field[axis, c]
 
 
 @wp.func
@@ -180,60 +190,68 @@ def mixed(lower: float, higher: float, share: float):
 
 
 @wp.func
-def around(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3):
+def eight(box: Box, field: Any, axis: wp.int32, i: wp.int32, j: wp.int32, k: wp.int32):
+    """One component of the eight samples from (i, j, k) on, which are held in the box or repeated."""
+    a = along(box, 0, int(axis == 0), i)
+    b = along(box, 0, int(axis == 0), i + 1)
+    d = along(box, 1, int(axis == 1), j)
+    e = along(box, 1, int(axis == 1), j + 1)
+    m = along(box, 2, int(axis == 2), k)
+    n = along(box, 2, int(axis == 2), k + 1)
+    ad = index_of(box, a, d, 0)
+    ae = index_of(box, a, e, 0)
+    bd = index_of(box, b, d, 0)
+    be = index_of(box, b, e, 0)
+    return vec8(
+        part_of(field, ad + m, axis), part_of(field, ad + n, axis), part_of(field, ae + m, axis), part_of(field, ae + n, axis),
+        part_of(field, bd + m, axis), part_of(field, bd + n, axis), part_of(field, be + m, axis), part_of(field, be + n, axis),
+    )  # fmt: skip
+
+
+@wp.func
+def blended(v: vec8, f: wp.vec3):
+    """Value between eight samples."""
+    first = mixed(mixed(v[0], v[1], f[2]), mixed(v[2], v[3], f[2]), f[1])
+    second = mixed(mixed(v[4], v[5], f[2]), mixed(v[6], v[7], f[2]), f[1])
+    return mixed(first, second, f[0])
+
+
+@wp.func
+def around(box: Box, field: Any, axis: wp.int32, x: wp.vec3):
     """One component at a position [cells], trilinear, and the least and the greatest of its eight samples."""
     y = corners(box, axis, x)
     i = int(wp.floor(y[0]))
     j = int(wp.floor(y[1]))
     k = int(wp.floor(y[2]))
-    f = wp.vec3(y[0] - float(i), y[1] - float(j), y[2] - float(k))
-    v = vec8()
-    if lies_within(box, i, j, k):
-        c = index_of(box, i, j, k)
-        row = box.nz + 1
-        layer = (box.ny + 1) * row
-        for s in range(8):
-            v[s] = field[c + (s // 4) * layer + ((s // 2) % 2) * row + s % 2][axis]
-    else:
-        for s in range(8):
-            v[s] = value_at(box, field, axis, i + s // 4, j + (s // 2) % 2, k + s % 2)
+    v = eight(box, field, axis, i, j, k)
     low = wp.min(wp.min(wp.min(v[0], v[1]), wp.min(v[2], v[3])), wp.min(wp.min(v[4], v[5]), wp.min(v[6], v[7])))
     high = wp.max(wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])), wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])))
-    first = mixed(mixed(v[0], v[1], f[2]), mixed(v[2], v[3], f[2]), f[1])
-    second = mixed(mixed(v[4], v[5], f[2]), mixed(v[6], v[7], f[2]), f[1])
-    return wp.vec3(mixed(first, second, f[0]), low, high)
+    return wp.vec3(blended(v, wp.vec3(y[0] - float(i), y[1] - float(j), y[2] - float(k))), low, high)
 
 
 @wp.func
-def between(field: wp.array(dtype=wp.vec3), axis: wp.int32, c: wp.int32, row: wp.int32, layer: wp.int32, f: wp.vec3):
+def between(field: Any, axis: wp.int32, c: wp.int32, row: wp.int32, layer: wp.int32, f: wp.vec3):
     """One component between the eight samples from an element on, all within the box."""
-    a = mixed(field[c][axis], field[c + 1][axis], f[2])
-    b = mixed(field[c + row][axis], field[c + row + 1][axis], f[2])
+    a = mixed(part_of(field, c, axis), part_of(field, c + 1, axis), f[2])
+    b = mixed(part_of(field, c + row, axis), part_of(field, c + row + 1, axis), f[2])
     d = c + layer
-    e = mixed(field[d][axis], field[d + 1][axis], f[2])
-    g = mixed(field[d + row][axis], field[d + row + 1][axis], f[2])
+    e = mixed(part_of(field, d, axis), part_of(field, d + 1, axis), f[2])
+    g = mixed(part_of(field, d + row, axis), part_of(field, d + row + 1, axis), f[2])
     return mixed(mixed(a, b, f[1]), mixed(e, g, f[1]), f[0])
 
 
 @wp.func
-def sample(box: Box, field: wp.array(dtype=wp.vec3), axis: wp.int32, x: wp.vec3):
+def sample(box: Box, field: Any, axis: wp.int32, x: wp.vec3):
     """One component at a position [cells], trilinear."""
     y = corners(box, axis, x)
     i = int(wp.floor(y[0]))
     j = int(wp.floor(y[1]))
     k = int(wp.floor(y[2]))
-    found = float(0.0)
-    if lies_within(box, i, j, k):
-        row = box.nz + 1
-        f = wp.vec3(y[0] - float(i), y[1] - float(j), y[2] - float(k))
-        found = between(field, axis, index_of(box, i, j, k), row, (box.ny + 1) * row, f)
-    else:
-        found = around(box, field, axis, x)[0]
-    return found
+    return blended(eight(box, field, axis, i, j, k), wp.vec3(y[0] - float(i), y[1] - float(j), y[2] - float(k)))
 
 
 @wp.func
-def speed(box: Box, carrier: wp.array(dtype=wp.vec3), x: wp.vec3):
+def speed(box: Box, carrier: Any, x: wp.vec3):
     """Velocity at a position."""
     i = int(wp.floor(x[0]))
     j = int(wp.floor(x[1]))
@@ -276,10 +294,10 @@ def held(box: Box, x: wp.vec3):
 
 
 @wp.func
-def face_speed(box: Box, carrier: wp.array(dtype=wp.vec3), c: wp.int32, at: wp.vec3i, axis: wp.int32):
+def face_speed(box: Box, carrier: Any, c: wp.int32, at: wp.vec3i, axis: wp.int32):
     """Velocity at the centre of an element's lower face: its own, and the means of the four faces around it along other axes."""
     v = wp.vec3(0.0, 0.0, 0.0)
-    v[axis] = carrier[c][axis]
+    v[axis] = part_of(carrier, c, axis)
     for a in range(3):
         if a != axis:
             to = at
@@ -289,16 +307,16 @@ def face_speed(box: Box, carrier: wp.array(dtype=wp.vec3), c: wp.int32, at: wp.v
             both = to
             both[axis] = at[axis] - 1
             v[a] = 0.25 * (
-                carrier[c][a]
-                + carrier[index_of(box, to[0], to[1], to[2])][a]
-                + carrier[index_of(box, back[0], back[1], back[2])][a]
-                + carrier[index_of(box, both[0], both[1], both[2])][a]
+                part_of(carrier, c, a)
+                + part_of(carrier, index_of(box, to[0], to[1], to[2]), a)
+                + part_of(carrier, index_of(box, back[0], back[1], back[2]), a)
+                + part_of(carrier, index_of(box, both[0], both[1], both[2]), a)
             )
     return v
 
 
 @wp.func
-def traced(box: Box, carrier: wp.array(dtype=wp.vec3), x: wp.vec3, start: wp.vec3, cells: float):
+def traced(box: Box, carrier: Any, x: wp.vec3, start: wp.vec3, cells: float):
     """Where the flow takes a position within a time that is given as cells per speed, in the box or not; midpoint rule.
     `start` is the velocity there."""
     middle = held(box, x + 0.5 * cells * start)
@@ -366,7 +384,7 @@ def blown_in(box: Box, at: wp.vec3i, axis: wp.int32):
 
 
 @wp.func
-def start_speed(box: Box, carrier: wp.array(dtype=wp.vec3), c: wp.int32, at: wp.vec3i, axis: wp.int32):
+def start_speed(box: Box, carrier: Any, c: wp.int32, at: wp.vec3i, axis: wp.int32):
     """Velocity at the centre of an element's lower face, also beside the sides of the box."""
     v = wp.vec3(0.0, 0.0, 0.0)
     if lies_within(box, at[0] - 1, at[1] - 1, at[2] - 1) and lies_within(box, at[0], at[1], at[2]):

@@ -3,7 +3,8 @@
 """Velocities of faces, carried by a flow (MacCormack, Selle et al. 2008, doi:10.1007/s10915-007-9166-4).
 
 Faces of a row are followed by loops in C, which compilers turn into vector instructions (as in `sweep_kernels.py`). They leave no number
-where a path leaves the box, and those faces, and those in its sides, are worked out one by one.
+where a path leaves the box, and those faces, and those in its sides, are worked out one by one. Components are held in planes meanwhile,
+shape (3, elements): what follows each other along z then lies side by side, and eight are loaded at once.
 """
 
 import warp as wp
@@ -25,6 +26,7 @@ from .box_kernels import (
     start_speed,
     traced,
 )  # fmt: skip
+from .plane_kernels import join_row
 
 wp.set_module_options({"enable_backward": False})
 
@@ -34,10 +36,10 @@ _BETWEEN = """
 #define GAS_MIX(a, b, f) ((a) + (f) * ((b) - (a)))
 #define GAS_BETWEEN(P, c, fx, fy, fz) \\
     GAS_MIX( \\
-        GAS_MIX(GAS_MIX(P[3 * (c)], P[3 * (c) + 3], fz), GAS_MIX(P[3 * ((c) + row)], P[3 * ((c) + row) + 3], fz), fy), \\
+        GAS_MIX(GAS_MIX(P[c], P[(c) + 1], fz), GAS_MIX(P[(c) + row], P[(c) + row + 1], fz), fy), \\
         GAS_MIX( \\
-            GAS_MIX(P[3 * ((c) + layer)], P[3 * ((c) + layer) + 3], fz), \\
-            GAS_MIX(P[3 * ((c) + layer + row)], P[3 * ((c) + layer + row) + 3], fz), fy), \\
+            GAS_MIX(P[(c) + layer], P[(c) + layer + 1], fz), \\
+            GAS_MIX(P[(c) + layer + row], P[(c) + layer + row + 1], fz), fy), \\
         fx)
 #define GAS_AT_MOST(x, low, high) ((x) < (low) ? (low) : (x) > (high) ? (high) : (x))
     const bool turns_x = box.wraps[0] == 1, turns_y = box.wraps[1] == 1, turns_z = box.wraps[2] == 1;
@@ -47,21 +49,24 @@ _BETWEEN = """
     const float high_x = turns_x ? nx - 1.0f : nx, high_y = turns_y ? ny - 1.0f : ny, high_z = turns_z ? nz - 1.0f : nz;
     const float end_x = nx * inside, end_y = ny * inside, end_z = nz * inside;
     const float mid_x = (nx - 1.0f) * inside, mid_y = (ny - 1.0f) * inside, mid_z = (nz - 1.0f) * inside;
-    const float* U = (const float*)carrier.data;
+    const int plane = (box.nx + 1) * layer;
+    const float* U = carrier.data;
+    const float* V = U + plane;
+    const float* W = V + plane;
     int missed = 0;
 """
 _BEND = (
     _BETWEEN
     + """
-    const float* V = U + 1;
-    const float* W = U + 2;
-    float* B = (float*)bend.data;
+    float* A = bend.data;
+    float* B = A + plane;
+    float* D = B + plane;
 """
     + LOOP
     + """
     for (int k = lo; k < hi; ++k) {
         const int c = own + k;
-        const float u = 0.5f * (U[3 * c] + U[3 * (c + layer)]), v = 0.5f * (V[3 * c] + V[3 * (c + row)]), w = 0.5f * (W[3 * c] + W[3 * c + 3]);
+        const float u = 0.5f * (U[c] + U[c + layer]), v = 0.5f * (V[c] + V[c + row]), w = 0.5f * (W[c] + W[c + 1]);
         const float px = (float)i + 0.5f, py = (float)j + 0.5f, pz = (float)k + 0.5f;
         float x = px + cells * u, y = py + cells * v, z = pz + cells * w;
         const bool good = x >= low_x && y >= low_y && z >= low_z && x < high_x && y < high_y && z < high_z;
@@ -76,9 +81,9 @@ _BEND = (
         const float fx = x - (float)ix, fy = y - (float)iy, fz = z - (float)iz;
         const float gx = rx - (float)jx, gy = ry - (float)jy, gz = rz - (float)jz;
         const int cu = ix * layer + jy * row + jz, cv = jx * layer + iy * row + jz, cw = jx * layer + jy * row + iz;
-        B[3 * c] = good ? GAS_BETWEEN(U, cu, fx, gy, gz) - u : NAN;
-        B[3 * c + 1] = GAS_BETWEEN(V, cv, gx, fy, gz) - v;
-        B[3 * c + 2] = GAS_BETWEEN(W, cw, gx, gy, fz) - w;
+        A[c] = good ? GAS_BETWEEN(U, cu, fx, gy, gz) - u : NAN;
+        B[c] = GAS_BETWEEN(V, cv, gx, fy, gz) - v;
+        D[c] = GAS_BETWEEN(W, cw, gx, gy, fz) - w;
         missed += good ? 0 : 1;
     }
     return missed;
@@ -87,15 +92,15 @@ _BEND = (
 _FOLLOW = (
     _BETWEEN
     + """
-#define GAS_START(b, beside) \\
-    0.25f * (U[3 * c + b] + U[3 * (c + beside) + b] + U[3 * (c - back##b) + b] + U[3 * (c + beside - back##b) + b])
-#define GAS_TURN(b) bent * 0.5f * (B[3 * c + b] + B[3 * (c - step) + b])
+    // With the first cell of a row, whose lower face is worked out once more, eight at a time come out even.
+#define GAS_START(P, beside, back) 0.25f * (P[c] + P[c + beside] + P[c - back] + P[c + beside - back])
+#define GAS_TURN(P) bent * 0.5f * (P[c] + P[c - step])
 #define GAS_FOLLOW \\
         const int c = own + k; \\
         const float px = from_x, py = from_y, pz = (float)k + shift_z; \\
-        float x = px + cells * (GAS_START(0, beside0) + GAS_TURN(0)); \\
-        float y = py + cells * (GAS_START(1, beside1) + GAS_TURN(1)); \\
-        float z = pz + cells * (GAS_START(2, beside2) + GAS_TURN(2)); \\
+        float x = px + cells * (GAS_START(U, beside0, back0) + GAS_TURN(A)); \\
+        float y = py + cells * (GAS_START(V, beside1, back1) + GAS_TURN(B)); \\
+        float z = pz + cells * (GAS_START(W, beside2, back2) + GAS_TURN(D)); \\
         const bool good = x >= low_x && y >= low_y && z >= low_z && x < high_x && y < high_y && z < high_z; \\
         x = GAS_AT_MOST((good ? x : px) - shift_x, 0.0f, top_x); \\
         y = GAS_AT_MOST((good ? y : py) - shift_y, 0.0f, top_y); \\
@@ -103,10 +108,12 @@ _FOLLOW = (
         const int kx = (int)x, ky = (int)y, kz = (int)z; \\
         const float hx = x - (float)kx, hy = y - (float)ky, hz = z - (float)kz; \\
         const int at = kx * layer + ky * row + kz;
-    const float* B = (const float*)bend.data;
+    const float* A = bend.data;
+    const float* B = A + plane;
+    const float* D = B + plane;
     const float shift_x = axis == 0 ? 0.0f : 0.5f, shift_y = axis == 1 ? 0.0f : 0.5f, shift_z = axis == 2 ? 0.0f : 0.5f;
     const float from_x = (float)i + shift_x, from_y = (float)j + shift_y;
-    const int step = axis == 0 ? layer : axis == 1 ? row : 1;
+    const int step = axis == 0 ? layer : axis == 1 ? row : 1, from = hi - lo > 8 && lo == 1 ? 0 : lo;
     const int beside0 = axis == 0 ? 0 : layer, beside1 = axis == 1 ? 0 : row, beside2 = axis == 2 ? 0 : 1;
     const int back0 = axis == 0 ? 0 : step, back1 = axis == 1 ? 0 : step, back2 = axis == 2 ? 0 : step;
     const float top_x = axis == 0 ? end_x : mid_x, top_y = axis == 1 ? end_y : mid_y, top_z = axis == 2 ? end_z : mid_z;
@@ -118,26 +125,25 @@ _CARRY = (
     + """
 #define GAS_LESS(a, b) ((a) < (b) ? (a) : (b))
 #define GAS_MORE(a, b) ((a) > (b) ? (a) : (b))
-    const float* S = (const float*)source.data + axis;
-    float* O = (float*)out.data + axis;
-    float* L = (float*)low.data + axis;
-    float* H = (float*)high.data + axis;
+    const float* S = source.data + axis * plane;
+    float* O = out.data + axis * plane;
+    float* L = low.data + axis * plane;
+    float* H = high.data + axis * plane;
 """
     + LOOP
     + """
-    for (int k = lo; k < hi; ++k) {
+    for (int k = from; k < hi; ++k) {
         GAS_FOLLOW
-        const float a = S[3 * at], b = S[3 * at + 3], d = S[3 * (at + row)], e = S[3 * (at + row) + 3];
-        const float f = S[3 * (at + layer)], g = S[3 * (at + layer) + 3];
-        const float h = S[3 * (at + layer + row)], m = S[3 * (at + layer + row) + 3];
+        const float a = S[at], b = S[at + 1], d = S[at + row], e = S[at + row + 1];
+        const float f = S[at + layer], g = S[at + layer + 1], h = S[at + layer + row], m = S[at + layer + row + 1];
         const float found = GAS_MIX(GAS_MIX(GAS_MIX(a, b, hz), GAS_MIX(d, e, hz), hy), GAS_MIX(GAS_MIX(f, g, hz), GAS_MIX(h, m, hz), hy), hx);
         const float ab = GAS_LESS(a, b), de = GAS_LESS(d, e), fg = GAS_LESS(f, g), hm = GAS_LESS(h, m);
         const float ba = GAS_MORE(a, b), ed = GAS_MORE(d, e), gf = GAS_MORE(f, g), mh = GAS_MORE(h, m);
         const float abde = GAS_LESS(ab, de), fghm = GAS_LESS(fg, hm), edba = GAS_MORE(ba, ed), mhgf = GAS_MORE(gf, mh);
-        O[3 * c] = good ? found : NAN;
-        L[3 * c] = GAS_LESS(abde, fghm);
-        H[3 * c] = GAS_MORE(edba, mhgf);
-        missed += good ? 0 : 1;
+        O[c] = good ? found : NAN;
+        L[c] = GAS_LESS(abde, fghm);
+        H[c] = GAS_MORE(edba, mhgf);
+        missed += good || k < lo ? 0 : 1;
     }
     return missed;
 """
@@ -146,22 +152,22 @@ _CARRY = (
 _CORRECT = (
     _FOLLOW
     + """
-    const float* S = (const float*)source.data + axis;
-    const float* F = (const float*)once.data + axis;
-    const float* L = (const float*)low.data + axis;
-    const float* H = (const float*)high.data + axis;
-    float* O = (float*)out.data + axis;
+    const float* S = source.data + axis * plane;
+    const float* F = once.data + axis * plane;
+    const float* L = low.data + axis * plane;
+    const float* H = high.data + axis * plane;
+    float* O = better.data + axis * plane;
 """
     + LOOP
     + """
-    for (int k = lo; k < hi; ++k) {
+    for (int k = from; k < hi; ++k) {
         GAS_FOLLOW
         const float again = GAS_BETWEEN(F, at, hx, hy, hz);
-        const float better = F[3 * c] + 0.5f * (S[3 * c] - again);
-        const float least = L[3 * c], most = H[3 * c];
-        const float kept = better < least ? least : better > most ? most : better;
-        O[3 * c] = good ? kept : NAN;
-        missed += good ? 0 : 1;
+        const float next = F[c] + 0.5f * (S[c] - again);
+        const float least = L[c], most = H[c];
+        const float kept = next < least ? least : next > most ? most : next;
+        O[c] = good ? kept : NAN;
+        missed += good || k < lo ? 0 : 1;
     }
     return missed;
 """
@@ -170,8 +176,8 @@ _CORRECT = (
 
 @wp.func_native(_BEND)
 def bend_row(
-    box: Box, i: int, j: int, own: int, row: int, layer: int, lo: int, hi: int, cells: float, carrier: wp.array(dtype=wp.vec3),
-    bend: wp.array(dtype=wp.vec3),
+    box: Box, i: int, j: int, own: int, row: int, layer: int, lo: int, hi: int, cells: float, carrier: wp.array2d(dtype=float),
+    bend: wp.array2d(dtype=float),
 ) -> int:  # fmt: skip
     """As `bends`, over a row of cells; the number of cells left out."""
 
@@ -179,8 +185,8 @@ def bend_row(
 @wp.func_native(_CARRY)
 def carry_row(
     box: Box, axis: int, i: int, j: int, own: int, row: int, layer: int, lo: int, hi: int, cells: float,
-    bent: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
-    low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
+    bent: float, carrier: wp.array2d(dtype=float), bend: wp.array2d(dtype=float), source: wp.array2d(dtype=float), out: wp.array2d(dtype=float),
+    low: wp.array2d(dtype=float), high: wp.array2d(dtype=float),
 ) -> int:  # fmt: skip
     """Values that faces of a row take from where the flow comes, with the least and greatest around there; the number of faces left out."""
 
@@ -188,15 +194,15 @@ def carry_row(
 @wp.func_native(_CORRECT)
 def correct_row(
     box: Box, axis: int, i: int, j: int, own: int, row: int, layer: int, lo: int, hi: int, cells: float,
-    bent: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3), once: wp.array(dtype=wp.vec3),
-    low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
+    bent: float, carrier: wp.array2d(dtype=float), bend: wp.array2d(dtype=float), source: wp.array2d(dtype=float), once: wp.array2d(dtype=float),
+    low: wp.array2d(dtype=float), high: wp.array2d(dtype=float), better: wp.array2d(dtype=float),
 ) -> int:  # fmt: skip
     """Corrected values of faces of a row; the number of faces left out."""
 
 
 @wp.func
 def from_afar(
-    box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3)
+    box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array2d(dtype=float), source: wp.array2d(dtype=float)
 ):  # fmt: skip
     """Value that a face takes, the least and the greatest around there, also beside the sides of the box."""
     foot = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), -cells)
@@ -209,14 +215,6 @@ def from_afar(
         else:
             found = around(box, source, axis, held(box, foot))
     return found
-
-
-@wp.func
-def put(field: wp.array(dtype=wp.vec3), c: int, axis: int, value: float):
-    """Write one component."""
-    v = field[c]
-    v[axis] = value
-    field[c] = v
 
 
 @wp.func
@@ -251,7 +249,7 @@ def followed(box: Box, axis: int, at: wp.vec4i):
 
 
 @wp.kernel
-def bends(first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3)):
+def bends(first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array2d(dtype=float), bend: wp.array2d(dtype=float)):
     """Excess of the speed half a step back on the path to a cell's middle over that there: paths back and ahead bend by as much, which
     makes them second order in time."""
     at = run_of(box, span, first + wp.tid())
@@ -265,16 +263,18 @@ def bends(first: wp.int32, box: Box, span: int, cells: float, carrier: wp.array(
         for k in range(at[2], wp.min(at[3], box.nz)):
             beside = k < ends[0] or k >= ends[1]
             if beside or missed > 0:
-                if beside or wp.isnan(bend[own + k][0]):
+                if beside or wp.isnan(bend[0, own + k]):
                     x = wp.vec3(float(at[0]) + 0.5, float(at[1]) + 0.5, float(k) + 0.5)
                     here = speed(box, carrier, x)
-                    bend[own + k] = speed(box, carrier, held(box, x - 0.5 * cells * here)) - here
+                    found = speed(box, carrier, held(box, x - 0.5 * cells * here)) - here
+                    for axis in range(3):
+                        bend[axis, own + k] = found[axis]
 
 
 @wp.kernel
 def carry(
-    first: wp.int32, box: Box, span: int, axes: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3),
-    source: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
+    first: wp.int32, box: Box, span: int, axes: int, cells: float, carrier: wp.array2d(dtype=float), bend: wp.array2d(dtype=float),
+    source: wp.array2d(dtype=float), out: wp.array2d(dtype=float), low: wp.array2d(dtype=float), high: wp.array2d(dtype=float),
 ):  # fmt: skip
     """Every face takes the value from where the flow comes, and the least and greatest around there; `cells` is time over cell size.
     `axes` is 3: the compiler is not to make three of all this."""
@@ -297,33 +297,33 @@ def carry(
                 k = ends[1]
             if k < end:
                 c = own + k
-                if k < ends[0] or k >= ends[1] or wp.isnan(out[c][axis]):
+                if k < ends[0] or k >= ends[1] or wp.isnan(out[axis, c]):
                     found = from_afar(box, axis, wp.vec3i(at[0], at[1], k), c, cells, carrier, source)
-                    put(out, c, axis, found[0])
-                    put(low, c, axis, found[1])
-                    put(high, c, axis, found[2])
+                    out[axis, c] = found[0]
+                    low[axis, c] = found[1]
+                    high[axis, c] = found[2]
             k += 1
 
 
 @wp.func
 def correct_one(
-    box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array(dtype=wp.vec3), source: wp.array(dtype=wp.vec3),
-    once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3),
+    box: Box, axis: int, at: wp.vec3i, c: int, cells: float, carrier: wp.array2d(dtype=float), source: wp.array2d(dtype=float),
+    once: wp.array2d(dtype=float), low: wp.array2d(dtype=float), high: wp.array2d(dtype=float),
 ):  # fmt: skip
     """One face of `correct`."""
     ahead = traced(box, carrier, face_place(at, axis), start_speed(box, carrier, c, at, axis), cells)
-    value = once[c][axis]
+    value = once[axis, c]
     if not comes_in(box, ahead):
         back = sample(box, once, axis, held(box, ahead))
-        value = wp.clamp(value + 0.5 * (source[c][axis] - back), low[c][axis], high[c][axis])
-    put(out, c, axis, value)
+        value = wp.clamp(value + 0.5 * (source[axis, c] - back), low[axis, c], high[axis, c])
+    return value
 
 
 @wp.kernel
 def correct(
-    first: wp.int32, box: Box, span: int, axes: int, cells: float, carrier: wp.array(dtype=wp.vec3), bend: wp.array(dtype=wp.vec3),
-    source: wp.array(dtype=wp.vec3), once: wp.array(dtype=wp.vec3), low: wp.array(dtype=wp.vec3), high: wp.array(dtype=wp.vec3),
-    out: wp.array(dtype=wp.vec3),
+    first: wp.int32, box: Box, span: int, axes: int, cells: float, carrier: wp.array2d(dtype=float), bend: wp.array2d(dtype=float),
+    source: wp.array2d(dtype=float), once: wp.array2d(dtype=float), low: wp.array2d(dtype=float), high: wp.array2d(dtype=float),
+    better: wp.array2d(dtype=float), out: wp.array(dtype=wp.vec3),
 ):  # fmt: skip
     """The second half of MacCormack: what the way there and back changes is taken out by half, within the values that were carried."""
     at = run_of(box, span, first + wp.tid())
@@ -336,7 +336,7 @@ def correct(
         if ends[0] < ends[1]:
             missed = correct_row(
                 box, axis, at[0], at[1], own, row, (box.ny + 1) * row, ends[0], ends[1], cells, -1.0, carrier, bend, source, once, low,
-                high, out,
+                high, better,
             )  # fmt: skip
         else:
             ends = wp.vec2i(end, end)
@@ -346,8 +346,11 @@ def correct(
                 k = ends[1]
             if k < end:
                 c = own + k
-                if k < ends[0] or k >= ends[1] or wp.isnan(out[c][axis]):
-                    correct_one(box, axis, wp.vec3i(at[0], at[1], k), c, cells, carrier, source, once, low, high, out)
+                if k < ends[0] or k >= ends[1] or wp.isnan(better[axis, c]):
+                    better[axis, c] = correct_one(
+                        box, axis, wp.vec3i(at[0], at[1], k), c, cells, carrier, source, once, low, high
+                    )
             k += 1
         for k in range(wp.max(at[2], end), at[3]):
-            put(out, own + k, axis, 0.0)
+            better[axis, own + k] = 0.0
+    join_row(own + at[2], own + at[3], (box.nx + 1) * (box.ny + 1) * row, better, out)

@@ -23,10 +23,10 @@ from ..grids.multigrid import Solution
 from ..grids.row_kernels import greatest_of_three
 from ..grids.runner import BEFORE, Runner
 from . import box_kernels as boxes
-from . import carry_kernels as carries
 from . import force_kernels as forces
 from . import transport_kernels as transport
 from .border import Border, side_faces
+from .carry import Carrier, Motion, motion
 from .fields import FUEL, LIGHTNESS, MOTION, PACKED, PRODUCT, SOOT, GasFields
 from .fire import Fire
 from .levels import Levels
@@ -99,6 +99,7 @@ class Gas(GasFields):
         self._expansion = self.run.upload("gas/expansion", np.zeros(self.elements, np.float32), wp.float32)
         self._growth = self.run.upload("gas/growth", np.zeros(self.elements, np.float32), wp.float32)
         self._levels = Levels(self.run, self._box, shape)
+        self._carrier = Carrier(self.run, self._box, shape)
         self._stand(enclosed(shape, sides, solids, widen=not moves))
         # Air lies before the first element too, below the first row.
         self._air = self.run.upload("gas/density", np.ones(self.elements + 2 * BEFORE, np.float32), wp.float32)[BEFORE:]
@@ -109,8 +110,8 @@ class Gas(GasFields):
         """Density of the ambient air [kg/m^3]."""
         self.load = 1.0 / self.density
         """Density that a unit of soot [kg/m^3] adds, relative to the air's."""
-        self._sums = wp.zeros((5, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)
-        self.border = Border(self.run, shape, [s == "periodic" for s in sides[::2]])
+        self._sums = wp.zeros((4, -(-self.elements // self.run.block)), dtype=wp.float64, device=self.run.device)
+        self.border = Border(self.run, shape)
         self.transport = Transport(self.run, shape, self._box, cell, self.border, expands=self.settings.expands)
         self.transport.fit(self._opening)
         self.fire = self._light()
@@ -227,7 +228,7 @@ class Gas(GasFields):
 
     def longest(self) -> float:
         """Longest step now [s]."""
-        speed, light = self._fastest("velocity"), self._totals()[4]
+        speed, light = self._fastest("velocity"), self._lightest()
         pull = float(np.linalg.norm(self.gravity)) * light
         # The speed that buoyancy gives within the step counts too: speed dt + pull dt^2 / 2 = courant cell.
         reach = self.settings.courant * self.cell
@@ -261,23 +262,21 @@ class Gas(GasFields):
         half = 0.5 * seconds if self.settings.scheme == "reflection" else seconds
         self._expand(seconds)
         iterations, capped = 0, False
+        # Velocities are carried by the flow halfway through the time that this takes; half a step lies between flows that reflection knows.
+        ahead = (0.5 * seconds / self._last if self._last > 0.0 else 0.0, "velocity", "velocity/before")
         if self.settings.scheme == "reflection":
-            self._carry("velocity", "velocity", half, "velocity/raw")
+            self._carry("velocity", ahead, half, "velocity/raw")
             self._push("velocity/raw", half)
             warp().copy(self._face("velocity/middle"), self._face("velocity/raw"), count=self.elements)
             first = self._project("velocity/middle", coarser=True)
             self._transport("velocity/middle", seconds, held)
-            reflected = [1.0, self._face("velocity/middle"), self._face("velocity/raw"), self._face("velocity/back")]
-            self.run(forces.extrapolate, self.elements, reflected)
-            self._carry("velocity/back", "velocity/middle", half, "velocity")
+            self._carry((1.0, "velocity/middle", "velocity/raw"), (0.5, "velocity/middle", "velocity"), half, "velocity")
+            self.run.swap("velocity/before", "velocity/middle")
             self._push("velocity", half)
             iterations, capped = first.iterations, first.capped
         else:
-            ratio = 0.5 * seconds / self._last if self._last > 0.0 else 0.0
-            ahead = [ratio, self._face("velocity"), self._face("velocity/before"), self._face("velocity/middle")]
-            self.run(forces.extrapolate, self.elements, ahead)
+            self._carry("velocity", ahead, seconds, "velocity/raw")
             warp().copy(self._face("velocity/before"), self._face("velocity"), count=self.elements)
-            self._carry("velocity", "velocity/middle", seconds, "velocity/raw")
             self.run.swap("velocity", "velocity/raw")
             self._push("velocity", seconds)
         last = self._project("velocity", coarser=self.settings.scheme != "reflection")
@@ -295,24 +294,18 @@ class Gas(GasFields):
     def _cells(self, name: str) -> Any:
         return self.run.array(name, self.elements, warp().vec4)
 
-    def _rows(self, *calls: tuple[Any, Sequence[Any]]) -> None:
-        self.run.rows(self._box, self.shape, calls, grain=ROWS)
-
-    def _carry(self, source: str, carrier: str, seconds: float, out: str) -> None:
+    def _carry(self, source: Motion, carrier: Motion, seconds: float, out: str) -> None:
         """MacCormack: a velocity carried by another."""
-        way = [seconds / self.cell, self._face(carrier), self._face("velocity/bend")]
-        state = [len(self.shape), *way, self._face(source)]
-        self._rows((carries.bends, way))
-        found = [self._face("velocity/once"), self._face("velocity/low"), self._face("velocity/high")]
-        self._rows((carries.carry, [*state, *found]))
-        self._rows((carries.correct, [*state, *found, self._face("velocity/carried")]))
+        what, by = ((ratio, self._face(now), self._face(before)) for ratio, now, before in map(motion, (source, carrier)))
+        self._carrier(what, by, seconds / self.cell, self._face("velocity/carried"))
         self.run.swap("velocity/carried", out)
 
     def _push(self, name: str, seconds: float) -> None:
         """Forces on a velocity."""
         settings, run = self.settings, self.run
         expands = int(settings.expands)
-        self._rows((forces.buoy, [self._pull, seconds, expands, self._densities(), self._face(name)]))
+        pushed = [self._pull, seconds, expands, self._densities(), self._face(name)]
+        run.rows(self._box, self.shape, [(forces.buoy, pushed)], grain=ROWS)
         if settings.confinement > 0.0:
             run(forces.curl, self.elements, [self._box, self.cell, self._face(name), self._face("vorticity")])
             push = settings.confinement * self.cell * seconds
@@ -327,12 +320,14 @@ class Gas(GasFields):
         tolerance = 0.5 * self.settings.tolerance
         bound = tolerance * max(self._fastest(name), LEAST_SPEED)
         # Gas that starts from rest: a cell whose outflow is r has a face of speed r / 6 at least.
-        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0, coarser=coarser)
+        return self.solve(bound, self.settings.iterations, name, share=tolerance / 6.0, coarser=coarser, known=True)
 
-    def solve(self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0, coarser: bool = True) -> Solution:
+    def solve(
+        self, bound: float, cap: int, name: str = "velocity", *, share: float = 0.0, coarser: bool = True, known: bool = False
+    ) -> Solution:
         """Project a velocity until no residual exceeds a bound [m/s] or a share of the largest one, in at most `cap` iterations; `coarser`:
-        the coarser levels of the pressure take over the densities too."""
-        self.projection.weigh(self._densities(), expands=self.settings.expands, coarser=coarser)
+        the coarser levels of the pressure take over the densities too; `known`: densities have been worked out since amounts changed."""
+        self.projection.weigh(self._air if known else self._densities(), expands=self.settings.expands, coarser=coarser)
         for press in self.pressing:
             press(self, name)
         return self.projection(self._flow(name), bound=bound, cap=cap, share=share)
@@ -342,18 +337,20 @@ class Gas(GasFields):
 
     def _densities(self) -> Any:
         """Densities of elements now, over that of the ambient air."""
-        run = self.run
-        span = run.span(run.block)
-        inputs = [span, self.elements, self.load, self._cells("state"), self._air]
-        run(densities, -(-self.elements // span), inputs, grain=RUNS if span > 1 else 1)
+        self._runs(densities, [self.load, self._cells("state"), self._air])
         return self._air
+
+    def _runs(self, kernel: Any, inputs: Sequence[Any]) -> None:
+        """Run a kernel over runs of elements."""
+        span = self.run.span(self.run.block)
+        self.run(kernel, -(-self.elements // span), [span, self.elements, *inputs], grain=RUNS if span > 1 else 1)
 
     def _expand(self, seconds: float) -> None:
         """Volume per volume and second that sources and heat ask for, and conduction."""
         wp, run = warp(), self.run
         rate, heating = run.array("gas/rate", self.elements, wp.float32), run.array("gas/heating", self.elements, wp.float32)
         regions = [self.regions.numbers, self.regions.ratios]
-        run(transport.expansion_of, self.elements, [rate, heating, int(self.settings.expands), *regions, self._expansion])
+        self._runs(transport.expansion_of, [rate, heating, int(self.settings.expands), *regions, self._expansion])
         if self.settings.diffusivity > 0.0:
             number = self.settings.diffusivity * seconds / self.cell**2
             walls = run.array("gas/walls", 6, wp.vec2)
@@ -376,7 +373,7 @@ class Gas(GasFields):
             parts = self.transport.parts(seconds, velocity, self._opening, self._room)
             fields = {"room": self._room, "made": [self._expansion, *self.projection.taken], "source": source}
             for part in range(parts):
-                self.transport.standing(seconds / parts, self.steps + part, velocity, self._opening, **fields)
+                self.transport.standing(seconds / parts, self.steps + part, **fields)
         self.injected = self.injected + seconds * self._emitted
 
     # ------------------------------------------------------------ sums
@@ -387,14 +384,16 @@ class Gas(GasFields):
         self.run(greatest_of_three, many, [self.elements, self.run.block, self._face(name), out], grain=RUNS)
         return float(self.run.read(out, many).max())
 
-    def _totals(self) -> F64:
+    def _lightest(self) -> float:
+        """Largest size of a cell's lightness."""
         many = -(-self.elements // self.run.block)
-        out = self._sums
-        inputs = [self._box, self.elements, self.run.block, self._room, self._cells("state"), out]
-        self.run(transport.amounts, many, inputs, grain=16)
-        found = np.array(out.numpy(), dtype=np.float64)
-        return np.append(found[:4].sum(axis=1), found[4].max())
+        out = self.run.array("fastest", many, warp().float32)
+        self.run(transport.lightest, many, [self.elements, self.run.block, self._cells("state"), out], grain=RUNS)
+        return float(self.run.read(out, many).max())
 
     def totals(self) -> F64:
         """(4,) sums of lightness, soot, fuel and product over cells times their open volume [cells]."""
-        return self._totals()[:4]
+        many = -(-self.elements // self.run.block)
+        inputs = [self._box, self.elements, self.run.block, self._room, self._cells("state"), self._sums]
+        self.run(transport.amounts, many, inputs, grain=RUNS)
+        return np.asarray(self._sums.numpy().sum(axis=1), np.float64)

@@ -18,7 +18,6 @@ from ...worlds.arrays import F64
 from ..grids.columns import vec6i
 from . import far_kernels as kernels
 from .engine import MOTION, Gas
-from .force_kernels import extrapolate
 from .settings import GasSettings
 from .solids import Solids
 from .window_kernels import extents
@@ -117,9 +116,7 @@ class FarGas(Gas):
         """
         raw = "velocity/raw" if name == "velocity/middle" else "velocity"
         if raw == name and self.settings.scheme == "reflection":
-            reflected = [1.0, *(self._face(f"velocity/{n}") for n in ("middle", "raw", "back"))]
-            self.run(extrapolate, self.elements, reflected)
-            self._carry("velocity/back", "velocity/middle", near.ahead, raw)
+            self._carry((1.0, "velocity/middle", "velocity/raw"), "velocity/middle", near.ahead, raw)
         else:
             self._carry("velocity", "velocity", near.ahead, "velocity/raw")
             self.run.swap(raw, "velocity/raw")

@@ -9,6 +9,7 @@ the whole box.
 import warp as wp
 
 from ..grids.columns import vec6i
+from .border_kernels import side_of
 from .box_kernels import Box, count_of, face_place, index_of, is_cell, place_of, sample, speed
 
 wp.set_module_options({"enable_backward": False})
@@ -121,22 +122,6 @@ def between_cells(far: Box, room: wp.array(dtype=float), x: wp.array(dtype=float
     if total > 0.0:
         found = found / total
     return found
-
-
-@wp.func
-def side_of(box: Box, axis: int, n: int):
-    """Face of both sides along an axis by its number in their order, and which side it is in (0 the lower, 1 the upper one)."""
-    second = (axis + 1) % 3
-    third = (axis + 2) % 3
-    across = count_of(box, third)
-    layer = count_of(box, second) * across
-    upper_side = n // layer
-    rest = n - upper_side * layer
-    face = wp.vec3i(0, 0, 0)
-    face[axis] = upper_side * count_of(box, axis)
-    face[second] = rest // across
-    face[third] = rest - face[second] * across
-    return wp.vec4i(face[0], face[1], face[2], upper_side)
 
 
 @wp.func

@@ -8,7 +8,7 @@ from .box_kernels import Box, along, count_of, has_face, index_of, is_cell, plac
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["buoy", "confine", "curl", "extrapolate", "middle", "spread"]
+__all__ = ["buoy", "confine", "curl", "middle", "spread"]
 
 
 _BUOY = """
@@ -146,12 +146,3 @@ def confine(first: wp.int32, box: Box, push: float, vorticity: wp.array(dtype=wp
                 total += wp.cross(n, vorticity[index_of(box, i, j, k)])[axis]
             v[axis] = v[axis] + 0.5 * push * total
     velocity[c] = v
-
-
-@wp.kernel
-def extrapolate(
-    first: wp.int32, ratio: float, now: wp.array(dtype=wp.vec3), before: wp.array(dtype=wp.vec3), out: wp.array(dtype=wp.vec3)
-):
-    """Velocity half a step ahead: now + ratio (now - before)."""
-    c = first + wp.tid()
-    out[c] = now[c] + ratio * (now[c] - before[c])

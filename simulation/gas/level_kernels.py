@@ -10,11 +10,11 @@ its cells and keeps those of one colour, which is faster than to leave every oth
 import warp as wp
 
 from ..grids.row_kernels import LOOP
-from .box_kernels import Box, index_of, near, place_of, row_at, run_of
+from .box_kernels import Box, index_of, near, row_at, run_of
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["coarse_weights", "collect", "invert", "multiply", "relax", "residuals", "rest", "return_up", "start_red"]
+__all__ = ["collect", "invert", "multiply", "relax", "residuals", "rest", "return_up", "start_red"]
 
 _PULL = """
 #define GAS_PULL(V) \\
@@ -30,14 +30,35 @@ _RELAX = (
     + """
     const float* B = right.data;
     float* V = x.data;
+#if defined(__clang__)
+    // A processor waits to read what it has just written beside: a piece of a row is worked out apart, then written.
+    float next[64];
+    for (int from = lo; from < hi; from += 64) {
+        const int many = hi - from < 64 ? hi - from : 64;
 """
     + LOOP
     + """
-    for (int k = lo; k < hi; ++k) {
-        const float next = (B[own + k] + GAS_PULL(V)) * D[own + k];
-        if (((k + colour) & 1) == 0)
-            V[own + k] = next;
+        for (int n = 0; n < many; ++n) {
+            const int k = from + n;
+            next[n] = (B[own + k] + GAS_PULL(V)) * D[own + k];
+        }
+"""
+    + LOOP
+    + """
+        for (int n = 0; n < many; ++n) {
+            const int kept = -((from + n + colour) & 1);
+            int before, after;
+            __builtin_memcpy(&before, V + own + from + n, 4);
+            __builtin_memcpy(&after, next + n, 4);
+            after = (before & kept) | (after & ~kept);
+            __builtin_memcpy(V + own + from + n, &after, 4);
+        }
     }
+#else
+    for (int k = lo; k < hi; ++k)
+        if (((k + colour) & 1) == 0)
+            V[own + k] = (B[own + k] + GAS_PULL(V)) * D[own + k];
+#endif
 """
 )
 _MULTIPLY = (
@@ -279,28 +300,6 @@ def return_up(first: wp.int32, box: Box, span: int, coarse_box: Box, coarse: wp.
     if at[0] < box.nx and at[1] < box.ny:
         parent = index_of(coarse_box, at[0] // 2, at[1] // 2, 0)
         return_row(index_of(box, at[0], at[1], 0), parent, at[2], wp.where(at[3] < box.nz, at[3], box.nz), coarse, x)
-
-
-@wp.kernel
-def coarse_weights(
-    first: wp.int32, coarse: Box, fine: Box, axis: int, count: int, fine_count: int, weight: wp.array(dtype=float),
-    out: wp.array(dtype=float),
-):  # fmt: skip
-    """Weights of the lower faces of blocks along an axis that has `count` blocks of `fine_count` cells."""
-    c = first + wp.tid()
-    at = place_of(coarse, c)
-    total = float(0.0)
-    if not (coarse.wraps[axis] == 1 and (count == 1 or at[axis] == count)):
-        second = (axis + 1) % 3
-        third = (axis + 2) % 3
-        for s in range(4):
-            to = wp.vec3i(2 * at[0], 2 * at[1], 2 * at[2])
-            to[axis] = wp.min(to[axis], fine_count)
-            to[second] = to[second] + s // 2
-            to[third] = to[third] + s % 2
-            if to[0] <= fine.nx and to[1] <= fine.ny and to[2] <= fine.nz:
-                total += 0.5 * weight[index_of(fine, to[0], to[1], to[2])]
-    out[c] = total
 
 
 _INVERT = (

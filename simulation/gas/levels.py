@@ -5,15 +5,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ...geometry.launch import warp
 from ..grids import row_kernels
 from ..grids.multigrid import BOTTOM, DEPTH, FEWEST, Solution
+from ..passes import Waves
 from . import box_kernels as boxes
 from . import level_kernels as kernels
+from .coarse_kernels import coarse_weights
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ..grids.runner import Runner
     from ..passes import Pass
 
@@ -89,7 +94,10 @@ class Levels:
         )
         self._cycle = self._prepare_cycle()
         least = [LEAST_OF_CELLS, *[LEAST] * len(self.all)]
-        self._invert = [self._rows(kernels.invert, one, [least[depth], *one.system]) for depth, one in enumerate(self.all)]
+        self._weighing = [[self._rows(kernels.invert, one, [least[depth], *one.system])] for depth, one in enumerate(self.all)]
+        """Passes of each level that take over the weights of the one below."""
+        for (a, b), calls in zip(pairwise(self.all), self._weighing[1:], strict=True):
+            calls[:0] = [self._rows(coarse_weights, b, [a.box, axis, a.weights[axis], b.weights[axis]]) for axis in range(3)]
         many = [self.elements, run.block]
         self._inner = self._flat(row_kernels.inner, [*many, fine.right, fine.x, self._sums])
         self._along = self._flat(row_kernels.inner, [*many, self._p, self._ap, self._sums])
@@ -109,36 +117,30 @@ class Levels:
 
     def refresh(self, *, coarser: bool = True) -> None:
         """Take over new weights of the finest level; `coarser`: in the others too, which only guide the solve."""
-        for depth, level in enumerate(self.all[: None if coarser else 1]):
-            if depth > 0:
-                fine = self.all[depth - 1]
-                for axis in range(3):
-                    inputs = [
-                        level.box,
-                        fine.box,
-                        axis,
-                        level.shape[axis],
-                        fine.shape[axis],
-                        fine.weights[axis],
-                        level.weights[axis],
-                    ]
-                    self.run(kernels.coarse_weights, level.elements, inputs)
-            self._invert[depth]()
+        for calls in self._weighing[: None if coarser else 1]:
+            for call in calls:
+                call()
 
-    def _prepare_cycle(self) -> list[Pass]:
+    def _prepare_cycle(self) -> list[Callable[[], None]]:
         """One V-cycle from `right` to `x` of the finest level, symmetric."""
-        down, up = [], []
+        down: list[Callable[[], None]] = []
+        up: list[list[Callable[[], None]]] = []
         for depth, level in enumerate(self.all):
             system = [*level.system, level.right, level.x]
             red, black = (self._rows(kernels.relax, level, [colour, *system]) for colour in (0, 1))
-            down += [self._rows(kernels.start_red, level, system[3:]), black, *[red, black] * (self.sweeps - 1)]
+            first = [self._rows(kernels.start_red, level, system[3:]), black, *[red, black] * (self.sweeps - 1)]
             if depth + 1 == len(self.all):
-                down += self._prepare_bottom(level, red, black)
+                down += [*first, *self._prepare_bottom(level, red, black)]
                 continue
             coarse = self.all[depth + 1]
-            down.append(self._rows(kernels.residuals, level, [*system, level.left]))
+            first.append(self._rows(kernels.residuals, level, [*system, level.left]))
+            last = [self._rows(kernels.return_up, level, [coarse.box, coarse.x, level.x]), *[black, red] * self.sweeps]
+            layer = level.elements // (level.shape[0] + 1) // self.run.span(level.shape[2] + 1)
+            # Neighbours of the first layer where it repeats lie in the last one.
+            waves = not level.box.wraps[0] and self.run.device == "cpu"
+            down += [Waves(first, layer)] if waves else first
             down.append(self._rows(kernels.collect, coarse, [level.box, level.left, coarse.right]))
-            up.append([self._rows(kernels.return_up, level, [coarse.box, coarse.x, level.x]), *[black, red] * self.sweeps])
+            up.append([Waves(last, layer)] if waves else [*last])
         return down + [one for calls in reversed(up) for one in calls]
 
     def _prepare_bottom(self, level: Level, red: Pass, black: Pass) -> list[Pass]:

@@ -5,6 +5,9 @@ instructions: on a CPU a thread takes a row along z, on a GPU a cell (`span`). W
 
 Amounts, concentrations and fluxes are planes of floats, one after the other: quantity q of element c is at q elements + c. What a row finds
 beyond the box are its elements that are no cells: they hold nothing and have no slope.
+
+Less than 1e-30 of anything passes no face: tails that thin out forever would else end in numbers below 1.2e-38, with which processors are
+some hundred times slower. Sums stay exact, since what does not pass is kept.
 """
 
 import warp as wp
@@ -21,8 +24,9 @@ _FLUX = """
     const float ax##e = x##e < 0.0f ? -x##e : x##e, ay##e = y##e < 0.0f ? -y##e : y##e; \\
     const float least##e = 2.0f * (ax##e < ay##e ? ax##e : ay##e), mean##e = 0.5f * (ax##e + ay##e); \\
     const float size##e = least##e < mean##e ? least##e : mean##e; \\
-    const float slope##e = x##e * y##e > 0.0f ? (x##e > 0.0f ? size##e : -size##e) : 0.0f; \\
+    const float slope##e = x##e > 0.0f && y##e > 0.0f ? size##e : x##e < 0.0f && y##e < 0.0f ? -size##e : 0.0f; \\
     const float here##e = up ? a1 : a2, edge##e = here##e + reach * slope##e;
+#define GAS_PASS(x) ((x) > 1.0e-30f || (x) < -1.0e-30f ? (x) : 0.0f)
 #define GAS_REACH \\
     const float pass = T[k]; \\
     const bool up = pass > 0.0f; \\
@@ -45,8 +49,8 @@ _FLUX = """
             GAS_REACH
             GAS_SLOPE(0, S[below + k], S[lower + k], S[own + k], S[upper + k])
             GAS_SLOPE(1, S[elements + below + k], S[elements + lower + k], S[elements + own + k], S[elements + upper + k])
-            F[k] = pass * edge0;
-            F[elements + k] = pass * edge1;
+            F[k] = GAS_PASS(pass * edge0);
+            F[elements + k] = GAS_PASS(pass * edge1);
         }
     } else {
         const float* S2 = S + 2 * elements;
@@ -61,10 +65,10 @@ _FLUX = """
             GAS_SLOPE(2, S2[below + k], S2[lower + k], S2[own + k], S2[upper + k])
             GAS_SLOPE(3, S3[below + k], S3[lower + k], S3[own + k], S3[upper + k])
             const bool whole = density == 0.0f || density * (1.0f - edge0) >= edge2 + edge3;
-            F[k] = pass * (whole ? edge0 : here0);
-            F[elements + k] = pass * (whole ? edge1 : here1);
-            F[2 * elements + k] = pass * (whole ? edge2 : here2);
-            F[3 * elements + k] = pass * (whole ? edge3 : here3);
+            F[k] = GAS_PASS(pass * (whole ? edge0 : here0));
+            F[elements + k] = GAS_PASS(pass * (whole ? edge1 : here1));
+            F[2 * elements + k] = GAS_PASS(pass * (whole ? edge2 : here2));
+            F[3 * elements + k] = GAS_PASS(pass * (whole ? edge3 : here3));
         }
     }
 """

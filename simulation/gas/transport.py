@@ -104,26 +104,35 @@ class Transport:
         """Move amounts along one axis with the volumes that pass lower faces."""
         self._together([self._fluxes(axis, through)])
         self._together([self._settle(axis, through)])
-        self.border.count(self.box, axis, through, self._array(f"moved/{axis}"))
+
+    def _counting(self) -> tuple[Any, list[Any]]:
+        """Kernel that counts what has left with sweeps along all axes, with its parameters."""
+        return self.border.counting(self.quantities, self._axes("through"), self._axes("moved"))
 
     def parts(self, seconds: float, velocity: Any, opening: Any, room: Any) -> int:
-        """Parts in which `standing` carries amounts over a step."""
+        """Parts in which `standing` carries amounts over a step, each with the volumes that are now known to pass faces in it.
+
+        Args:
+            seconds: of the step.
+            velocity: of faces [m/s].
+            opening: open shares of faces.
+            room: of cells.
+        """
         run = self.run
         self._ask(seconds / self.cell, velocity, opening, "through")
         out = run.array("gas/demand", self.rows, warp().float32)
         run(kernels.demand, self.rows, [self.box, MOST_TAKEN, room, *self._axes("through"), out], grain=ROWS)
-        return max(1, math.ceil(float(run.read(out, self.rows).max())))
+        found = max(1, math.ceil(float(run.read(out, self.rows).max())))
+        if found > 1:
+            self._ask(seconds / found / self.cell, velocity, opening, "through")
+        return found
 
-    def standing(
-        self, seconds: float, turn: int, velocity: Any, opening: Any, *, room: Any, made: Sequence[Any], source: Sequence[Any]
-    ) -> None:
-        """A part of a step between solids that stand.
+    def standing(self, seconds: float, turn: int, *, room: Any, made: Sequence[Any], source: Sequence[Any]) -> None:
+        """A part of a step between solids that stand, after `parts`.
 
         Args:
             seconds: of the part.
             turn: order of the axes.
-            velocity: of faces [m/s].
-            opening: open shares of faces.
             room: of cells.
             made: volume that cells make per volume and second [1/s], their regions, and what each of these takes up by its pressure [m/s].
             source: as of `inject`.
@@ -131,13 +140,11 @@ class Transport:
         throughs = self._axes("through")
         x, y, z = ([self._fluxes(axis, through), self._settle(axis, through)] for axis, through in enumerate(throughs))
         state = [self.elements, self.quantities, room, self._array("amount")]
-        begin = [
-            (sweeps.shares, [*state[:3], self._array("state"), *map(self._array, ("amount", "volume", "share"))]),
-            (sweeps.crossed, [seconds / self.cell, velocity, opening, *throughs]),
-        ]
+        begin = [(sweeps.shares, [*state[:3], self._array("state"), *map(self._array, ("amount", "volume", "share"))])]
         end = [
             (kernels.finish_standing, [self.expands, *state, seconds, self.cell, *made, self._array("state")]),
             (kernels.inject, [seconds, self.expands, *source, self._array("state")]),
+            self._counting(),
         ]
         if turn % 2 == 0:
             self._together(begin)
@@ -147,8 +154,6 @@ class Transport:
             self._together([*begin, *z, *y])
             self._together(x[:1])
             self._together([*x[1:], *end])
-        for axis, through in enumerate(throughs):
-            self.border.count(self.box, axis, through, self._array(f"moved/{axis}"))
 
     def inject(self, seconds: float, source: Sequence[Any]) -> None:
         """Let a source add gas: volume per volume and time [1/s], its composition, heating."""
@@ -170,6 +175,7 @@ class Transport:
                     run(kernels.limit, self.elements, [self.box, axis, left, volume, through])
                     run(kernels.spend, self.elements, [through, left])
                     self._sweep(axis, through)
+                self._together([self._counting()])
                 if self._most_left() < SPENT:
                     break
         self._balance(room)

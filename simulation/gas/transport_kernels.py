@@ -9,6 +9,7 @@ doi:10.1016/j.jcp.2009.12.018). What comes in from outside is ambient air.
 
 import warp as wp
 
+from ..grids.row_kernels import LOOP
 from .box_kernels import Box, beside, has_face, index_of, is_cell, place_of, run_of, upper
 
 wp.set_module_options({"enable_backward": False})
@@ -25,6 +26,7 @@ __all__ = [
     "finish_standing",
     "inject",
     "largest",
+    "lightest",
     "limit",
     "spend",
 ]
@@ -79,6 +81,47 @@ def more(a: float, b: float):
     return wp.where(a > b, a, b)
 
 
+_DEMAND = (
+    """
+#define GAS_MOST(a, b) ((a) > (b) ? (a) : (b))
+    const float* R = room.data;
+    const float* X = x.data;
+    const float* Y = y.data;
+    const float* Z = z.data;
+    int top = 0;
+"""
+    + LOOP
+    + """
+    for (int k = lo; k < hi; ++k) {
+        const float a = X[own + k], b = X[high_x + k], d = Y[own + k], e = Y[high_y + k], f = Z[own + k], g = Z[high_z + k];
+        const float out_x = GAS_MOST(-a, 0.0f) + GAS_MOST(b, 0.0f);
+        const float out_y = GAS_MOST(-d, 0.0f) + GAS_MOST(e, 0.0f);
+        const float out_z = GAS_MOST(-f, 0.0f) + GAS_MOST(g, 0.0f);
+        // What a sweep may take is a share of what those before it left: volumes go down by what leaves less what comes.
+        const float first_y = out_y + most * (b - a), first_z = out_z + most * (b - a + e - d);
+        const float last_y = out_y + most * (g - f), last_x = out_x + most * (g - f + e - d);
+        const float first_two = GAS_MOST(first_y, first_z), last_two = GAS_MOST(last_y, last_x);
+        const float both = GAS_MOST(first_two, last_two), alone = GAS_MOST(out_x, out_z);
+        const float whole = R[own + k];
+        union { float number; int bits; } found;
+        found.number = whole > 0.0f ? GAS_MOST(alone, both) / whole : 0.0f;
+        top = found.bits > top ? found.bits : top;  // Numbers above 0 are in the order of their bits.
+    }
+    union { int bits; float number; } most_of_all;
+    most_of_all.bits = top;
+    return most_of_all.number;
+"""
+)
+
+
+@wp.func_native(_DEMAND)
+def demand_row(
+    own: int, high_x: int, high_y: int, high_z: int, lo: int, hi: int, most: float, room: wp.array(dtype=float),
+    x: wp.array(dtype=float), y: wp.array(dtype=float), z: wp.array(dtype=float),
+) -> float:  # fmt: skip
+    """Largest share of a cell's room that sweeps ask for, in a row of cells, times `most`."""
+
+
 @wp.kernel
 def demand(
     first: wp.int32, box: Box, most: float, room: wp.array(dtype=float), x: wp.array(dtype=float), y: wp.array(dtype=float),
@@ -93,25 +136,13 @@ def demand(
     if at[0] < box.nx and at[1] < box.ny:
         along_x = upper(box, at, 0)
         along_y = upper(box, at, 1)
-        for k in range(box.nz):
-            c = own + k
-            if room[c] > 0.0:
-                a = x[c]
-                b = x[along_x + k]
-                d = y[c]
-                e = y[along_y + k]
-                f = z[c]
-                up = c + 1
-                if box.wraps[2] == 1 and k == box.nz - 1:
-                    up = own
-                g = z[up]
-                out_x = more(-a, 0.0) + more(b, 0.0)
-                out_y = more(-d, 0.0) + more(e, 0.0)
-                out_z = more(-f, 0.0) + more(g, 0.0)
-                # What a sweep may take is a share of what those before it left: volumes go down by what leaves less what comes.
-                first_two = more(out_y + most * (b - a), out_z + most * (b - a + e - d))
-                last_two = more(out_y + most * (g - f), out_x + most * (g - f + e - d))
-                found = more(found, more(more(out_x, out_z), more(first_two, last_two)) / room[c])
+        lo = int(0)
+        while lo < box.nz:
+            # The upper face of the last cell may be the first one again.
+            hi = wp.where(box.wraps[2] == 1 and lo < box.nz - 1, box.nz - 1, box.nz)
+            above = wp.where(box.wraps[2] == 1 and lo == box.nz - 1, own - lo, own + 1)
+            found = wp.max(found, demand_row(own, along_x, along_y, above, lo, hi, most, room, x, y, z))
+            lo = hi
     out[row] = found / most
 
 
@@ -185,6 +216,14 @@ _INJECT = """
     const float* C = (const float*)content.data;
     float* Q = (float*)state.data;
     const float less = expands == 1 ? 1.0f : 0.0f, heat = expands == 1 ? 0.0f : seconds;
+    int any = 0;
+#if defined(__clang__)
+#pragma clang loop vectorize(assume_safety)
+#endif
+    for (int c = lo; c < hi; ++c)
+        any |= (R[c] > 0.0f ? 1 : 0) | (H[c] != 0.0f ? 1 : 0);
+    if (any == 0)
+        return;
 #if defined(__clang__)
 #pragma clang loop vectorize(assume_safety)
 #endif
@@ -218,18 +257,39 @@ def inject(
     inject_run(own + at[2], own + at[3], seconds, expands, rate, content, heating, state)
 
 
+_EXPANSION = (
+    """
+    const float* R = rate.data;
+    const float* H = heating.data;
+    const int* G = region.data;
+    const float* P = ratio.data;
+    float* E = out.data;
+"""
+    + LOOP
+    + """
+    for (int c = lo; c < hi; ++c)
+        E[c] = (expands == 1 ? R[c] + H[c] : R[c]) / P[G[c]];
+"""
+)
+
+
+@wp.func_native(_EXPANSION)
+def expansion_run(
+    lo: int, hi: int, expands: int, rate: wp.array(dtype=float), heating: wp.array(dtype=float), region: wp.array(dtype=wp.int32),
+    ratio: wp.array(dtype=float), out: wp.array(dtype=float),
+):  # fmt: skip
+    """As `expansion_of`, over elements that follow each other."""
+
+
 @wp.kernel
 def expansion_of(
-    first: wp.int32, rate: wp.array(dtype=float), heating: wp.array(dtype=float), expands: int, region: wp.array(dtype=wp.int32),
-    ratio: wp.array(dtype=float), out: wp.array(dtype=float),
+    first: wp.int32, span: int, elements: int, rate: wp.array(dtype=float), heating: wp.array(dtype=float), expands: int,
+    region: wp.array(dtype=wp.int32), ratio: wp.array(dtype=float), out: wp.array(dtype=float),
 ):  # fmt: skip
     """Volume per volume and second that sources and heat ask for; heat only where the gas expands. Their numbers are those at the ambient
     pressure: under more, they make less."""
-    c = first + wp.tid()
-    d = rate[c]
-    if expands == 1:
-        d = d + heating[c]
-    out[c] = d / ratio[region[c]]
+    lo = (first + wp.tid()) * span
+    expansion_run(lo, wp.min(lo + span, elements), expands, rate, heating, region, ratio, out)
 
 
 @wp.kernel
@@ -276,18 +336,47 @@ def amounts(
     first: wp.int32, box: Box, total: int, block: int, room: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
     out: wp.array2d(dtype=wp.float64),
 ):  # fmt: skip
-    """Sums of the four quantities times the room of their cells, of blocks of elements, and the greatest lightness."""
+    """Sums of the four quantities times the room of their cells, of blocks of elements."""
     b = first + wp.tid()
     sums = wp.vec4d(wp.float64(0.0), wp.float64(0.0), wp.float64(0.0), wp.float64(0.0))
-    top = float(0.0)
     for c in range(b * block, wp.min((b + 1) * block, total)):
         if is_cell(box, place_of(box, c)):
             q = state[c] * room[c]
             sums = sums + wp.vec4d(wp.float64(q[0]), wp.float64(q[1]), wp.float64(q[2]), wp.float64(q[3]))
-            top = wp.max(top, wp.abs(state[c][0]))
     for n in range(4):
         out[n, b] = sums[n]
-    out[4, b] = wp.float64(top)
+
+
+_LIGHTEST = (
+    """
+    const float* Q = (const float*)state.data;
+    int top = 0;
+"""
+    + LOOP
+    + """
+    for (int c = lo; c < hi; ++c) {
+        union { float number; int bits; } one;
+        one.number = Q[4 * c];
+        const int size = one.bits & 0x7fffffff;  // Sizes of numbers are in the order of their bits.
+        top = size > top ? size : top;
+    }
+    union { int bits; float number; } found;
+    found.bits = top;
+    return found.number;
+"""
+)
+
+
+@wp.func_native(_LIGHTEST)
+def lightest_run(lo: int, hi: int, state: wp.array(dtype=wp.vec4)) -> float:
+    """Largest size of the lightness of elements."""
+
+
+@wp.kernel
+def lightest(first: wp.int32, total: int, block: int, state: wp.array(dtype=wp.vec4), out: wp.array(dtype=float)):
+    """Largest size of the lightness of blocks of elements; those that are no cells have none."""
+    b = first + wp.tid()
+    out[b] = lightest_run(b * block, wp.min((b + 1) * block, total), state)
 
 
 @wp.kernel

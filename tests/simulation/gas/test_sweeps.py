@@ -9,6 +9,7 @@ import pytest
 from worldagent.simulation.gas.engine import SOOT, Gas
 from worldagent.simulation.gas.settings import GasSettings
 from worldagent.simulation.gas.transport import MOST_TAKEN
+from worldagent.simulation.passes import Waves
 from worldagent.worlds.arrays import F64
 
 SHAPE = (7, 6, 5)
@@ -67,6 +68,29 @@ def test_what_sweeps_carry_is_what_cells_lose_and_what_is_even_stays_even(sides:
     gone = gas.border.take()[SOOT]
     assert before - gas.totals()[SOOT] == pytest.approx(gone, abs=1e-5)
     assert gas.state[3:6, 3:5, 3:6, SOOT] == pytest.approx(0.25, rel=2e-6)
+
+
+@pytest.mark.parametrize("sides", [("open",) * 6, ("closed", "open", *("periodic",) * 4)])
+def test_sweeps_over_slices_of_layers_give_what_sweeps_over_all_do(sides: tuple[str, ...]) -> None:
+    """The pressure's multigrid cycle, to the last bit: slices go through all sweeps, then what is left around their ends."""
+    shape = (70, 5, 6)
+    gas = Gas(shape, 1.0, sides, GasSettings())  # type: ignore[arg-type]
+    gas.solve(1e-6, 1)
+    fine = gas._levels.fine
+    waves = [one for one in gas._levels._cycle if isinstance(one, Waves)]
+    assert len(waves) >= 2
+    assert all(one.sliced for one in waves)
+    draw = np.random.default_rng(5).standard_normal(fine.elements).astype(np.float32)
+    found = []
+    for sliced in (True, False):
+        for name, values in (("right", draw), ("x", 0.5 * draw), ("left", 0.0 * draw)):
+            getattr(fine, name).assign(values)
+        for wave in waves:
+            for one in [wave] if sliced else wave.passes:
+                one()
+        found.append(np.stack([fine.x.numpy(), fine.left.numpy()]))
+    assert np.abs(found[0]).max() > 1.0
+    np.testing.assert_array_equal(*found)
 
 
 def test_launches_are_kept_with_their_numbers_changed() -> None:

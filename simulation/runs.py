@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError, InputError
-from ..worlds.instances import membership_problems, read_by, watched_by
+from ..worlds.instances import felt_by, membership_problems, read_by, watched_by
 from ..worlds.media import media_of
 from ..worlds.shapes import Pose
 from .coupled_solver import CoupledSolver
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.cache import Cache
     from ..worlds.spec import WorldSpec
+    from .airing import Aired
     from .coupling import CoupledRun
 
 __all__ = ["Run", "make_run", "reads", "standing"]
@@ -33,7 +34,7 @@ def reads(spec: WorldSpec, *names: str) -> tuple[str, ...]:
 class Run:
     """Solvers that advance frame by frame together: one instance, or a group of coupled ones."""
 
-    def __init__(self, solvers: Mapping[str, Solver], coupled: CoupledRun | None = None) -> None:
+    def __init__(self, solvers: Mapping[str, Solver], coupled: CoupledRun | Aired | None = None) -> None:
         self.solvers, self._coupled = solvers, coupled
 
     def prepare(self, *, resumed: bool = False, tell: Within | None = None) -> None:
@@ -118,6 +119,15 @@ def make_run(
         return made
 
     rigid = names[0] in spec.simulation.rigid
+    feeling = [n for n in names if felt_by(spec, n)]
+    if feeling:
+        from .gas.live import LiveGas
+
+        # Made first: those that it carries ask it, and not its cache.
+        recipe = coupled_recipe(spec, built)
+        gas = solver(feeling[0], caches=have, recipe=recipe)
+        media = {**media, gas.name: LiveGas(gas)}
+        return _aired(gas, [n for n in names if n != gas.name], solver, None if rigid else have, recipe)
     if len(names) > 1 and rigid:
         from .coupling import CoupledRun
 
@@ -131,3 +141,29 @@ def make_run(
     if spec.simulation.settle is not None:
         spec = standing(spec, {n: c for n, c in have.items() if n not in watched_by(spec, name)})
     return Run({name: solver(name, caches=have, recipe=recipe)})
+
+
+def _aired(
+    gas: CoupledSolver, names: list[str], solver: Callable[..., Any], caches: Mapping[str, Cache] | None, recipe: str
+) -> Run:
+    """A run of a gas that feels what it carries: a rigid instance, which is the first, and others, or others that read bodies from caches.
+
+    Args:
+        gas: its solver.
+        names: of what runs with it.
+        solver: makes one by its name.
+        caches: of the instances that they read; None: the first is a rigid instance, which tells them.
+        recipe: of them all.
+    """
+    from .airing import Aired, Airing
+
+    airing = Airing(gas)
+    if caches is None:
+        from .coupling import CoupledRun
+
+        first, *rest = names
+        rigid = solver(first, coupled=True)
+        others = {n: solver(n, recipe=recipe) for n in rest}
+        return Run({first: rigid, **others, gas.name: gas}, CoupledRun(rigid, list(others.values()), airing))
+    alone = {n: solver(n, caches=caches, recipe=recipe) for n in names}
+    return Run({gas.name: gas, **alone}, Aired(airing, list(alone.values())))

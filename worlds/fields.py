@@ -6,7 +6,7 @@ Everything is a function of point and time alone, so that a solver and who judge
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from .instances import carriers_of
 if TYPE_CHECKING:
     from .spec import FieldDriver, WorldSpec
 
-__all__ = ["Carrier", "Fields", "Frames", "acting_on", "carried_by", "field_drivers", "fields_of"]
+__all__ = ["Answer", "Carrier", "Dragged", "Fields", "Frames", "Yielding", "acting_on", "carried_by", "field_drivers", "fields_of"]
 
 
 class Frames(Protocol):
@@ -42,6 +42,41 @@ class Carrier(Protocol):
 
     def at(self, points: F64, time: float) -> tuple[Medium, F64]:
         """The medium at points [m], shape (n, 3), and a time [s], and the share of it in what is there, shape (n,): 1 in its box."""
+
+
+class Dragged(NamedTuple):
+    """Things at n points that a medium drags during some time."""
+
+    velocity: F64
+    """[m/s], shape (n, 3)."""
+    mass: F64
+    """[kg], shape (n,)."""
+    share: F64
+    """Share of their velocity past a medium that would not give way, that drag takes in this time, shape (n,)."""
+    rate: F64
+    """Rate at which it takes it at first [1/s], shape (n,)."""
+    reach: F64 | None = None
+    """Half as wide as they are [m], shape (n,); None: points."""
+
+
+class Answer(Protocol):
+    """A medium that gives way to what it drags."""
+
+    change: F64
+    """By how much the velocity that each meets is another in the mean over that time [m/s], shape (n, 3)."""
+    stopping: float
+    """Rate at which they would stop it where they are thickest, if they stood still [1/s]."""
+
+    def take(self, impulse: F64, *, back: bool = False) -> None:
+        """Take from the medium what they got of it [N s], shape (n, 3), or give that `back`."""
+
+
+@runtime_checkable
+class Yielding(Protocol):
+    """Medium that is simulated at the same time as what it carries, and feels it."""
+
+    def answer(self, points: F64, dragged: Dragged) -> Answer:
+        """How it gives way to what is at points [m], shape (n, 3)."""
 
 
 def field_drivers(spec: WorldSpec) -> dict[str, FieldDriver]:
@@ -132,6 +167,16 @@ class Fields:
                 np.where(bare | (share > 0.0), own.coefficient, found.coefficient),
             )
         return found
+
+    @property
+    def yields(self) -> bool:
+        """True if a medium feels what it carries."""
+        return any(isinstance(self._media.get(n), Yielding) for n in self.carriers)
+
+    def answer(self, points: F64, dragged: Dragged) -> Answer | None:
+        """How a medium that feels what it carries gives way to things at points [m], shape (n, 3); None where none does."""
+        felt = [m for m in (self._media.get(n) for n in self.carriers) if isinstance(m, Yielding)]
+        return felt[0].answer(points, dragged) if felt and len(points) else None
 
     def _declared(self, points: F64, time: float) -> Medium:
         """The medium of the declared fields."""

@@ -52,12 +52,12 @@ class Felt:
         stopping: rate at which these would stop the most loaded face if they stood [1/s].
     """
 
-    def __init__(self, pay: Callable[[F64], None], foreseen: F64, change: F64, stopping: float) -> None:
+    def __init__(self, pay: Callable[[F64, float], None], foreseen: F64, change: F64, stopping: float) -> None:
         self._pay, self._foreseen, self.change, self.stopping = pay, foreseen, change, stopping
 
-    def take(self, impulse: F64) -> None:
-        """Take from the gas what items got of it [N s], shape (n, 3), in the order in which they were asked about."""
-        self._pay(-impulse - self._foreseen)
+    def take(self, impulse: F64, *, back: bool = False) -> None:
+        """Take from the gas what items got of it [N s], shape (n, 3), in the order in which they were asked about; or give that `back`."""
+        self._pay(-impulse - self._foreseen, -1.0 if back else 1.0)
 
 
 class YieldingGas(Gas):
@@ -165,11 +165,12 @@ class YieldingGas(Gas):
         items.inverse, items.bound = (wp.zeros(len(points), dtype=wp.vec3d, device=run.device) for _ in range(2))
         return _Sorted(items, span, order, faces)
 
-    def _pay(self, held: _Sorted, mean: Any, rest: F64) -> None:
+    def _pay(self, held: _Sorted, mean: Any, rest: F64, sign: float) -> None:
         """Give faces what was foreseen by their `mean` velocities, and a rest [N s] besides, shape (n, 3) as items were asked about."""
         wp, run = warp(), self._once
         more = wp.array(np.ascontiguousarray(rest[held.order]), dtype=wp.vec3d, device=run.device)
-        run(kernels.spread, held.faces, [self._box, held.span, held.items, self._mass, self._part, mean, more, self._kick], grain=GRAIN)
+        gas = [self._mass, self._part, mean]
+        run(kernels.spread, held.faces, [self._box, held.span, held.items, *gas, more, sign, self._kick], grain=GRAIN)
 
     # ------------------------------------------------------------ steps
 
@@ -192,6 +193,10 @@ class YieldingGas(Gas):
     def gained(self) -> F64:
         """Momentum that its velocities took since `begin` [N s], shape (3,)."""
         return np.asarray(self.run.read(self._given, self.elements).sum(axis=0))
+
+    def measured(self) -> dict[str, Any]:
+        """Channels of a frame."""
+        return {"gas_returned": self.returned(), "gas_gained": self.gained}
 
     def returned(self) -> NDArray[np.float32]:
         """(nx, ny, nz, 3) the same by cell and volume [N s/m^3]: a face's belongs to both its cells by their parts of it."""

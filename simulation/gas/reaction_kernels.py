@@ -322,9 +322,9 @@ def meet(
 @wp.kernel
 def spread(
     first: wp.int32, box: Box, span: Span, items: Items, mass: wp.array(dtype=wp.vec3d), part: wp.array(dtype=wp.vec3d),
-    mean: wp.array(dtype=wp.vec3d), rest: wp.array(dtype=wp.vec3d), kick: wp.array(dtype=wp.vec3d),
+    mean: wp.array(dtype=wp.vec3d), rest: wp.array(dtype=wp.vec3d), sign: wp.float64, kick: wp.array(dtype=wp.vec3d),
 ):  # fmt: skip
-    """Add what items give to faces: of each pair what was foreseen, by its own velocities, and of the `rest` [N s] a part by weight."""
+    """Add what items give to faces (-1: take it back): of each pair what was foreseen, by its velocities, and of the `rest` [N s] a part by weight."""
     t = first + wp.tid()
     at = in_span(span, t)
     c = element_of(box, at)
@@ -342,7 +342,7 @@ def spread(
                                     w = weight(axis, ox, oy, oz, items.way[i]) * items.inverse[i][axis]
                                     past = items.velocity[i][axis] - mean[t][axis]
                                     total = total + w * (items.mass[i] * items.share[i] * past + rest[i][axis])
-                k[axis] = k[axis] + total * part[c][axis] / mass[c][axis]
+                k[axis] = k[axis] + sign * total * part[c][axis] / mass[c][axis]
         kick[c] = k
 
 

@@ -78,7 +78,7 @@ def _on_body(stream: Stream, books: Books, body: int) -> Given:
     awake = ~(books.asleep[:-1, body] | books.asleep[1:, body])
     judged = inside[:-1] & inside[1:] & awake & (books.free_time[:, owner] > h - 1e-9)
     worked_out = np.where((inside[:-1] & inside[1:])[:, None], h / 6 * (ends[:-1] + 4 * between + ends[1:]), 0.0)
-    return Given((entity,), given, worked_out, {entity: worked_out}, judged)
+    return Given((entity,), given, worked_out, {entity: worked_out}, judged, inside[:-1] & inside[1:])
 
 
 def _hull(points: F64) -> F64:
@@ -154,7 +154,8 @@ def _on_sheets(stream: Stream, run: ClothRun) -> Given:
     told = np.stack([run.record(f"air_impulse_{a}") for a in "xyz"], axis=1)[:frames]
     given = np.diff(told, axis=0) - 0.5 * h * (pulled[:-1] + pulled[1:])
     free = np.arange(frames - 1) * h >= run.start - 1e-9
-    return Given(names, given, sum(sums.values(), np.zeros((frames - 1, 3))), sums, inside[:-1] & inside[1:] & free)
+    kept = inside[:-1] & inside[1:]
+    return Given(names, given, sum(sums.values(), np.zeros((frames - 1, 3))), sums, kept & free, kept)
 
 
 def _blown(stream: Stream, run: ClothRun, x: F64, v: F64, when: tuple[int, float]) -> dict[str, F64]:

@@ -44,14 +44,15 @@ def on_particles(stream: Stream, candidate: Candidate, other: str) -> Given:
     flies = candidate.spec.simulation.solvers[other].engine == "ballistic"
     pull = {n: pull_of(candidate, n) for n in names}
     given, shares = np.zeros((frames - 1, 3)), {n: np.zeros((frames - 1, 3)) for n in names}
-    doubt, judged = np.zeros(frames - 1), np.zeros(frames - 1, dtype=bool)
+    doubt, judged, inside = np.zeros(frames - 1), np.zeros(frames - 1, dtype=bool), np.zeros(frames - 1, dtype=bool)
     before = _read(candidate, other, names, 0)
     for k in range(frames - 1):
         now = _read(candidate, other, names, k + 1)
         _, here, there = np.intersect1d(before.identity, now.identity, return_indices=True)
         moves = (before.velocity[here] != 0.0).any(axis=1) | (now.velocity[there] != 0.0).any(axis=1)
         a, b = before.rows(here[moves]), now.rows(there[moves])
-        judged[k] = bool(len(a.place)) and all(stream.within(s.place, f).all() for s, f in ((before, k), (now, k + 1)))
+        inside[k] = all(stream.within(s.place, f).all() for s, f in ((before, k), (now, k + 1)))
+        judged[k] = bool(len(a.place)) and inside[k]
         for row, name in enumerate(names):
             own = a.member == row
             if own.any():
@@ -67,7 +68,7 @@ def on_particles(stream: Stream, candidate: Candidate, other: str) -> Given:
         given[k] = np.asarray(told, dtype=np.float64).sum(axis=0)
         given[k] -= sum((a.mass[a.member == r] @ _extra(candidate, pull[n], a.place[a.member == r], k, h) for r, n in enumerate(names)), np.zeros(3))  # fmt: skip
         before = now
-    return Given(names, given, sum(shares.values(), np.zeros((frames - 1, 3))), shares, judged, doubt)
+    return Given(names, given, sum(shares.values(), np.zeros((frames - 1, 3))), shares, judged, inside, doubt)
 
 
 def _read(candidate: Candidate, other: str, names: tuple[str, ...], frame: int) -> _Swarm:

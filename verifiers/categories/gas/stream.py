@@ -35,6 +35,8 @@ class Given:
     """The same by entity."""
     judged: Flags
     """True where it is free, awake and within the box at both ends, shape (F - 1,)."""
+    inside: Flags
+    """True where all of it is within the box at both ends, shape (F - 1,)."""
     doubt: F64 | None = None
     """Size of the impulse on what comes or goes within an interval, which nothing tells [N s], shape (F - 1,)."""
 

@@ -18,8 +18,8 @@ __all__ = ["Aired", "Airing", "Yields"]
 class Yields(Protocol):
     """A coupled solver whose medium feels what it carries."""
 
-    def open(self, seconds: float) -> None:
-        """Begin a span: what is asked and told until its step is of this time."""
+    def open(self, time: float, seconds: float) -> None:
+        """Begin a span at a time [s]: what is asked and told until its step is of so many seconds."""
 
 
 class Airing:
@@ -38,7 +38,7 @@ class Airing:
         while time < end - SHORTEST:
             seconds = gas.next_span(end - time)
             until = end if end - time - seconds < SHORTEST else time + seconds
-            gas.open(until - time)  # type: ignore[attr-defined]
+            gas.open(time, until - time)  # type: ignore[attr-defined]
             others(time, until)
             bodies = gas.still() if gas.motion is None or time < -SHORTEST else gas.motion.state(time, until)
             gas.step(until - time, bodies, time)

@@ -55,6 +55,8 @@ class Dragged(NamedTuple):
     """Share of their velocity past a medium that would not give way, that drag takes in this time, shape (n,)."""
     rate: F64
     """Rate at which it takes it at first [1/s], shape (n,)."""
+    seconds: float
+    """How long that time is [s]."""
     reach: F64 | None = None
     """Half as wide as they are [m], shape (n,); None: points."""
 
@@ -75,8 +77,8 @@ class Answer(Protocol):
 class Yielding(Protocol):
     """Medium that is simulated at the same time as what it carries, and feels it."""
 
-    def answer(self, points: F64, dragged: Dragged) -> Answer:
-        """How it gives way to what is at points [m], shape (n, 3)."""
+    def answer(self, points: F64, time: float, dragged: Dragged) -> Answer:
+        """How it gives way to what is at points [m], shape (n, 3), from a time [s] on."""
 
 
 def field_drivers(spec: WorldSpec) -> dict[str, FieldDriver]:
@@ -173,10 +175,10 @@ class Fields:
         """True if a medium feels what it carries."""
         return any(isinstance(self._media.get(n), Yielding) for n in self.carriers)
 
-    def answer(self, points: F64, dragged: Dragged) -> Answer | None:
-        """How a medium that feels what it carries gives way to things at points [m], shape (n, 3); None where none does."""
+    def answer(self, points: F64, time: float, dragged: Dragged) -> Answer | None:
+        """How a medium that feels what it carries gives way to things at points [m], shape (n, 3), from a time [s] on; None where none does."""
         felt = [m for m in (self._media.get(n) for n in self.carriers) if isinstance(m, Yielding)]
-        return felt[0].answer(points, dragged) if felt and len(points) else None
+        return felt[0].answer(points, time, dragged) if felt and len(points) else None
 
     def _declared(self, points: F64, time: float) -> Medium:
         """The medium of the declared fields."""

@@ -57,12 +57,13 @@ class Breeze:
         """True if a medium feels the sheets."""
         return self._of is not None and self._of.yields
 
-    def ask(self, points: F64, dragged: Dragged) -> tuple[Answer, NDArray[np.int64]] | None:
+    def ask(self, points: F64, time: float, dragged: Dragged) -> tuple[Answer, NDArray[np.int64]] | None:
         """How the medium gives way to triangles, and which these are; None where it does not."""
         own = self._felt
         if self._of is None or not len(own):
             return None
-        answer = self._of.answer(points[own], Dragged(*(None if a is None else a[own] for a in dragged)))  # type: ignore[arg-type]
+        velocity, mass, share, rate, seconds, _ = dragged
+        answer = self._of.answer(points[own], time, Dragged(velocity[own], mass[own], share[own], rate[own], seconds))
         return None if answer is None else (answer, own)
 
 
@@ -90,7 +91,8 @@ class Wake:
         before = self._blown()
         mass = np.maximum((engine.mass[engine.faces] / self._shared()).sum(axis=1), TINY)
         rate = before.rate / mass
-        found = breeze.ask(before.center, Dragged(before.velocity, mass, -np.expm1(-rate * seconds), rate))
+        dragged = Dragged(before.velocity, mass, -np.expm1(-rate * seconds), rate, seconds)
+        found = breeze.ask(before.center, time, dragged)
         self.answer = None if found is None else found[0]
         if found is not None:
             self._own, change = found[1], np.zeros_like(before.center)

@@ -10,10 +10,11 @@ from ...physics.drag import Medium
 from ...physics.substances import air_density, air_viscosity
 from ...worlds.arrays import F64
 from ...worlds.categories.gas.medium import FADES
+from ...worlds.fields import Dragged
 from .reaction import YieldingGas
 
 if TYPE_CHECKING:
-    from ...worlds.fields import Answer, Dragged
+    from ...worlds.fields import Answer
     from .reaction import Felt
     from .solver import SolverGas
 
@@ -66,24 +67,25 @@ class LiveGas:
         return place, np.clip(1.0 - beyond / FADES, 0.0, 1.0)
 
     def at(self, points: F64, time: float) -> tuple[Medium, F64]:
-        """The medium at points [m], shape (n, 3), and its share in what is there, shape (n,); it is as it is now, whatever the time."""
+        """The medium at points [m], shape (n, 3), and its share in what is there, shape (n,)."""
         place, share = self._within(points)
         if not len(points):
             return Medium(np.zeros((0, 3)), *np.zeros((3, 0))), share
-        velocity, held = self._engine.look(place)
+        velocity, held = self._engine.look(place, max(time - self._gas.opened, 0.0))
         temperature, soot = np.maximum(held[:, 0], 1.0), np.maximum(held[:, 1], 0.0)
         density = air_density(1.0) / temperature + soot
         return Medium(velocity, density, air_viscosity(temperature), np.full(len(points), self._coefficient)), share
 
-    def answer(self, points: F64, dragged: Dragged) -> Answer:
-        """How it gives way to what is at points [m], shape (n, 3)."""
+    def answer(self, points: F64, time: float, dragged: Dragged) -> Answer:
+        """How it gives way to what is at points [m], shape (n, 3), from a time [s] on."""
         grid = self._gas.grid
         place, share = self._within(points)
         owner, offset = _points(None if dragged.reach is None else dragged.reach / grid.cell, len(points))
         part = (share / np.bincount(owner, minlength=len(points)))[owner]
-        felt = self._engine.ask(
-            place[owner] + offset, dragged.velocity[owner], part * dragged.mass[owner], dragged.share[owner], dragged.rate[owner]
+        each = Dragged(
+            dragged.velocity[owner], part * dragged.mass[owner], dragged.share[owner], dragged.rate[owner], dragged.seconds
         )
+        felt = self._engine.ask(place[owner] + offset, each, max(time - self._gas.opened, 0.0))
         return _Answer(felt, owner, part, len(points))
 
 

@@ -20,16 +20,17 @@ from ...geometry.launch import warp
 from ...worlds.arrays import F64
 from ..grids.runner import Runner
 from . import reaction_kernels as kernels
-from .engine import Gas
+from .engine import Gas, GasReport
 from .fields import PACKED
 
 if TYPE_CHECKING:
+    from ...worlds.fields import Dragged
     from .settings import GasSettings, Side
     from .solids import Solids
 
 __all__ = ["Felt", "YieldingGas"]
 
-KICK = "reaction/kick"
+KICK, EASE = "reaction/kick", "reaction/ease"
 GRAIN = 256
 """Own choice: items or faces worth a thread of a CPU."""
 
@@ -63,15 +64,16 @@ class Felt:
 class YieldingGas(Gas):
     """As `Gas`, felt by and feeling what it carries."""
 
-    packed = (*PACKED, "kick")
+    packed = (*PACKED, "kick", "ease")
     """Names of what `pack` returns."""
 
     def __init__(self, shape: tuple[int, int, int], cell: float, sides: Sequence[Side], settings: GasSettings | None = None, **known: Any) -> None:  # fmt: skip
         super().__init__(shape, cell, sides, settings, **known)
         wp = warp()
         zeros = np.zeros((self.elements, 3))
-        self._kick = self.run.upload(KICK, zeros, wp.vec3d)
-        self._given = self.run.upload("reaction/given", zeros, wp.vec3d)
+        self._kick, self._ease = (self.run.upload(n, zeros, wp.vec3d) for n in (KICK, EASE))
+        self._given, self._taken = (self.run.upload(f"reaction/{n}", zeros, wp.vec3d) for n in ("given", "taken"))
+        self._before = self.run.array("reaction/before", self.elements, wp.vec3)
         self._mass, self._part = (self.run.array(f"reaction/{n}", self.elements, wp.vec3d) for n in ("mass", "part"))
         self._warmth = self.run.array("reaction/warmth", self.elements, wp.float32)
         self._wraps = np.array([s == "periodic" for s in sides[::2]])
@@ -85,6 +87,7 @@ class YieldingGas(Gas):
         opened = [self._densities(), self._room, self._opening, self._mass, self._part]
         self.run(kernels.face_masses, self.elements, [self._box, self.cell**3, self.density, expands, *opened])
         self.run.upload("reaction/warmth", self._scalar(self.temperature), wp.float32)
+        wp.copy(self._before, self._face("velocity"), count=self.elements)
         self._left = seconds
 
     def begin(self) -> None:
@@ -101,26 +104,19 @@ class YieldingGas(Gas):
         base = np.minimum(np.floor(middle), np.where(self._wraps, last, np.maximum(last - 1, 0))).astype(np.int32)
         return base, middle - base
 
-    def look(self, points: F64) -> tuple[F64, F64]:
-        """Velocity [m/s] at points [cells], (n, 3), with what it will be given; temperature [K] and soot [kg/m^3], (n, 2)."""
+    def look(self, points: F64, since: float = 0.0) -> tuple[F64, F64]:
+        """Velocity [m/s] at points [cells], (n, 3), `since` seconds after the time began; temperature [K] and soot [kg/m^3], (n, 2)."""
         wp, run, many = warp(), self._once, len(points)
         base, way = self._placed(points)
         at = [run.upload("reaction/base", base, wp.vec3i), run.upload("reaction/way", way, wp.vec3d)]
         out = [run.array("reaction/flow", many, wp.vec3d), run.array("reaction/held", many, wp.vec2d)]
-        fields = [self._face("velocity"), self._kick, self._warmth, self._cells("state")]
+        fields = [self._face("velocity"), self._kick, self._ease, since, self._warmth, self._cells("state")]
         run(kernels.look, many, [self._box, *at, *fields, *out], grain=GRAIN)
         return run.read(out[0], many), run.read(out[1], many)
 
-    def ask(self, points: F64, velocity: F64, mass: F64, share: F64, rate: F64) -> Felt:
-        """How it gives way to items while drag acts on them.
-
-        Args:
-            points: where they are [cells], shape (n, 3).
-            velocity: of items [m/s], shape (n, 3).
-            mass: [kg], shape (n,).
-            share: of their velocity past a gas that would not give way, that drag takes, shape (n,).
-            rate: at which it takes it at first [1/s], shape (n,).
-        """
+    def ask(self, points: F64, dragged: Dragged, since: float = 0.0) -> Felt:
+        """How it gives way to items at points [cells], shape (n, 3), while drag acts on them, from `since` seconds after the time began."""
+        velocity, mass, share, rate, seconds, _ = dragged
         wp, run, many = warp(), self._once, len(points)
         held = self._sorted(points, velocity, mass, share)
         items, span, order, faces = held
@@ -130,7 +126,7 @@ class YieldingGas(Gas):
         run(kernels.loads, faces, [self._box, span, items, rates, self._mass, self._part, load, stiff], grain=GRAIN)
         run(kernels.shares, many, [self._box, span, items, load], grain=GRAIN)
         mean, change = (wp.empty(faces, dtype=wp.vec3d, device=run.device) for _ in range(2))
-        gas = [self._mass, self._part, self._face("velocity"), self._kick]
+        gas = [self._mass, self._part, self._face("velocity"), self._kick, self._ease, since, 0.5 * seconds]
         run(kernels.ahead, faces, [self._box, span, items, *gas, mean, change], grain=GRAIN)
         out = [run.array(f"reaction/{n}", many, wp.vec3d) for n in ("seen", "changed")]
         run(kernels.meet, many, [self._box, span, items, self._part, mean, change, *out], grain=GRAIN)
@@ -179,7 +175,13 @@ class YieldingGas(Gas):
         super()._push(name, seconds)
         portion = 1.0 if self._left <= seconds * (1.0 + 1e-9) else seconds / self._left
         self._left = max(self._left - seconds, 0.0)
-        self.run(kernels.give, self.elements, [portion, self._mass, self._kick, self._face(name), self._given])
+        self.run(kernels.give, self.elements, [portion, self._mass, self._kick, self._face(name), self._given, self._taken])
+
+    def step(self, seconds: float, solids: Solids | None = None) -> GasReport:
+        """As of `Gas`; what the flow takes back of what it was given is taken to go on."""
+        report = super().step(seconds, solids)
+        self.run(kernels.unfold, self.elements, [seconds, self._before, self._face("velocity"), self._taken, self._ease])
+        return report
 
     # ------------------------------------------------------------ output
 
@@ -221,9 +223,10 @@ class YieldingGas(Gas):
 
     def pack(self) -> dict[str, Any]:
         """As of `Gas`, and what its velocities have not taken yet."""
-        return {**super().pack(), "kick": self._whole(self._kick)}
+        return {**super().pack(), "kick": self._whole(self._kick), "ease": self._whole(self._ease)}
 
     def unpack(self, found: Mapping[str, Any]) -> None:
         """Continue from such a state."""
         super().unpack(found)
-        self.run.upload(KICK, found["kick"].reshape(-1, 3), warp().vec3d)
+        for name in (KICK, EASE):
+            self.run.upload(name, found[name.removeprefix("reaction/")].reshape(-1, 3), warp().vec3d)

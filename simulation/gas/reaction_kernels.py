@@ -14,7 +14,7 @@ from .box_kernels import Box, beside, count_of, has_face, index_of, is_cell, pla
 
 wp.set_module_options({"enable_backward": False})
 
-__all__ = ["Items", "Span", "ahead", "face_masses", "give", "loads", "look", "meet", "norms", "shares", "spread"]
+__all__ = ["Items", "Span", "ahead", "face_masses", "give", "loads", "look", "meet", "norms", "shares", "spread", "unfold"]
 
 
 @wp.struct
@@ -146,7 +146,7 @@ def face_masses(
 @wp.kernel
 def look(
     first: wp.int32, box: Box, base: wp.array(dtype=wp.vec3i), way: wp.array(dtype=wp.vec3d), velocity: wp.array(dtype=wp.vec3),
-    kick: wp.array(dtype=wp.vec3d), warmth: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
+    kick: wp.array(dtype=wp.vec3d), ease: wp.array(dtype=wp.vec3d), since: wp.float64, warmth: wp.array(dtype=float), state: wp.array(dtype=wp.vec4),
     flow: wp.array(dtype=wp.vec3d), held: wp.array(dtype=wp.vec2d),
 ):  # fmt: skip
     """Velocity of the gas at items [m/s], straight between the middles of cells, with its temperature [K] and soot [kg/m^3]."""
@@ -167,6 +167,7 @@ def look(
             for a in range(3):
                 u = upper(box, here, a)
                 both = wp.float64(velocity[c][a]) + kick[c][a] + wp.float64(velocity[u][a]) + kick[u][a]
+                both = both + since * (ease[c][a] + ease[u][a])
                 v[a] = v[a] + wp.float64(0.5) * w * both
             h = h + w * wp.vec2d(wp.float64(warmth[c]), wp.float64(state[c][1]))
     flow[i] = v
@@ -263,9 +264,10 @@ def shares(first: wp.int32, box: Box, span: Span, items: Items, load: wp.array(d
 @wp.kernel
 def ahead(
     first: wp.int32, box: Box, span: Span, items: Items, mass: wp.array(dtype=wp.vec3d), part: wp.array(dtype=wp.vec3d),
-    velocity: wp.array(dtype=wp.vec3), kick: wp.array(dtype=wp.vec3d), mean: wp.array(dtype=wp.vec3d), change: wp.array(dtype=wp.vec3d),
+    velocity: wp.array(dtype=wp.vec3), kick: wp.array(dtype=wp.vec3d), ease: wp.array(dtype=wp.vec3d), since: wp.float64, half: wp.float64,
+    mean: wp.array(dtype=wp.vec3d), change: wp.array(dtype=wp.vec3d),
 ):  # fmt: skip
-    """Mean velocity of the gas at faces while drag goes on, and how far that is from the present one [m/s]."""
+    """Mean velocity of the gas at faces while drag goes on for twice `half` [s], and how far that is from the present one [m/s]."""
     t = first + wp.tid()
     at = in_span(span, t)
     c = element_of(box, at)
@@ -273,8 +275,10 @@ def ahead(
     d = wp.vec3d()
     for axis in range(3):
         if c >= 0:
-            now = wp.float64(velocity[c][axis]) + kick[c][axis]
+            rest = half * ease[c][axis]
+            now = wp.float64(velocity[c][axis]) + kick[c][axis] + since * ease[c][axis] + rest
             m[axis] = now
+            d[axis] = rest
             if part[c][axis] > wp.float64(0.0):
                 felt = wp.float64(0.0)
                 push = wp.float64(0.0)
@@ -289,8 +293,9 @@ def ahead(
                                     push = push + w * (items.velocity[i][axis] - now)
                 felt = felt * part[c][axis]
                 push = push * part[c][axis]
-                d[axis] = push / (mass[c][axis] + felt)
-                m[axis] = now + d[axis]
+                yielded = push / (mass[c][axis] + felt)
+                d[axis] = rest + yielded
+                m[axis] = now + yielded
     mean[t] = m
     change[t] = d
 
@@ -349,7 +354,7 @@ def spread(
 @wp.kernel
 def give(
     first: wp.int32, portion: wp.float64, mass: wp.array(dtype=wp.vec3d), kick: wp.array(dtype=wp.vec3d),
-    velocity: wp.array(dtype=wp.vec3), given: wp.array(dtype=wp.vec3d),
+    velocity: wp.array(dtype=wp.vec3), given: wp.array(dtype=wp.vec3d), taken: wp.array(dtype=wp.vec3d),
 ):  # fmt: skip
     """Add a portion of the changes of velocity that faces have to get; what single precision does not take stays, and momentum is counted by
     what the velocity changed [N s]."""
@@ -359,11 +364,32 @@ def give(
         was = velocity[c]
         now = was
         m = given[c]
+        all_taken = taken[c]
         for axis in range(3):
             now[axis] = wp.float32(wp.float64(was[axis]) + portion * k[axis])
-            taken = wp.float64(now[axis]) - wp.float64(was[axis])
-            k[axis] = k[axis] - taken
-            m[axis] = m[axis] + mass[c][axis] * taken
+            got = wp.float64(now[axis]) - wp.float64(was[axis])
+            k[axis] = k[axis] - got
+            m[axis] = m[axis] + mass[c][axis] * got
+            all_taken[axis] = all_taken[axis] + got
         velocity[c] = now
         kick[c] = k
         given[c] = m
+        taken[c] = all_taken
+
+
+@wp.kernel
+def unfold(
+    first: wp.int32, seconds: wp.float64, before: wp.array(dtype=wp.vec3), velocity: wp.array(dtype=wp.vec3),
+    taken: wp.array(dtype=wp.vec3d), ease: wp.array(dtype=wp.vec3d),
+):  # fmt: skip
+    """Acceleration by which the flow took back what faces were given in a step [m/s^2]: pressure spreads it, and other gas comes. A face that
+    has changed the other way has lost all of it, one that has changed by more none; the change that was given is forgotten."""
+    c = first + wp.tid()
+    e = wp.vec3d()
+    for axis in range(3):
+        k = taken[c][axis]
+        if k != wp.float64(0.0):
+            gone = wp.float64(1.0) - (wp.float64(velocity[c][axis]) - wp.float64(before[c][axis])) / k
+            e[axis] = -wp.clamp(gone, wp.float64(0.0), wp.float64(1.0)) * k / seconds
+    ease[c] = e
+    taken[c] = wp.vec3d()

@@ -150,8 +150,8 @@ class SolverFlight(FramedParticles):
             medium: Medium = fields.medium(now["position"][own], time)
             pace = sphere_drag_rate(medium, now["radius"][own], mass[own], velocity[own])[:, None]
             rate = pace * span
-            dragged = Dragged(velocity[own], mass[own], (rate / (1.0 + rate))[:, 0], pace[:, 0])
-            felt = fields.answer(now["position"][own], dragged)
+            dragged = Dragged(velocity[own], mass[own], (rate / (1.0 + rate))[:, 0], pace[:, 0], float(span.max()))
+            felt = fields.answer(now["position"][own], time, dragged)
             flow = medium.velocity if felt is None else medium.velocity + felt.change
             velocity[own] = (velocity[own] + rate * flow) / (1.0 + rate)
             if felt is not None:

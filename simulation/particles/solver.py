@@ -136,17 +136,17 @@ class SolverGrains(FramedParticles):
                 rate[own] = sphere_drag_rate(medium, c["radius"][own], c["mass"][own], c["velocity"][own])
         felt = None
         if any(f.carriers for f in self.fields):
-            felt, seconds = self._asked(c, rate, pull, seconds)
+            felt, seconds = self._asked(c, rate, pull, time, seconds)
         self.engine.set_air(velocity if felt is None else velocity + felt.change, rate, pull)
         return felt, seconds
 
-    def _asked(self, c: dict[str, Any], rate: F64, pull: F64, seconds: float) -> tuple[_Felt | None, float]:
+    def _asked(self, c: dict[str, Any], rate: F64, pull: F64, time: float, seconds: float) -> tuple[_Felt | None, float]:
         """How a medium gives way to all grains that it carries, in a time in which these could not stop it if they stood."""
         carried = [k for k, f in enumerate(self.fields) if f.carriers]
         own = np.flatnonzero(np.isin(c["kind"], carried))
         for _ in range(2):
-            dragged = Dragged(c["velocity"][own], c["mass"][own], -np.expm1(-rate[own] * seconds), rate[own])
-            answer = self.fields[carried[0]].answer(c["position"][own], dragged)
+            dragged = Dragged(c["velocity"][own], c["mass"][own], -np.expm1(-rate[own] * seconds), rate[own], seconds)
+            answer = self.fields[carried[0]].answer(c["position"][own], time, dragged)
             if answer is None:
                 return None, seconds
             if answer.stopping * seconds <= 1.0:

@@ -91,8 +91,8 @@ class FieldForces:
             rate = np.linalg.norm(push, axis=1) / (speed * np.maximum(self._mass[rows], 1e-12))
             taken = dt * rate / (1.0 + dt * rate)
             moved = np.where(self._still[rows], 0.0, self._mass[rows])
-            dragged = Dragged(velocity[rows], moved, taken, rate, np.sqrt(area / np.pi))
-            felt = fields.answer(center[rows], dragged)
+            dragged = Dragged(velocity[rows], moved, taken, rate, dt, np.sqrt(area / np.pi))
+            felt = fields.answer(center[rows], time, dragged)
             if felt is not None:
                 push = push + (self._mass[rows] * rate)[:, None] * felt.change
                 given = dt * push / (1.0 + dt * rate)[:, None]

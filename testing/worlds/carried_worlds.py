@@ -6,7 +6,7 @@ from typing import Any
 
 from .small_gas import fire_spec, smoke_spec
 
-__all__ = ["BALL", "EMBERS_PROMPT", "JET_PROMPT", "embers_spec", "jet_spec", "stream_spec"]
+__all__ = ["BALL", "EMBERS_PROMPT", "JET_PROMPT", "cloud_spec", "embers_spec", "jet_spec", "stream_spec"]
 
 JET_PROMPT = "A jet of air from a pipe blows a light ball along the floor."
 EMBERS_PROMPT = "A fire in a bowl carries glowing embers up."

@@ -132,7 +132,9 @@ class CoupledRun:
         if self._airing is None:
             exchange(start, end)
         else:
-            self._airing.through(start, end, exchange if self.others else lambda begin, until: self.rigid.step_to(until, start=begin))
+            self._airing.through(
+                start, end, exchange if self.others else lambda begin, until: self.rigid.step_to(until, start=begin)
+            )
 
     def _exchange(self, start: float, end: float, *, tell: Within | None = None, again: str = "") -> None:
         """Step all from `start` to `end` [s]; the first coupled solver sets the pace. `tell` takes how far it is, after the words `again`."""

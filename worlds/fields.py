@@ -20,7 +20,18 @@ from .instances import carriers_of
 if TYPE_CHECKING:
     from .spec import FieldDriver, WorldSpec
 
-__all__ = ["Answer", "Carrier", "Dragged", "Fields", "Frames", "Yielding", "acting_on", "carried_by", "field_drivers", "fields_of"]
+__all__ = [
+    "Answer",
+    "Carrier",
+    "Dragged",
+    "Fields",
+    "Frames",
+    "Yielding",
+    "acting_on",
+    "carried_by",
+    "field_drivers",
+    "fields_of",
+]
 
 
 class Frames(Protocol):
@@ -177,8 +188,11 @@ class Fields:
 
     def answer(self, points: F64, time: float, dragged: Dragged) -> Answer | None:
         """How a medium that feels what it carries gives way to things at points [m], shape (n, 3), from a time [s] on; None where none does."""
-        felt = [m for m in (self._media.get(n) for n in self.carriers) if isinstance(m, Yielding)]
-        return felt[0].answer(points, time, dragged) if felt and len(points) else None
+        for name in self.carriers if len(points) else ():
+            medium: object = self._media.get(name)
+            if isinstance(medium, Yielding):
+                return medium.answer(points, time, dragged)
+        return None
 
     def _declared(self, points: F64, time: float) -> Medium:
         """The medium of the declared fields."""

@@ -76,7 +76,9 @@ def felt_by(spec: WorldSpec, name: str) -> tuple[str, ...]:
     plan = spec.simulation
     if name not in plan.solvers or not plan.solvers[name].carries:
         return ()
-    return tuple(sorted({c.target for c in plan.couplings.values() if c.source == name and c.direction == "two_way"} & set(plan.solvers)))
+    return tuple(
+        sorted({c.target for c in plan.couplings.values() if c.source == name and c.direction == "two_way"} & set(plan.solvers))
+    )
 
 
 def bodies_read(spec: WorldSpec, name: str) -> tuple[str, ...]:

@@ -131,7 +131,9 @@ class Wake:
         speed = v[engine.faces].mean(axis=1)
         past = self._air[:, :3] - speed
         across = (past * normal).sum(axis=1)[:, None] * normal
-        drag = np.concatenate([np.tile(d, (len(s.faces), 1)) for s, d in zip(engine.setup.sheets, engine.setup.drag, strict=True)])
+        drag = np.concatenate(
+            [np.tile(d, (len(s.faces), 1)) for s, d in zip(engine.setup.sheets, engine.setup.drag, strict=True)]
+        )
         weight = 0.5 * self._air[:, 3] * area * np.linalg.norm(past, axis=1)
         force = weight[:, None] * (drag[:, :1] * across + drag[:, 1:] * (past - across))
         size = np.linalg.norm(force, axis=1) / np.maximum(np.linalg.norm(past, axis=1), TINY)

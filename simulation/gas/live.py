@@ -71,7 +71,7 @@ class LiveGas:
         place, share = self._within(points)
         if not len(points):
             return Medium(np.zeros((0, 3)), *np.zeros((3, 0))), share
-        velocity, held = self._engine.look(place, max(time - self._gas.opened, 0.0))
+        velocity, held = self._engine.look(place, max(time - self._engine.opened, 0.0))
         temperature, soot = np.maximum(held[:, 0], 1.0), np.maximum(held[:, 1], 0.0)
         density = air_density(1.0) / temperature + soot
         return Medium(velocity, density, air_viscosity(temperature), np.full(len(points), self._coefficient)), share
@@ -85,7 +85,7 @@ class LiveGas:
         each = Dragged(
             dragged.velocity[owner], part * dragged.mass[owner], dragged.share[owner], dragged.rate[owner], dragged.seconds
         )
-        felt = self._engine.ask(place[owner] + offset, each, max(time - self._gas.opened, 0.0))
+        felt = self._engine.ask(place[owner] + offset, each, max(time - self._engine.opened, 0.0))
         return _Answer(felt, owner, part, len(points))
 
 

@@ -81,14 +81,14 @@ class YieldingGas(Gas):
         self._left = 0.0
         self.open(0.0)
 
-    def open(self, seconds: float) -> None:
-        """Begin a time of so many seconds, in which it is asked and told, and at whose end it makes a step as long."""
+    def open(self, seconds: float, time: float = 0.0) -> None:
+        """Begin a span of so many seconds at a time [s], in which it is asked and told, and at whose end it makes a step as long."""
         wp, expands = warp(), int(self.settings.expands)
         opened = [self._densities(), self._room, self._opening, self._mass, self._part]
         self.run(kernels.face_masses, self.elements, [self._box, self.cell**3, self.density, expands, *opened])
         self.run.upload("reaction/warmth", self._scalar(self.temperature), wp.float32)
         wp.copy(self._before, self._face("velocity"), count=self.elements)
-        self._left = seconds
+        self._left, self.opened = seconds, time
 
     def begin(self) -> None:
         """Count anew what it was given."""
@@ -105,7 +105,7 @@ class YieldingGas(Gas):
         return base, middle - base
 
     def look(self, points: F64, since: float = 0.0) -> tuple[F64, F64]:
-        """Velocity [m/s] at points [cells], (n, 3), `since` seconds after the time began; temperature [K] and soot [kg/m^3], (n, 2)."""
+        """Velocity [m/s] at points [cells], (n, 3), `since` seconds after the span began; temperature [K] and soot [kg/m^3], (n, 2)."""
         wp, run, many = warp(), self._once, len(points)
         base, way = self._placed(points)
         at = [run.upload("reaction/base", base, wp.vec3i), run.upload("reaction/way", way, wp.vec3d)]
@@ -115,7 +115,7 @@ class YieldingGas(Gas):
         return run.read(out[0], many), run.read(out[1], many)
 
     def ask(self, points: F64, dragged: Dragged, since: float = 0.0) -> Felt:
-        """How it gives way to items at points [cells], shape (n, 3), while drag acts on them, from `since` seconds after the time began."""
+        """How it gives way to items at points [cells], shape (n, 3), while drag acts on them, from `since` seconds after the span began."""
         velocity, mass, share, rate, seconds, _ = dragged
         wp, run, many = warp(), self._once, len(points)
         held = self._sorted(points, velocity, mass, share)

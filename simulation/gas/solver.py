@@ -75,8 +75,6 @@ class SolverGas(CoupledSolver):
 
     KIND = "gas"
     REMEDY = "shorten max_step or lower courant"
-    opened = 0.0
-    """When the present span began [s]."""
 
     @staticmethod
     def recipe_alone(spec: WorldSpec, built: Mapping[str, BuiltEntity], name: str, caches: Mapping[str, Cache]) -> str:
@@ -170,8 +168,7 @@ class SolverGas(CoupledSolver):
     def open(self, time: float, seconds: float) -> None:
         """Begin a span at a time [s] in which what it carries asks it; its step at the end is as long."""
         if isinstance(self.engine, YieldingGas):
-            self.opened = time
-            self.engine.open(seconds)
+            self.engine.open(seconds, time)
 
     def max_stable_dt(self) -> float:
         """Longest step now [s]; an emission that is about to start counts."""

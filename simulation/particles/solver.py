@@ -144,14 +144,17 @@ class SolverGrains(FramedParticles):
         """How a medium gives way to all grains that it carries, in a time in which these could not stop it if they stood."""
         carried = [k for k, f in enumerate(self.fields) if f.carriers]
         own = np.flatnonzero(np.isin(c["kind"], carried))
-        for _ in range(2):
-            dragged = Dragged(c["velocity"][own], c["mass"][own], -np.expm1(-rate[own] * seconds), rate[own], seconds)
-            answer = self.fields[carried[0]].answer(c["position"][own], time, dragged)
-            if answer is None:
-                return None, seconds
-            if answer.stopping * seconds <= 1.0:
-                break
-            seconds = (1.0 - 1e-9) / answer.stopping
+
+        def ask(span: float) -> Answer | None:
+            dragged = Dragged(c["velocity"][own], c["mass"][own], -np.expm1(-rate[own] * span), rate[own], span)
+            return self.fields[carried[0]].answer(c["position"][own], time, dragged)
+
+        answer = ask(seconds)
+        if answer is not None and answer.stopping * seconds > 1.0:
+            seconds = 1.0 / answer.stopping
+            answer = ask(seconds)
+        if answer is None:
+            return None, seconds
         change = np.zeros((len(c["mass"]), 3))
         change[own] = answer.change
         return _Felt(answer, c["identity"][own], change, c["mass"][own, None] * pull[own]), seconds

@@ -194,7 +194,13 @@ def embers_spec(
 
 
 def cloud_spec(
-    *, direction: str = "two_way", count: int = 6000, frames: int = 15, resolution: float = 0.05, radius: float = 5e-4, law: str = "ballistic"
+    *,
+    direction: str = "two_way",
+    count: int = 6000,
+    frames: int = 15,
+    resolution: float = 0.05,
+    radius: float = 5e-4,
+    law: str = "ballistic",
 ) -> dict[str, Any]:
     """A cloud of light grains that falls through still air and drags it along.
 
@@ -213,9 +219,15 @@ def cloud_spec(
     spec["entities"]["smoke"] |= {
         "pose": {"position": [-0.3, 0.0, 0.1]},
         "physics": {"category": "gas", "temperature": 293.15, "soot_density": 1e-6, "resolution": resolution},
-        "parts": {"source": {"shape": {"kind": "box", "size": [0.1, 0.1, 0.1]}}},
+        "dimensions": {"size": [0.2, 0.2, 0.2]},
+        "parts": {"source": {"shape": {"kind": "box", "size": [0.2, 0.2, 0.2]}}},
     }
-    kind = {"law": law, "radius": radius, "radius_spread": 0.0, **({"count": count, "on_hit": "stick"} if law == "ballistic" else {"packing": 0.2})}
+    kind = {
+        "law": law,
+        "radius": radius,
+        "radius_spread": 0.0,
+        **({"count": count, "on_hit": "stick"} if law == "ballistic" else {"packing": 0.2}),
+    }
     size = 0.14 if law == "ballistic" else 0.03
     spec["entities"]["grains"] = {
         "role": "light grains",
@@ -230,7 +242,11 @@ def cloud_spec(
     box = {"center": [0, 0, 0.6], "size": [0.8, 0.8, 1.2]}
     plan["solvers"]["bodies"]["members"] = ["floor"]
     plan["solvers"]["air"]["settings"] = {"domain": {**box, "sides": [*OPEN[:4], "closed", "open"]}}
-    plan["solvers"]["swarm"] = {"engine": "ballistic" if law == "ballistic" else "dem", "members": ["grains"], "settings": {"domain": box}}
+    plan["solvers"]["swarm"] = {
+        "engine": "ballistic" if law == "ballistic" else "dem",
+        "members": ["grains"],
+        "settings": {"domain": box},
+    }
     plan["drivers"] = {"leak": {"kind": "emission", "entity": "smoke", "rate": 1e-6}}
     plan["couplings"] = {"carries": {**PUSH, "target": "swarm", "direction": direction}}
     return spec

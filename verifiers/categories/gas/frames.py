@@ -261,7 +261,9 @@ class GasBox:
             return None
         found = np.asarray(self.cache.read(index, ("gas_returned",))["gas_returned"], dtype=np.float64)
         if found.shape != (*self.shape, 3):
-            raise EvidenceError(f"gas_returned of frame {index} of {self.solver!r} has shape {found.shape}, planned {(*self.shape, 3)}; bake again")
+            raise EvidenceError(
+                f"gas_returned of frame {index} of {self.solver!r} has shape {found.shape}, planned {(*self.shape, 3)}; bake again"
+            )
         return found * self.volume
 
     def record(self, name: str) -> F64:

@@ -85,7 +85,7 @@ def _off(given: Given) -> F64:
     recorded, own = (np.cumsum(np.where(given.judged[:, None], a, 0.0), axis=0) for a in (given.recorded, given.worked_out))
     scale = max(float(np.linalg.norm(own, axis=1).max()), float(np.linalg.norm(recorded, axis=1).max()), TINY)
     doubt = 0.0 if given.doubt is None else np.cumsum(np.where(given.judged, given.doubt, 0.0))
-    return np.concatenate([[0.0], np.maximum(np.linalg.norm(recorded - own, axis=1) - doubt, 0.0) / scale])
+    return np.concatenate([[0.0], np.maximum(given.off() - doubt, 0.0) / scale])
 
 
 def _size(vector: F64) -> float:

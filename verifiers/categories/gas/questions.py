@@ -299,7 +299,9 @@ RETURNING = by_name(
         "1",
         "RETURNED",
     ),
-    _asked("returned_there", "it loses that where these are", "share of it that it lost elsewhere, in any interval", "1", "ASTRAY"),
+    _asked(
+        "returned_there", "it loses that where these are", "share of it that it lost elsewhere, in any interval", "1", "ASTRAY"
+    ),
 )
 STEAM = by_name(
     _asked(

@@ -83,7 +83,10 @@ class Returning:
         found = [g for g in given_by(self.box) if self._owner(g) in self.felt]
         inside = np.all([g.inside for g in found], axis=0) if found else np.zeros(0, dtype=bool)
         if not inside.any():
-            return Finding("unverified", "what it carries is never all in its box from one frame to the next, so that nothing tells what it lost")
+            return Finding(
+                "unverified",
+                "what it carries is never all in its box from one frame to the next, so that nothing tells what it lost",
+            )
         got = sum((g.recorded for g in found), np.zeros_like(found[0].recorded))
         gained, cells = np.array(self.gained)[1:], np.array(self.cells)[1:]
         count = min(len(got), len(gained))

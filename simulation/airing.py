@@ -16,7 +16,7 @@ __all__ = ["Aired", "Airing", "Yields"]
 
 
 class Yields(Protocol):
-    """A coupled solver whose medium feels what it carries."""
+    """The medium of a coupled solver, which feels what it carries."""
 
     def open(self, time: float, seconds: float) -> None:
         """Begin a span at a time [s]: what is asked and told until its step is of so many seconds."""
@@ -26,11 +26,12 @@ class Airing:
     """A gas whose steps set the spans in which others go on.
 
     Args:
-        gas: it also is `Yields`.
+        gas: its solver.
+        medium: as others meet it.
     """
 
-    def __init__(self, gas: CoupledSolver) -> None:
-        self.gas = gas
+    def __init__(self, gas: CoupledSolver, medium: Yields) -> None:
+        self.gas, self._medium = gas, medium
 
     def through(self, start: float, end: float, others: Callable[[float, float], None]) -> None:
         """Step from `start` to `end` [s]; `others` takes times from which and to which it steps what is carried."""
@@ -38,7 +39,7 @@ class Airing:
         while time < end - SHORTEST:
             seconds = gas.next_span(end - time)
             until = end if end - time - seconds < SHORTEST else time + seconds
-            gas.open(time, until - time)  # type: ignore[attr-defined]
+            self._medium.open(time, until - time)
             others(time, until)
             bodies = gas.still() if gas.motion is None or time < -SHORTEST else gas.motion.state(time, until)
             gas.step(until - time, bodies, time)

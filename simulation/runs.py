@@ -119,15 +119,12 @@ def make_run(
         return made
 
     rigid = names[0] in spec.simulation.rigid
-    feeling = [n for n in names if felt_by(spec, n)]
-    if feeling:
-        from .gas.live import LiveGas
-
-        # Made first: those that it carries ask it, and not its cache.
-        recipe = coupled_recipe(spec, built)
-        gas = solver(feeling[0], caches=have, recipe=recipe)
-        media = {**media, gas.name: LiveGas(gas)}
-        return _aired(gas, [n for n in names if n != gas.name], solver, None if rigid else have, recipe)
+    feeling = next((n for n in names if felt_by(spec, n)), None)
+    if feeling is not None:
+        # Made first: what it carries asks it, and not its cache.
+        gas = solver(feeling, caches=have, recipe=coupled_recipe(spec, built))
+        media = {**media, feeling: gas.live()}
+        return _aired(gas, media[feeling], [n for n in names if n != feeling], solver, None if rigid else have)
     if len(names) > 1 and rigid:
         from .coupling import CoupledRun
 
@@ -144,20 +141,20 @@ def make_run(
 
 
 def _aired(
-    gas: CoupledSolver, names: list[str], solver: Callable[..., Any], caches: Mapping[str, Cache] | None, recipe: str
+    gas: CoupledSolver, medium: Any, names: list[str], solver: Callable[..., Any], caches: Mapping[str, Cache] | None
 ) -> Run:
     """A run of a gas that feels what it carries: a rigid instance, which is the first, and others, or others that read bodies from caches.
 
     Args:
         gas: its solver.
+        medium: as others meet it.
         names: of what runs with it.
         solver: makes one by its name.
         caches: of the instances that they read; None: the first is a rigid instance, which tells them.
-        recipe: of them all.
     """
     from .airing import Aired, Airing
 
-    airing = Airing(gas)
+    airing, recipe = Airing(gas, medium), gas.recipe
     if caches is None:
         from .coupling import CoupledRun
 

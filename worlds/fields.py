@@ -89,7 +89,7 @@ class Yielding(Protocol):
     """Medium that is simulated at the same time as what it carries, and feels it."""
 
     def answer(self, points: F64, time: float, dragged: Dragged) -> Answer:
-        """How it gives way to what is at points [m], shape (n, 3), from a time [s] on."""
+        """Its way of giving way to what is at points [m], shape (n, 3), from a time [s] on."""
 
 
 def field_drivers(spec: WorldSpec) -> dict[str, FieldDriver]:
@@ -187,7 +187,7 @@ class Fields:
         return any(isinstance(self._media.get(n), Yielding) for n in self.carriers)
 
     def answer(self, points: F64, time: float, dragged: Dragged) -> Answer | None:
-        """How a medium that feels what it carries gives way to things at points [m], shape (n, 3), from a time [s] on; None where none does."""
+        """Answer of a medium that feels what it carries to things at points [m], shape (n, 3), from a time [s] on; None where none does."""
         for name in self.carriers if len(points) else ():
             medium: object = self._media.get(name)
             if isinstance(medium, Yielding):

@@ -1,4 +1,4 @@
-"""What sheets take out of a medium that feels them: asked before an exchange, face by face, and told after it (R66)."""
+"""Sheets in a medium that feels them: it is asked before an exchange, triangle by triangle, and told after it what they took (R66)."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Breeze:
         return self._of is not None and self._of.yields
 
     def ask(self, points: F64, time: float, dragged: Dragged) -> tuple[Answer, NDArray[np.int64]] | None:
-        """How the medium gives way to triangles, and which these are; None where it does not."""
+        """The medium's answer to triangles, and which these are; None where it does not give way."""
         own = self._felt
         if self._of is None or not len(own):
             return None
@@ -80,7 +80,7 @@ class _Blown(NamedTuple):
 
 
 class Wake:
-    """What an exchange of sheets does to the medium."""
+    """An exchange of sheets as the medium feels it."""
 
     def __init__(self, engine: Cloth, breeze: Breeze, time: float, limit: float) -> None:
         self._engine, self._breeze = engine, breeze

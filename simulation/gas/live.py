@@ -25,7 +25,7 @@ MOST = 4
 
 
 class _Answer:
-    """What a gas gives to things: of their points, each a part of its own."""
+    """Answer of a gas to things, each of which stands at some points."""
 
     def __init__(self, felt: Felt, owner: np.ndarray, part: F64, count: int) -> None:
         self._felt, self._owner, self._part, self.stopping = felt, owner, part, felt.stopping
@@ -59,6 +59,10 @@ class LiveGas:
             raise TypeError(f"the gas of {self._gas.name!r} feels nothing; no coupling of it is two_way")
         return engine
 
+    def open(self, time: float, seconds: float) -> None:
+        """Begin a span at a time [s] in which it is asked and told; the step of the gas at its end is as long."""
+        self._engine.open(seconds, time)
+
     def _within(self, points: F64) -> tuple[F64, F64]:
         """Points [cells], and their share in what is there: 1 in the box."""
         grid = self._gas.grid
@@ -77,7 +81,7 @@ class LiveGas:
         return Medium(velocity, density, air_viscosity(temperature), np.full(len(points), self._coefficient)), share
 
     def answer(self, points: F64, time: float, dragged: Dragged) -> Answer:
-        """How it gives way to what is at points [m], shape (n, 3), from a time [s] on."""
+        """Its way of giving way to what is at points [m], shape (n, 3), from a time [s] on."""
         grid = self._gas.grid
         place, share = self._within(points)
         owner, offset = _points(None if dragged.reach is None else dragged.reach / grid.cell, len(points))

@@ -46,7 +46,7 @@ class _Sorted(NamedTuple):
 
 
 class Felt:
-    """What items that drag does something to within a time do to a gas, asked before and told after.
+    """Items that a gas drags for a time: how it gives way to them, asked before, and what they got, told after.
 
     Attributes:
         change: by how much the velocity that each meets is another than that now, in the mean over that time [m/s], shape (n, 3).
@@ -115,7 +115,7 @@ class YieldingGas(Gas):
         return run.read(out[0], many), run.read(out[1], many)
 
     def ask(self, points: F64, dragged: Dragged, since: float = 0.0) -> Felt:
-        """How it gives way to items at points [cells], shape (n, 3), while drag acts on them, from `since` seconds after the span began."""
+        """Its answer to items at points [cells], shape (n, 3), while drag acts on them, from `since` seconds after the span began."""
         velocity, mass, share, rate, seconds, _ = dragged
         wp, run, many = warp(), self._once, len(points)
         held = self._sorted(points, velocity, mass, share)

@@ -35,6 +35,7 @@ from .coming import Coming
 from .engine import FUEL, LIGHTNESS, PRODUCT, SOOT, Gas
 from .kindling import pieces_of
 from .obstacles import Obstacles
+from .live import LiveGas
 from .reaction import YieldingGas
 from .settings import GasSettings
 from .solids import corners_of
@@ -165,10 +166,9 @@ class SolverGas(CoupledSolver):
 
     # ------------------------------------------------------------------ steps
 
-    def open(self, time: float, seconds: float) -> None:
-        """Begin a span at a time [s] in which what it carries asks it; its step at the end is as long."""
-        if isinstance(self.engine, YieldingGas):
-            self.engine.open(seconds, time)
+    def live(self) -> LiveGas:
+        """It as what it carries meets it at present."""
+        return LiveGas(self)
 
     def max_stable_dt(self) -> float:
         """Longest step now [s]; an emission that is about to start counts."""

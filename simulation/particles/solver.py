@@ -141,7 +141,7 @@ class SolverGrains(FramedParticles):
         return felt, seconds
 
     def _asked(self, c: dict[str, Any], rate: F64, pull: F64, time: float, seconds: float) -> tuple[_Felt | None, float]:
-        """How a medium gives way to all grains that it carries, in a time in which these could not stop it if they stood."""
+        """Answer of a medium to all grains that it carries, for a time in which these could not stop it if they stood."""
         carried = [k for k, f in enumerate(self.fields) if f.carriers]
         own = np.flatnonzero(np.isin(c["kind"], carried))
 

@@ -173,7 +173,6 @@ def test_a_cloud_falls_faster_than_one_grain_and_one_grain_as_in_a_gas_that_feel
     assert alone[1] == pytest.approx(alone[0], rel=2e-4)
     drops = [drop_of(fallen(tmp_path, f"cloud-{d}", direction=d, count=3000, radius=1e-3)) for d in ("one_way", "two_way")]
     assert drops[0] == pytest.approx(alone[0], rel=1e-3)
-    print(alone, drops)
     assert drops[1] > 1.05 * drops[0]
 
 

@@ -1,4 +1,4 @@
-"""What a gas feels of what it carries: it loses what these get of it, and where they are (R66, R67, R105).
+"""A gas that feels what it carries loses what these get of it, where they are (R66, R67, R105).
 
 Both sides are counted by themselves: the gas tells what its velocities took, cell by cell, what it carries what drag gave to it; that this is what a
 stream past it gives is another row's matter (`pushing.py`).
@@ -79,7 +79,7 @@ class Returning:
         return {"returned": self._returned(), "returned_there": self._there()}
 
     def _returned(self) -> Finding:
-        """What it lost against what these got, summed from frame 0 over intervals at whose ends all of it is in the box."""
+        """Momentum that it lost against what these got, summed from frame 0 over intervals at whose ends all of it is in the box."""
         found = [g for g in given_by(self.box) if self._owner(g) in self.felt]
         inside = np.all([g.inside for g in found], axis=0) if found else np.zeros(0, dtype=bool)
         if not inside.any():

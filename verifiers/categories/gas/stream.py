@@ -43,7 +43,7 @@ class Given:
     """By how much it is another if a gas that feels them gives way at once in each interval [N s], shape (F - 1, 3)."""
 
     def off(self) -> F64:
-        """How far the sums of both since frame 0 are apart, whatever part of how the gas gives way is at once, in the intervals that are judged
+        """Distance of the sums of both since frame 0, whatever part of how the gas gives way is at once, in the intervals that are judged
         [N s], shape (F - 1,)."""
 
         def summed(values: F64) -> F64:
@@ -65,7 +65,7 @@ class Stream:
         self.box, self.yields = box, yields
 
     def at_once(self, force: Callable[[float], F64]) -> F64:
-        """By how much the impulse over an interval is another if a gas that feels what it carries gives way at once, and not evenly as is supposed:
+        """Difference of the impulse over an interval if a gas that feels what it carries gives way at once, and not evenly as is supposed:
         half of what `force`, a function of the share of the way between both frames of the gas [N], changes by [N s], (3,)."""
         if not self.yields:
             return np.zeros(3)

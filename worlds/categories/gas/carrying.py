@@ -85,7 +85,7 @@ def coupling_problems(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator
 
 
 def _felt(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
-    """What steps together with the gas that feels it, and cannot in this build."""
+    """Problems of what steps together with the gas that feels it, and cannot in this build."""
     plan, place = spec.simulation, f"/simulation/couplings/{key}"
     source, target = coupling.source, coupling.target
     one_way = replaced(f"{place}/direction", "one_way")

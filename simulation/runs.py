@@ -104,11 +104,7 @@ def make_run(
         raise InputError(wrong[0].text)
 
     given = settled or {}
-    read = {n: (caches or {}).get(n) for n in reads(spec, *names)}
-    missing = sorted(n for n, c in read.items() if c is None)
-    if missing:
-        raise EvidenceError(f"{names[0]!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
-    have = {n: c for n, c in read.items() if c is not None}
+    have = _read(spec, names, caches or {})
     media = media_of(spec, have)
 
     def solver(name: str, **more: Any) -> Any:
@@ -138,6 +134,15 @@ def make_run(
     if spec.simulation.settle is not None:
         spec = standing(spec, {n: c for n, c in have.items() if n not in watched_by(spec, name)})
     return Run({name: solver(name, caches=have, recipe=recipe)})
+
+
+def _read(spec: WorldSpec, names: tuple[str, ...], caches: Mapping[str, Cache]) -> dict[str, Cache]:
+    """Caches that a group reads."""
+    wanted = reads(spec, *names)
+    missing = sorted(n for n in wanted if n not in caches)
+    if missing:
+        raise EvidenceError(f"{names[0]!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
+    return {n: caches[n] for n in wanted}
 
 
 def _aired(

@@ -67,7 +67,7 @@ class Dragged(NamedTuple):
     rate: F64
     """Rate at which it takes it at first [1/s], shape (n,)."""
     seconds: float
-    """How long that time is [s]."""
+    """Length of that time [s]."""
     reach: F64 | None = None
     """Half as wide as they are [m], shape (n,); None: points."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -16,12 +16,21 @@ from .reaction import YieldingGas
 if TYPE_CHECKING:
     from ...worlds.fields import Answer
     from .reaction import Felt
-    from .solver import SolverGas
 
 __all__ = ["LiveGas"]
 
 MOST = 4
 """Own choice: points across what is wider than a cell, at most."""
+
+
+class Held(Protocol):
+    """Solver of a gas."""
+
+    name: str
+    instance: Any
+    grid: Any
+    engine: Any
+    """It is there once it is set up."""
 
 
 class _Answer:
@@ -45,7 +54,7 @@ class LiveGas:
         gas: its solver, set up when it is asked.
     """
 
-    def __init__(self, gas: SolverGas) -> None:
+    def __init__(self, gas: Held) -> None:
         self._gas = gas
         settings = gas.instance.settings
         self._coefficient = float(settings.coefficient)

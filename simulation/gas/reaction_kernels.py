@@ -27,7 +27,7 @@ class Span:
 
 @wp.struct
 class Items:
-    """What meets a gas, sorted by base; those of cell c of the span are `starts[c]` to `starts[c + 1]`."""
+    """Items that meet a gas, sorted by base; those of cell c of the span are `starts[c]` to `starts[c + 1]`."""
 
     base: wp.array(dtype=wp.vec3i)
     way: wp.array(dtype=wp.vec3d)

@@ -34,8 +34,8 @@ from .active import ActiveGas, gas_in
 from .coming import Coming
 from .engine import FUEL, LIGHTNESS, PRODUCT, SOOT, Gas
 from .kindling import pieces_of
-from .obstacles import Obstacles
 from .live import LiveGas
+from .obstacles import Obstacles
 from .reaction import YieldingGas
 from .settings import GasSettings
 from .solids import corners_of

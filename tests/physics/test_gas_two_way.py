@@ -56,7 +56,7 @@ class Dust:
 
 
 def momentum_of(gas: YieldingGas) -> F64:
-    """Of the gas of a periodic box of one density [kg m/s], with what waits for its velocities."""
+    """Momentum of the gas of a periodic box of one density [kg m/s], with what waits for its velocities."""
     faces = gas.velocity[:-1, :-1, :-1].astype(np.float64)
     return np.asarray(faces.sum(axis=(0, 1, 2)) * gas.density * CELL**3 + gas.owed)
 

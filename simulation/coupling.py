@@ -18,11 +18,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from ..worlds.arrays import F64
+from .airing import Airing
 from .bodies import lay_vertices, resting
 from .boundaries import BodyState, MovingSurface
 from .coupled_solver import CoupledSolver
@@ -59,18 +61,19 @@ class _Soft(NamedTuple):
 
 
 class CoupledRun:
-    """A rigid instance and the coupled solvers that it exchanges impulses with."""
+    """A rigid instance and the coupled solvers that it exchanges impulses with, perhaps in a gas that carries and feels them."""
 
-    def __init__(self, rigid: SolverRigid, others: Sequence[CoupledSolver]) -> None:
-        self.rigid = rigid
+    def __init__(self, rigid: SolverRigid, others: Sequence[CoupledSolver], airing: Airing | None = None) -> None:
+        self.rigid, self._airing = rigid, airing
         self.others = tuple(sorted(others, key=lambda o: isinstance(o, Deforms)))
+        self._all = self.others if airing is None else (*self.others, airing.gas)
         self.frame = 0
         self._frame_time = 1.0 / rigid.spec.simulation.fps
 
     def prepare(self, *, resumed: bool = False, tell: Within | None = None) -> None:
         """Set all up and run the preroll together: the state at frame 0. `tell` takes how far the preroll is."""
         self.rigid.compile()
-        for other in self.others:
+        for other in self._all:
             other.begin_run()
         self._bodies = RigidBodies(self.rigid)
         self._rest = [resting(other.surround) for other in self.others]
@@ -81,9 +84,9 @@ class CoupledRun:
         if preroll > 0 and not resumed:
             self.rigid.begin_attempt(0)
             self.rigid.time = -preroll
-            self._exchange(-preroll, 0.0, tell=tell)
+            self._go(-preroll, 0.0, tell=tell)
         self.rigid.start_frames()
-        for other in self.others:
+        for other in self._all:
             other.start_frames()
         self.frame = 0
 
@@ -106,22 +109,32 @@ class CoupledRun:
         """
         rigid = self.rigid
         rigid.begin_frame(frame)
-        states = [other.checkpoint() for other in self.others]
+        states = [other.checkpoint() for other in self._all]
         for level in range(rigid.settings.refine + 1):
             if level > 0:
-                for other, state in zip(self.others, states, strict=True):
+                for other, state in zip(self._all, states, strict=True):
                     other.restore(state, frame - 1)
             rigid.begin_attempt(level)
-            for other in self.others:
+            for other in self._all:
                 other.begin_frame(frame)
             again = f"{rigid.repeats()}, " if level > 0 else ""
-            self._exchange((frame - 1) * self._frame_time, frame * self._frame_time, tell=tell, again=again)
+            self._go((frame - 1) * self._frame_time, frame * self._frame_time, tell=tell, again=again)
             if rigid.end_attempt():
                 break
         rigid.end_frame()
-        for other in self.others:
+        for other in self._all:
             other.end_frame()
         self.frame = frame
+
+    def _go(self, start: float, end: float, *, tell: Within | None = None, again: str = "") -> None:
+        """Step all from `start` to `end` [s], in a gas that feels them from step to step of it."""
+        exchange = partial(self._exchange, tell=tell, again=again)
+        if self._airing is None:
+            exchange(start, end)
+        else:
+            self._airing.through(
+                start, end, exchange if self.others else lambda begin, until: self.rigid.step_to(until, start=begin)
+            )
 
     def _exchange(self, start: float, end: float, *, tell: Within | None = None, again: str = "") -> None:
         """Step all from `start` to `end` [s]; the first coupled solver sets the pace. `tell` takes how far it is, after the words `again`."""

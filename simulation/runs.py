@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..worlds.canonical import digest_of
 from ..worlds.errors import EvidenceError, InputError
-from ..worlds.instances import membership_problems, read_by, watched_by
+from ..worlds.instances import felt_by, membership_problems, read_by, watched_by
 from ..worlds.media import media_of
 from ..worlds.shapes import Pose
 from .coupled_solver import CoupledSolver
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..worlds.built import BuiltEntity
     from ..worlds.cache import Cache
     from ..worlds.spec import WorldSpec
+    from .airing import Aired
     from .coupling import CoupledRun
 
 __all__ = ["Run", "make_run", "reads", "standing"]
@@ -33,7 +34,7 @@ def reads(spec: WorldSpec, *names: str) -> tuple[str, ...]:
 class Run:
     """Solvers that advance frame by frame together: one instance, or a group of coupled ones."""
 
-    def __init__(self, solvers: Mapping[str, Solver], coupled: CoupledRun | None = None) -> None:
+    def __init__(self, solvers: Mapping[str, Solver], coupled: CoupledRun | Aired | None = None) -> None:
         self.solvers, self._coupled = solvers, coupled
 
     def prepare(self, *, resumed: bool = False, tell: Within | None = None) -> None:
@@ -103,11 +104,7 @@ def make_run(
         raise InputError(wrong[0].text)
 
     given = settled or {}
-    read = {n: (caches or {}).get(n) for n in reads(spec, *names)}
-    missing = sorted(n for n, c in read.items() if c is None)
-    if missing:
-        raise EvidenceError(f"{names[0]!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
-    have = {n: c for n, c in read.items() if c is not None}
+    have = _read(spec, names, caches or {})
     media = media_of(spec, have)
 
     def solver(name: str, **more: Any) -> Any:
@@ -118,6 +115,12 @@ def make_run(
         return made
 
     rigid = names[0] in spec.simulation.rigid
+    feeling = next((n for n in names if felt_by(spec, n)), None)
+    if feeling is not None:
+        # Made first: what it carries asks it, and not its cache.
+        gas = solver(feeling, caches=have, recipe=coupled_recipe(spec, built))
+        media = {**media, feeling: gas.live()}
+        return _aired(gas, media[feeling], [n for n in names if n != feeling], solver, None if rigid else have)
     if len(names) > 1 and rigid:
         from .coupling import CoupledRun
 
@@ -131,3 +134,38 @@ def make_run(
     if spec.simulation.settle is not None:
         spec = standing(spec, {n: c for n, c in have.items() if n not in watched_by(spec, name)})
     return Run({name: solver(name, caches=have, recipe=recipe)})
+
+
+def _read(spec: WorldSpec, names: tuple[str, ...], caches: Mapping[str, Cache]) -> dict[str, Cache]:
+    """Caches that a group reads."""
+    wanted = reads(spec, *names)
+    missing = sorted(n for n in wanted if n not in caches)
+    if missing:
+        raise EvidenceError(f"{names[0]!r} reads the motion of {missing[0]!r}, which has no cache; bake it first")
+    return {n: caches[n] for n in wanted}
+
+
+def _aired(
+    gas: CoupledSolver, medium: Any, names: list[str], solver: Callable[..., Any], caches: Mapping[str, Cache] | None
+) -> Run:
+    """A run of a gas that feels what it carries: a rigid instance, which is the first, and others, or others that read bodies from caches.
+
+    Args:
+        gas: its solver.
+        medium: as others meet it.
+        names: of what runs with it.
+        solver: makes one by its name.
+        caches: of the instances that they read; None: the first is a rigid instance, which tells them.
+    """
+    from .airing import Aired, Airing
+
+    airing, recipe = Airing(gas, medium), gas.recipe
+    if caches is None:
+        from .coupling import CoupledRun
+
+        first, *rest = names
+        rigid = solver(first, coupled=True)
+        others = {n: solver(n, recipe=recipe) for n in rest}
+        return Run({first: rigid, **others, gas.name: gas}, CoupledRun(rigid, list(others.values()), airing))
+    alone = {n: solver(n, caches=caches, recipe=recipe) for n in names}
+    return Run({gas.name: gas, **alone}, Aired(airing, list(alone.values())))

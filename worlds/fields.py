@@ -6,7 +6,7 @@ Everything is a function of point and time alone, so that a solver and who judge
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,18 @@ from .instances import carriers_of
 if TYPE_CHECKING:
     from .spec import FieldDriver, WorldSpec
 
-__all__ = ["Carrier", "Fields", "Frames", "acting_on", "carried_by", "field_drivers", "fields_of"]
+__all__ = [
+    "Answer",
+    "Carrier",
+    "Dragged",
+    "Fields",
+    "Frames",
+    "Yielding",
+    "acting_on",
+    "carried_by",
+    "field_drivers",
+    "fields_of",
+]
 
 
 class Frames(Protocol):
@@ -42,6 +53,43 @@ class Carrier(Protocol):
 
     def at(self, points: F64, time: float) -> tuple[Medium, F64]:
         """The medium at points [m], shape (n, 3), and a time [s], and the share of it in what is there, shape (n,): 1 in its box."""
+
+
+class Dragged(NamedTuple):
+    """Things at n points that a medium drags during some time."""
+
+    velocity: F64
+    """[m/s], shape (n, 3)."""
+    mass: F64
+    """[kg], shape (n,)."""
+    share: F64
+    """Share of their velocity past a medium that would not give way, that drag takes in this time, shape (n,)."""
+    rate: F64
+    """Rate at which it takes it at first [1/s], shape (n,)."""
+    seconds: float
+    """Length of that time [s]."""
+    reach: F64 | None = None
+    """Half as wide as they are [m], shape (n,); None: points."""
+
+
+class Answer(Protocol):
+    """A medium that gives way to what it drags."""
+
+    change: F64
+    """By how much the velocity that each meets is another in the mean over that time [m/s], shape (n, 3)."""
+    stopping: float
+    """Rate at which they would stop it where they are thickest, if they stood still [1/s]."""
+
+    def take(self, impulse: F64, *, back: bool = False) -> None:
+        """Take from the medium what they got of it [N s], shape (n, 3), or give that `back`."""
+
+
+@runtime_checkable
+class Yielding(Protocol):
+    """Medium that is simulated at the same time as what it carries, and feels it."""
+
+    def answer(self, points: F64, time: float, dragged: Dragged) -> Answer:
+        """Its way of giving way to what is at points [m], shape (n, 3), from a time [s] on."""
 
 
 def field_drivers(spec: WorldSpec) -> dict[str, FieldDriver]:
@@ -132,6 +180,19 @@ class Fields:
                 np.where(bare | (share > 0.0), own.coefficient, found.coefficient),
             )
         return found
+
+    @property
+    def yields(self) -> bool:
+        """True if a medium feels what it carries."""
+        return any(isinstance(self._media.get(n), Yielding) for n in self.carriers)
+
+    def answer(self, points: F64, time: float, dragged: Dragged) -> Answer | None:
+        """Answer of a medium that feels what it carries to things at points [m], shape (n, 3), from a time [s] on; None where none does."""
+        for name in self.carriers if len(points) else ():
+            medium: object = self._media.get(name)
+            if isinstance(medium, Yielding):
+                return medium.answer(points, time, dragged)
+        return None
 
     def _declared(self, points: F64, time: float) -> Medium:
         """The medium of the declared fields."""

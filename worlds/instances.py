@@ -15,6 +15,7 @@ __all__ = [
     "carriers_of",
     "cloth_of",
     "coupled_groups",
+    "felt_by",
     "instance_for",
     "membership_problems",
     "read_by",
@@ -50,7 +51,8 @@ def cloth_of(spec: WorldSpec, name: str) -> tuple[str, ...]:
     plan = spec.simulation
     met = plan.solvers[name].meets if name in plan.solvers else ()
     pairs = [(c.source, c.target) for c in plan.couplings.values()]
-    pairs += [(c.target, c.source) for c in plan.couplings.values() if c.direction == "two_way"]
+    both = [c for c in plan.couplings.values() if c.direction == "two_way" and c.source in plan.solvers]
+    pairs += [(c.target, c.source) for c in both if not plan.solvers[c.source].carries]
     return tuple(sorted({source for source, target in pairs if target == name and _moves(spec, source) in met}))
 
 
@@ -63,16 +65,19 @@ def watched_by(spec: WorldSpec, name: str) -> tuple[str, ...]:
 
 
 def carriers_of(spec: WorldSpec, name: str) -> tuple[str, ...]:
-    """Instances whose medium drags the members of an instance along, by name: sources of its one_way couplings that can."""
+    """Instances whose medium drags the members of an instance along, by name: sources of its couplings that can."""
     plan = spec.simulation
+    found = {c.source for c in plan.couplings.values() if c.target == name and c.source in plan.solvers}
+    return tuple(sorted(s for s in found if plan.solvers[s].carries))
+
+
+def felt_by(spec: WorldSpec, name: str) -> tuple[str, ...]:
+    """Instances that an instance carries and whose pull it feels, by name: targets of its two_way couplings where its medium can carry."""
+    plan = spec.simulation
+    if name not in plan.solvers or not plan.solvers[name].carries:
+        return ()
     return tuple(
-        sorted(
-            {
-                c.source
-                for c in plan.couplings.values()
-                if c.target == name and c.direction == "one_way" and c.source in plan.solvers and plan.solvers[c.source].carries
-            }
-        )
+        sorted({c.target for c in plan.couplings.values() if c.source == name and c.direction == "two_way"} & set(plan.solvers))
     )
 
 
@@ -88,9 +93,13 @@ def read_by(spec: WorldSpec, name: str) -> tuple[str, ...]:
     """Instances whose caches an instance reads while it runs: media that carry it, and, without two-way coupling, bodies' motion, cloth's, and
     what its drivers watch."""
     carriers = carriers_of(spec, name)
-    if name in spec.simulation.rigid or any(name in g for g in coupled_groups(spec)):
-        return carriers
-    return tuple(dict.fromkeys((*bodies_read(spec, name), *cloth_of(spec, name), *watched_by(spec, name), *carriers)))
+    group = next((g for g in coupled_groups(spec) if name in g), frozenset())
+    # What steps with bodies gets them from these; a gas, and what it carries without bodies, reads those beside it.
+    told = group and not spec.simulation.solvers[name].carries and group & spec.simulation.rigid.keys()
+    found = carriers
+    if name not in spec.simulation.rigid and not told and (not group or any(felt_by(spec, g) for g in group)):
+        found = (*bodies_read(spec, name), *cloth_of(spec, name), *watched_by(spec, name), *carriers)
+    return tuple(n for n in dict.fromkeys(found) if n not in group)
 
 
 def waits_for_itself(spec: WorldSpec) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from ...worlds.instances import soft_met
 from ..boundaries import Boundary, Surround, surround_of
 from .pieces import Piece, piece_of
 from .setup import Air, ClothSetup, Hold
+from .wake import Breeze
 
 if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
@@ -104,7 +105,7 @@ def build_scene(
         friction=_friction(spec, members, surround),
         gravity=np.array(spec.simulation.gravity, dtype=np.float64),
         boundaries=surround.boundaries,
-        air=_air(fields, members, faces),
+        air=Breeze(fields, members, faces),
         self_collision=any(_physics(spec.entities[m]).self_collision for m in members),
         integrator=settings.integrator,
         max_step=settings.max_step,
@@ -201,21 +202,6 @@ def _holder(surround: Surround, entity: str, points: F64, key: str) -> int:
         raise InputError(f"pin {key!r} is held by {entity!r}, no part of which collides; let a part of it collide")
     centers = [surround.start[k].apply(surround.bodies[k].center[None])[0] for k in rows]
     return rows[int(np.argmin([np.linalg.norm(points.mean(0) - c) for c in centers]))]
-
-
-def _air(fields: Mapping[str, Fields], members: list[str], owner: I32) -> Air:
-    """Velocity of the medium at triangles' centres; its density comes as the fourth column."""
-
-    def at(points: F64, time: float) -> F64:
-        result = np.zeros((len(points), 4))
-        for k, member in enumerate(members):
-            own = owner == k
-            if fields[member] and own.any():
-                medium = fields[member].medium(points[own], time)
-                result[own, :3], result[own, 3] = medium.velocity, medium.density
-        return result
-
-    return at
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from .engine import Cloth
 from .scene import build_scene
 from .setup import ClothReport
 from .tear_log import TearEvent, cause_of, tear_channels, torn_length
+from .wake import Breeze, Wake
 
 __all__ = ["SolverCloth"]
 
@@ -98,7 +99,7 @@ class SolverCloth(CoupledSolver):
         if self.held(time):
             left = self._let_go - time
             return ClothReport.still(min(limit, left) if left > SHORTEST else limit, self.surround)
-        report = self.engine.step(limit, bodies, time)
+        report = self._blow(limit, bodies, time)
         tally, ledger = self._tally, self._ledger
         tally["steps"] += report.steps
         tally["exchanges"] += 1
@@ -114,6 +115,18 @@ class SolverCloth(CoupledSolver):
             ledger[name] = [a + float(b) for a, b in zip(ledger[name], given, strict=True)]
         if self._tears and time > -SHORTEST:
             self._tear(report, time + report.dt)
+        return report
+
+    def _blow(self, limit: float, bodies: BodyState, time: float) -> ClothReport:
+        """An exchange of the engine, and what it takes out of a medium that feels the sheets."""
+        setup = self.scene.setup
+        if not (isinstance(setup.air, Breeze) and setup.air.yields):
+            return self.engine.step(limit, bodies, time)
+        x = self.engine.vertices()[0]
+        wake = Wake(self.engine, setup.air, time, limit)
+        report = self.engine.step(limit, bodies, time)
+        pull = np.zeros(3) if setup.acceleration is None else self.engine.mass @ setup.acceleration(x, time)
+        wake.take(report.air[:3] - report.dt * pull, report.dt)
         return report
 
     def _tear(self, report: ClothReport, time: float) -> None:

@@ -17,6 +17,7 @@ from ...worlds.arrays import F64
 from .border import side_faces
 from .engine import MOTION, PACKED, Gas, GasReport
 from .far import FarGas, NearGas
+from .reaction import YieldingGas
 from .regions import label
 from .settings import GasSettings, Side
 from .solids import Solids, enclosed
@@ -353,9 +354,10 @@ def _overlap(a: Window, b: Window, extra: int) -> tuple[tuple[slice, ...], tuple
 
 
 def gas_in(
-    shape: Cells, cell: float, sides: Sequence[Side], settings: GasSettings, follows: bool, start: NDArray[np.bool_], **known: Any
-) -> Gas | ActiveGas:
-    """A gas in a box, or in an active box in it that follows it from the cells of its source on."""
-    return (
-        ActiveGas(shape, cell, sides, settings, start=start, **known) if follows else Gas(shape, cell, sides, settings, **known)
-    )
+    shape: Cells, cell: float, sides: Sequence[Side], settings: GasSettings, follows: bool, start: NDArray[np.bool_], *,
+    feels: bool = False, **known: Any,
+) -> Gas | ActiveGas:  # fmt: skip
+    """A gas in a box, that `feels` what it carries or not, or in an active box in it that follows it from the cells of its source on."""
+    if follows:
+        return ActiveGas(shape, cell, sides, settings, start=start, **known)
+    return (YieldingGas if feels else Gas)(shape, cell, sides, settings, **known)

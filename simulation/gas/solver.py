@@ -24,7 +24,7 @@ from ...worlds.categories.gas.steam_facts import steams_of
 from ...worlds.categories.loose import domain_box
 from ...worlds.errors import InputError
 from ...worlds.fields import fields_of
-from ...worlds.instances import soft_met
+from ...worlds.instances import felt_by, soft_met
 from ..boundaries import BodyState, Surround, surround_of
 from ..coupled_solver import CoupledSolver, motion_records
 from ..recipes import coupled_recipe, reader_recipe
@@ -34,7 +34,9 @@ from .active import ActiveGas, gas_in
 from .coming import Coming
 from .engine import FUEL, LIGHTNESS, PRODUCT, SOOT, Gas
 from .kindling import pieces_of
+from .live import LiveGas
 from .obstacles import Obstacles
+from .reaction import YieldingGas
 from .settings import GasSettings
 from .solids import corners_of
 from .source import cover, share_of
@@ -114,7 +116,7 @@ class SolverGas(CoupledSolver):
         self._covered = cover(entity, self.built[member], self.grid)
         self.engine = gas_in(
             self.grid.shape, self.grid.cell, settings.domain.sides, GasSettings(**known, fuel=self.fuel), settings.follows,
-            self._covered > 0.0, gravity=spec.simulation.gravity, solids=self.obstacles.start, moves=self.obstacles.moves, device=settings.device,
+            self._covered > 0.0, feels=bool(felt_by(spec, self.name)), gravity=spec.simulation.gravity, solids=self.obstacles.start, moves=self.obstacles.moves, device=settings.device,
         )  # fmt: skip
         ambient = settings.ambient_temperature
         light = 1.0 - ambient / self.physics.temperature if settings.expands else self.physics.temperature / ambient - 1.0
@@ -163,6 +165,10 @@ class SolverGas(CoupledSolver):
         engine.solve(engine.settings.tolerance * self.wind, engine.settings.iterations)
 
     # ------------------------------------------------------------------ steps
+
+    def live(self) -> LiveGas:
+        """It as what it carries meets it at present."""
+        return LiveGas(self)
 
     def max_stable_dt(self) -> float:
         """Longest step now [s]; an emission that is about to start counts."""
@@ -291,6 +297,8 @@ class SolverGas(CoupledSolver):
 
     def open_tally(self) -> dict[str, Any]:
         """Sums of a frame."""
+        if isinstance(self.engine, YieldingGas):
+            self.engine.begin()
         return {"steps": 0, "time": 0.0, "iterations": 0, "divergence": 0.0, "capped": 0, "speed": 0.0}
 
     # ------------------------------------------------------------------ state
@@ -325,7 +333,7 @@ class SolverGas(CoupledSolver):
         heat, soot = engine.totals()[[LIGHTNESS, SOOT]] * self.unit * self.grid.cell**3
         density = engine.density * (1.0 - light) + state[..., SOOT]
         volume, speed = (engine.room * self.grid.cell**3).astype(np.float64).ravel(), _centred(velocity)
-        active = {}
+        active: dict[str, Any] = engine.measured() if isinstance(engine, YieldingGas) else {}
         if isinstance(engine, ActiveGas):
             active, speed = {"gas_active": np.array(engine.window, np.int32)}, engine.only(speed)
         gravity = np.array(self.spec.simulation.gravity)

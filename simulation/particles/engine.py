@@ -89,6 +89,8 @@ class Grains:
         self._sorted = 0
         self._blows = 0
         self.left = np.zeros(5)
+        self.blown_at: tuple[Any, F64] = (np.zeros(0, np.int32), np.zeros((0, 3)))
+        """Identities of grains, and what fields gave them in the last exchange [N s]."""
         self.rebuilds = 0
         self._take_first()
 
@@ -343,6 +345,7 @@ class Grains:
         kind = np.ascontiguousarray(motion[:, 3]).view(np.int32)
         total: F64 = np.zeros((len(self._density), 3))
         np.add.at(total, kind, impulse)
+        self.blown_at = state.identity[:n].numpy().copy(), impulse
         return total, work
 
     def positions(self) -> F64:

@@ -13,6 +13,7 @@ import numpy as np
 from ...geometry.launch import chosen_device, launch, warp
 from ...physics.drag import Medium, sphere_drag_rate
 from ...worlds.arrays import F64
+from ...worlds.fields import Dragged
 from ..boundaries import BodyState, Surround
 from ..sealed import from_bytes, to_bytes
 from .frames import FramedParticles
@@ -147,8 +148,14 @@ class SolverFlight(FramedParticles):
             span = spans[own, None]
             velocity[own] += span * fields.acceleration(now["position"][own], time)
             medium: Medium = fields.medium(now["position"][own], time)
-            rate = sphere_drag_rate(medium, now["radius"][own], mass[own], velocity[own])[:, None] * span
-            velocity[own] = (velocity[own] + rate * medium.velocity) / (1.0 + rate)
+            pace = sphere_drag_rate(medium, now["radius"][own], mass[own], velocity[own])[:, None]
+            rate = pace * span
+            dragged = Dragged(velocity[own], mass[own], (rate / (1.0 + rate))[:, 0], pace[:, 0], float(span.max()))
+            felt = fields.answer(now["position"][own], time, dragged)
+            flow = medium.velocity if felt is None else medium.velocity + felt.change
+            velocity[own] = (velocity[own] + rate * flow) / (1.0 + rate)
+            if felt is not None:
+                felt.take(mass[own, None] * rate * (flow - velocity[own]))
             given = mass[own, None] * (velocity[own] - before)
             blown[k] = given.sum(axis=0)
             work += float((given * 0.5 * (velocity[own] + before)).sum())

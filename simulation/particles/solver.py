@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...physics.drag import sphere_drag_rate
+from ...worlds.arrays import F64
+from ...worlds.fields import Answer, Dragged
 from ..boundaries import BodyState, Surround
 from ..sealed import from_bytes, to_bytes
 from .energy import Elastic, elastic
@@ -22,6 +24,28 @@ COLLISION_SHARE = 8.0
 
 NEAR = 1.25
 """Own choice: distance in radii of the largest grain, and what both can come in an exchange, from which on grains count as at a surface."""
+
+
+class _Felt(NamedTuple):
+    """Grains that a medium was asked about."""
+
+    answer: Answer
+    identity: Any
+    change: F64
+    """Change of its velocity at all grains [m/s]."""
+    pull: F64
+    """Force of fields that are no medium on those asked about [N]."""
+
+    def take(self, blown: tuple[Any, F64], seconds: float) -> None:
+        """Take what drag gave them, of what all fields gave to each grain that is still there (identities, impulses [N s])."""
+        identities, impulse = blown
+        given = np.zeros((len(self.identity), 3))
+        if len(identities):
+            order = np.argsort(identities)
+            at = order[np.minimum(np.searchsorted(identities, self.identity, sorter=order), len(order) - 1)]
+            there = identities[at] == self.identity
+            given[there] = impulse[at[there]] - seconds * self.pull[there]
+        self.answer.take(given)
 
 
 class SolverGrains(FramedParticles):
@@ -87,14 +111,17 @@ class SolverGrains(FramedParticles):
         return False
 
     def exchange(self, seconds: float, bodies: BodyState, time: float) -> GrainReport:
-        """Go on by `seconds` from `time`."""
-        self._feel(time)
-        return self.engine.step(seconds, bodies)
+        """Go on by `seconds` from `time`, or less where a medium that feels the grains would stop in that time."""
+        felt, seconds = self._feel(time, seconds)
+        report = self.engine.step(seconds, bodies)
+        if felt is not None:
+            felt.take(self.engine.blown_at, seconds)
+        return report
 
-    def _feel(self, time: float) -> None:
-        """Tell the engine what fields do at its grains."""
+    def _feel(self, time: float, seconds: float) -> tuple[_Felt | None, float]:
+        """Tell the engine what fields do at its grains; what a medium that feels them is asked, and the time for which that holds [s]."""
         if not any(self.fields) or time < 0:
-            return
+            return None, seconds
         c = self.engine.columns()
         velocity, pull = np.zeros((2, len(c["mass"]), 3))
         rate = np.zeros(len(c["mass"]))
@@ -107,7 +134,30 @@ class SolverGrains(FramedParticles):
                 medium = fields.medium(c["position"][own], time)
                 velocity[own] = medium.velocity
                 rate[own] = sphere_drag_rate(medium, c["radius"][own], c["mass"][own], c["velocity"][own])
-        self.engine.set_air(velocity, rate, pull)
+        felt = None
+        if any(f.carriers for f in self.fields):
+            felt, seconds = self._asked(c, rate, pull, time, seconds)
+        self.engine.set_air(velocity if felt is None else velocity + felt.change, rate, pull)
+        return felt, seconds
+
+    def _asked(self, c: dict[str, Any], rate: F64, pull: F64, time: float, seconds: float) -> tuple[_Felt | None, float]:
+        """Answer of a medium to all grains that it carries, for a time in which these could not stop it if they stood."""
+        carried = [k for k, f in enumerate(self.fields) if f.carriers]
+        own = np.flatnonzero(np.isin(c["kind"], carried))
+
+        def ask(span: float) -> Answer | None:
+            dragged = Dragged(c["velocity"][own], c["mass"][own], -np.expm1(-rate[own] * span), rate[own], span)
+            return self.fields[carried[0]].answer(c["position"][own], time, dragged)
+
+        answer = ask(seconds)
+        if answer is not None and answer.stopping * seconds > 1.0:
+            seconds = 1.0 / answer.stopping
+            answer = ask(seconds)
+        if answer is None:
+            return None, seconds
+        change = np.zeros((len(c["mass"]), 3))
+        change[own] = answer.change
+        return _Felt(answer, c["identity"][own], change, c["mass"][own, None] * pull[own]), seconds
 
     def columns(self) -> dict[str, Any]:
         """The present state."""

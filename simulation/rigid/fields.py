@@ -10,7 +10,7 @@ import numpy as np
 from ...physics.drag import area_vectors, drag_force, projected_area
 from ...worlds.arrays import F64
 from ...worlds.built import BuiltEntity
-from ...worlds.fields import Carrier, Fields, fields_of
+from ...worlds.fields import Answer, Carrier, Dragged, Fields, fields_of
 from ...worlds.spec import WorldSpec
 from .model import RigidModel
 from .rows import row_centers, spread
@@ -57,6 +57,9 @@ class FieldForces:
         self._entities = [entity for entity, _ in owners]
         self.present: F64 = np.zeros((len(owners), 3))
         self._given = self.present
+        self._felt: list[tuple[Answer, F64]] = []
+        """Media that feel the bodies, and what drag of each gave to these in the last step [N s]."""
+        self._still = np.zeros(len(owners), dtype=bool)
 
     def __bool__(self) -> bool:
         return bool(self._sets)
@@ -86,6 +89,14 @@ class FieldForces:
             push = drag_force(medium, area, velocity[rows])
             speed = np.maximum(np.linalg.norm(flow[rows], axis=1), 1e-12)
             rate = np.linalg.norm(push, axis=1) / (speed * np.maximum(self._mass[rows], 1e-12))
+            taken = dt * rate / (1.0 + dt * rate)
+            moved = np.where(self._still[rows], 0.0, self._mass[rows])
+            dragged = Dragged(velocity[rows], moved, taken, rate, dt, np.sqrt(area / np.pi))
+            felt = fields.answer(center[rows], time, dragged)
+            if felt is not None:
+                push = push + (self._mass[rows] * rate)[:, None] * felt.change
+                given = dt * push / (1.0 + dt * rate)[:, None]
+                self._felt.append((felt, np.where(self._still[rows, None], 0.0, given)))
             total[rows] += push / (1.0 + dt * rate)[:, None]
         return total
 
@@ -95,18 +106,24 @@ class FieldForces:
         Bodies that are held, or asleep, feel none.
         """
         ids = self.rigid.body_ids
+        awake = data.body_awake[ids] != 0
+        stopped = np.array([e in held for e in self._entities], dtype=bool)
+        self._still, self._felt = stopped | ~awake, []
         found = self.forces(data, time, dt)
-        found[[e in held for e in self._entities]] = 0.0
+        found[stopped] = 0.0
         self._push(data, found - self.present)
         self.present = found
-        awake = data.body_awake[ids] != 0
         self._given = dt * found * awake[:, None]
         self.impulse += self._given
+        for felt, given in self._felt:
+            felt.take(given)
 
     def undo(self, data: Any) -> None:
         """Take back the last step, its forces and what it counted: it is taken again."""
         if self:
             self.impulse -= self._given
+            for felt, given in self._felt:
+                felt.take(given, back=True)
             self.end(data)
 
     def end(self, data: Any) -> None:

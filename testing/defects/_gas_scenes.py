@@ -7,7 +7,7 @@ from typing import Any
 
 from ...worlds.candidate import Candidate
 from ...worlds.spec import WorldSpec
-from ..worlds.carried_worlds import stream_spec
+from ..worlds.carried_worlds import cloud_spec, stream_spec
 from ..worlds.simulated_worlds import simulate
 from ..worlds.small_gas import SMOKE_PROMPT, dust_spec, fire_spec, hung_spec, kindled_spec, smoke_spec, torch_spec
 from ..worlds.small_steam import quench_spec
@@ -59,12 +59,15 @@ KINDS = (
     "borne",
     "waved",
     "followed",
+    "felt",
+    "swarm",
+    "draped",
 )
 """A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
 fog; wind through the box; wind that begins later; a plate that is pulled through the smoke; wood gas that burns; methane that burns; propane hot enough to burn by itself; a fire
 whose fuel ends; a sheet beside a fire that catches it; one so far off that it does not; one that is swept
 through the flames; cloth that swings beside them; dust that a ball raises where it lands; steam of a hot block in water; a ball and a sheet that a stream carries; smoke in
-a wide box, followed by a part of it."""
+a wide box, followed by a part of it; a gas that feels a ball, a falling cloud of grains and a sheet that it carries."""
 
 FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propane", 3.0e4), "puffed": ("heptane", 6.0e4)}
 """Fuel and power [W] of the kinds that burn."""
@@ -72,6 +75,8 @@ FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propa
 
 CARRIED = {"borne": "ball", "waved": "sheet"}
 """Things that a stream carries, by kind."""
+FELT = {"felt": "ball", "draped": "sheet"}
+"""Things that it feels."""
 MAKE: dict[str, Any] = {"kindled": kindled_spec, "spared": kindled_spec, "torch": torch_spec, "hung": hung_spec}
 """Makers of what may burn beside a fire."""
 
@@ -127,6 +132,12 @@ def _own(kind: str) -> dict[str, Any] | None:
     if kind in ("dust", "quench"):
         spec = quench_spec(frames=FRAMES, resolution=CELL) if kind == "quench" else _dusty()
         spec["simulation"]["solvers"][SOLVER]["settings"]["domain"].update(center=[0, 0, HIGH / 2], size=[0.8, 0.8, HIGH])
+        return spec
+    if kind == "swarm":
+        return cloud_spec(count=400, frames=FRAMES, resolution=0.1, radius=1e-3)
+    if kind in FELT:
+        spec = stream_spec(thing=FELT[kind], frames=FRAMES, resolution=CELL)
+        spec["simulation"]["couplings"]["carries"]["direction"] = "two_way"
         return spec
     if kind in CARRIED:
         return stream_spec(thing=CARRIED[kind], frames=FRAMES, resolution=CELL)

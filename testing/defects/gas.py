@@ -24,6 +24,7 @@ from . import _fire_changes as fires
 from . import _following_changes as following
 from . import _gas_changes as changes
 from . import _kindling_changes as kindling
+from . import _returned_changes as returned
 from . import _steam_changes as steam
 from ._gas_changes import Change
 from ._gas_scenes import KINDS, SOLVER, scene, scene_spec
@@ -162,6 +163,7 @@ BURNING = ("fire", "burner")
 KINDLED = ("kindled", "torch", "hung")
 QUENCHED = ("quench",)
 FOLLOWED = ("followed",)
+FELT = ("felt", "swarm")
 BROKEN = (
     Mechanism("fade", "soot is lost from a frame on", True, _breaks(changes.fade, "soot"), 2e-4, 0.9, "1"),
     Mechanism("grow", "soot comes from nowhere", True, _breaks(changes.grow, "soot"), 2e-4, 0.9, "1"),
@@ -216,6 +218,11 @@ BROKEN = (
     Mechanism("gale", "a faster stream than that which carried", True, _breaks(carried.gale, "pushed", kinds=("borne", "waved")), 0.06, 1.0, "1"),
     Mechanism("blunter", "what is carried was less blunt than is told", True, _told(_blunter, "pushed", kind="borne"), 0.06, 3.0, "1"),
     Mechanism("airier", "a sheet that is carried caught less air than is told", True, _told(_airier, "pushed", kind="waved"), 0.08, 2.0, "1"),
+    Mechanism("forget", "a gas lost less than what it carries got", True, _breaks(returned.forget, "returned", kinds=FELT), 3e-3, 1.0, "1"),
+    Mechanism("redouble", "it lost more", True, _breaks(returned.redouble, "returned", kinds=FELT), 3e-3, 1.0, "1"),
+    Mechanism("invert", "it got what it should have lost", True, _breaks(returned.invert, "returned", kinds=FELT), 0.01, 1.0, "1"),
+    Mechanism("miscount", "its cells lost more than all of it", True, _breaks(returned.miscount, "returned", kinds=FELT), 3e-3, 1.0, "1"),
+    Mechanism("displace", "it lost that beside what it carries", True, _breaks(returned.displace, "returned_there", kinds=("felt",)), 8.0, 12.0, "cells"),
     Mechanism("arrive", "smoke at the sides of the part that follows it", True, _breaks(following.arrive, "arrived", kinds=FOLLOWED), 2e-3, 1.0, "1", 1e-3),
     Mechanism("ooze", "smoke left the part that follows it", True, _breaks(following.ooze, "slipped", kinds=FOLLOWED), 2e-4, 0.9, "1", 1e-4),
     Mechanism("stir", "air moves outside the part that follows", True, _breaks(following.stir, "beyond", kinds=FOLLOWED), 1e-3, 2.0, "m/s", 0.0),

@@ -6,7 +6,7 @@ from typing import Any
 
 from .small_gas import fire_spec, smoke_spec
 
-__all__ = ["BALL", "EMBERS_PROMPT", "JET_PROMPT", "embers_spec", "jet_spec", "stream_spec"]
+__all__ = ["BALL", "EMBERS_PROMPT", "JET_PROMPT", "cloud_spec", "embers_spec", "jet_spec", "stream_spec"]
 
 JET_PROMPT = "A jet of air from a pipe blows a light ball along the floor."
 EMBERS_PROMPT = "A fire in a bowl carries glowing embers up."
@@ -190,4 +190,63 @@ def embers_spec(
         "pose": {"position": [0, 0, 0.12]}, "size": [0.1, 0.1], "start": 0.3,
     }  # fmt: skip
     plan["couplings"] = {"carries": {**PUSH, "target": "flight"}}
+    return spec
+
+
+def cloud_spec(
+    *,
+    direction: str = "two_way",
+    count: int = 6000,
+    frames: int = 15,
+    resolution: float = 0.05,
+    radius: float = 5e-4,
+    law: str = "ballistic",
+) -> dict[str, Any]:
+    """A cloud of light grains that falls through still air and drags it along.
+
+    Args:
+        direction: of the coupling.
+        count: of grains, in a ball of 14 cm.
+        frames: at 24 per second.
+        resolution: of the gas [m].
+        radius: of the grains [m].
+        law: ballistic, or granular: the ball is then filled with them.
+    """
+    spec = smoke_spec(frames=frames, resolution=resolution)
+    spec["title"] = "a cloud of grains that falls"
+    del spec["entities"]["plate"]
+    spec["materials"]["foam"] = {"density": 50.0, "substance": "plastic", "appearance": {"color": [0.9, 0.9, 0.85]}}
+    spec["entities"]["smoke"] |= {
+        "pose": {"position": [-0.3, 0.0, 0.1]},
+        "physics": {"category": "gas", "temperature": 293.15, "soot_density": 1e-6, "resolution": resolution},
+        "dimensions": {"size": [0.2, 0.2, 0.2]},
+        "parts": {"source": {"shape": {"kind": "box", "size": [0.2, 0.2, 0.2]}}},
+    }
+    kind = {
+        "law": law,
+        "radius": radius,
+        "radius_spread": 0.0,
+        **({"count": count, "on_hit": "stick"} if law == "ballistic" else {"packing": 0.2}),
+    }
+    size = 0.14 if law == "ballistic" else 0.03
+    spec["entities"]["grains"] = {
+        "role": "light grains",
+        "motion": "dynamic",
+        "material": "foam",
+        "dimensions": {"size": [size] * 3},
+        "pose": {"position": [0.0, 0.0, 0.9]},
+        "physics": {"category": "particles", **kind},
+        "parts": {"ball": {"shape": {"kind": "sphere", "radius": 0.5 * size}}},
+    }
+    plan = spec["simulation"]
+    box = {"center": [0, 0, 0.6], "size": [0.8, 0.8, 1.2]}
+    plan["solvers"]["bodies"]["members"] = ["floor"]
+    plan["solvers"]["air"]["settings"] = {"domain": {**box, "sides": [*OPEN[:4], "closed", "open"]}}
+    plan["solvers"]["swarm"] = {
+        "engine": "ballistic" if law == "ballistic" else "dem",
+        "members": ["grains"],
+        "settings": {"domain": box},
+    }
+    plan["drivers"] = {"leak": {"kind": "emission", "entity": "smoke", "rate": 1e-6}}
+    plan["couplings"] = {"carries": {**PUSH, "target": "swarm", "direction": direction}}
     return spec

@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "f038a2fc176c53f473366c273befe8ddaf40969d17cecb144e6820db47e25978"
+SCHEMA = "4968fc19bafbd319248ef15ee8b3043b67ae616616d83bdf8c6a0d252556439e"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

@@ -124,7 +124,8 @@ class ContactPair(SpecModel):
 class Coupling(SpecModel):
     """Exchange between two solver instances (R66); `one_way` is an approximation and recorded as one.
 
-    A liquid that carries bodies needs `two_way` with their rigid instance; without a coupling it only reads their motion.
+    A liquid that carries bodies needs `two_way` with their rigid instance; without a coupling it only reads their motion. A gas carries what it is the
+    source of a coupling to, and feels it where that is `two_way`.
     """
 
     source: SolverRef

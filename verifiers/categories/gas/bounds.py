@@ -53,6 +53,13 @@ CARRIED = 1e-3
 """[cells] Own choice: how far a piece of surface may be from its place on its body or cloth; frames of these are read and moved in double precision."""
 PUSHED = 0.03
 """[1] Own choice: of all that a gas gave to something, by which its record may be off; Simpson's rule between frames is off by up to 0.7 % (measured)."""
+RETURNED = 1e-3
+"""[1] Own choice: of all that it gave to what it carries, by which what it lost may be off; both are counted in double precision, but for grains whose
+velocities are told in single precision (1e-6 measured)."""
+NEAR = 4.0
+"""[cells] Own choice: distance from what it carries beyond which a gas feels none of it; the three faces about a point reach one and a half cells."""
+ASTRAY = 0.01
+"""[1] Own choice: of what a gas lost, that may lie farther off: ways between frames are bent."""
 BOILED = 0.05
 """[1] Own choice: of the water, that may become steam while its liquid keeps it: a level that is off by so much is hardly seen."""
 CUT = 0.05

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ....worlds.errors import EvidenceError, NotFiniteError
+from ....worlds.instances import felt_by
 from ...rows.watches import Watch, Watching
 from ..container import rows_about
 from .books import Books
@@ -23,6 +24,7 @@ from .limits import Limits
 from .numerical import Numbers
 from .places import Places
 from .pushing import Pushing
+from .returned import Returning
 from .steaming import Steaming
 from .transport import Transport
 
@@ -57,10 +59,14 @@ def _unread(kind: type[Watch], name: str, error: EvidenceError) -> Status:
 _WATCHING = Watching(WATCHES, Numbers, box_of, lambda box: box.steps(), _unread)
 _WATCHING_PART = Watching((*WATCHES, Following), Numbers, box_of, lambda box: box.steps(), _unread)
 """Watches of a gas that a part of its box follows: others are not asked about one."""
+_WATCHING_FELT = Watching((*WATCHES, Returning), Numbers, box_of, lambda box: box.steps(), _unread)
+"""Watches of a gas that feels what it carries: others are not asked about that."""
 
 
 def _watching(candidate: Candidate, solver: str) -> Watching:
-    return _WATCHING_PART if candidate.spec.simulation.gas[solver].settings.follows else _WATCHING
+    if candidate.spec.simulation.gas[solver].settings.follows:
+        return _WATCHING_PART
+    return _WATCHING_FELT if felt_by(candidate.spec, solver) else _WATCHING
 
 
 def category_rows(candidate: Candidate, solver: str) -> list[Row]:

@@ -108,6 +108,8 @@ class Flow:
         self.kinetic: list[tuple[float, float]] = []
         """Least and most [J]: without cells that bodies cut, and as if they were whole."""
         self.given: list[float] = []
+        self.dragged: list[tuple[float, float]] = []
+        """Work of what it carries and feels over the interval before a frame, and how far that is uncertain [J]."""
         self.taken_in: list[float] = []
         """Energy of the motion that a frame is the first to tell, since its active part has grown [J]."""
 
@@ -175,8 +177,18 @@ class Flow:
             near = source.cells(now, box.cell, box.duration)
             blown = float(now.speed[near].max(initial=0.0))
             power += box.air * blown**2 * source.rate(max(0.0, time - 0.5 * box.duration))
+        given, unsure = self._returned(now, before)
+        self.dragged.append((given, unsure))
         power += self._spread(now)
         self.given.append(power + outflow(box, now).inward)
+
+    def _returned(self, now: GasFrame, before: GasFrame | None) -> tuple[float, float]:
+        """Work over the interval of what it carries and feels, by the mean of the velocities at both ends, and half of what their difference makes [J]."""
+        taken = None if before is None else self.box.returned(now.index)
+        if before is None or taken is None:
+            return 0.0, 0.0
+        start, end = before.velocity.astype(np.float64), now.velocity.astype(np.float64)
+        return 0.5 * float((taken * (start + end)).sum()), 0.5 * float(np.abs(taken * (end - start)).sum())
 
     def _spread(self, now: GasFrame) -> float:
         """Power of gas that fire makes swell or shrink, at the pressure of the fastest gas about it [W]."""
@@ -229,9 +241,10 @@ class Flow:
         least, most = np.array(self.kinetic).T
         power = np.array(self.given)
         work = np.concatenate([[0.0], np.cumsum(0.5 * box.duration * (power[1:] + power[:-1]))])
-        doubt = np.concatenate([[0.0], np.cumsum(0.5 * box.duration * np.abs(np.diff(power)))])
+        dragged = np.cumsum(np.array(self.dragged), axis=0)
+        doubt = np.concatenate([[0.0], np.cumsum(0.5 * box.duration * np.abs(np.diff(power)))]) + dragged[:, 1]
         pushed = np.where(self.struck, np.maximum(np.diff(most, prepend=0.0), 0.0), 0.0)
-        work = work + np.cumsum(pushed) + np.cumsum(self.taken_in)
+        work = work + np.cumsum(pushed) + np.cumsum(self.taken_in) + dragged[:, 0]
         scale = max(float(most.max()), float(np.abs(work).max()), TINY)
         growth = least - work - doubt - np.minimum.accumulate(most - work - doubt)
         over = np.maximum(growth, 0.0) / scale

@@ -15,6 +15,7 @@ from ....worlds.arrays import F64
 from ....worlds.categories.gas.carrying import unmet
 from ....worlds.categories.gas.facts import fuel_of, grid_of
 from ....worlds.errors import EvidenceError, NotFiniteError
+from ....worlds.instances import felt_by
 from ...rows.findings import cache_of
 from .bodies import Bodies
 from .boils import Boils, boils_of
@@ -248,6 +249,22 @@ class GasBox:
             now = self.read(index)
             yield now, before
             before = now
+
+    def returned(self, index: int) -> F64 | None:
+        """Momentum that each cell took over the interval before a frame from what it carries and feels [N s], (nx, ny, nz, 3); None of a gas
+        that feels nothing.
+
+        Raises:
+            EvidenceError: it is missing, or has another shape.
+        """
+        if not felt_by(self.candidate.spec, self.solver):
+            return None
+        found = np.asarray(self.cache.read(index, ("gas_returned",))["gas_returned"], dtype=np.float64)
+        if found.shape != (*self.shape, 3):
+            raise EvidenceError(
+                f"gas_returned of frame {index} of {self.solver!r} has shape {found.shape}, planned {(*self.shape, 3)}; bake again"
+            )
+        return found * self.volume
 
     def record(self, name: str) -> F64:
         """A record over the frames, shape (frames,).

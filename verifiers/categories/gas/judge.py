@@ -13,6 +13,7 @@ from ....worlds.categories.gas.burning import flammable_parts
 from ....worlds.categories.gas.carrying import carried_members, carries
 from ....worlds.categories.gas.facts import dusts_of
 from ....worlds.categories.gas.steam_facts import steams_of
+from ....worlds.instances import felt_by
 from ..judge import Push
 from ..loose import Loose, Sample
 from .bounds import CUT, STILL
@@ -76,13 +77,14 @@ class GasJudge(Loose):
         return found
 
     def unfelt(self, spec: WorldSpec) -> set[tuple[str, str]]:
-        """Dust and the bodies that raise it, steam and what it comes of; what a gas carries, and that gas."""
+        """Dust and the bodies that raise it, steam and what it comes of; what a gas carries and does not feel, and that gas."""
         drivers = list(spec.simulation.drivers.values())
         dust = {(d.entity, body) for d in drivers if d.kind == "dust" for body in d.bodies}
         carried = {
             (entity, m)
             for name, instance in self.instances(spec).items()
-            for members in carried_members(spec, name).values()
+            for other, members in carried_members(spec, name).items()
+            if other not in felt_by(spec, name)
             for entity in members
             for m in instance.members
         }

@@ -6,6 +6,7 @@ its hull across the flow, and each interval between frames is summed by Simpson'
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.categories.gas.carrying import carried_members
 from ....worlds.fields import fields_of
+from ....worlds.instances import felt_by
 from ...ledgers.balance import books_of
 from ...ledgers.fields import recorded
 from ..cloth.frames import cloth_run
@@ -41,8 +43,10 @@ def given_by(box: GasBox) -> list[Given]:
 
 
 def _given(box: GasBox) -> list[Given]:
-    candidate, stream, found = box.candidate, Stream(box), []
+    candidate, found = box.candidate, []
+    felt = felt_by(candidate.spec, box.solver)
     for other, members in carried_members(candidate.spec, box.solver).items():
+        stream = Stream(box, yields=other in felt)
         if other in candidate.rigid_caches and candidate.rigid_caches[other].index.bodies:
             books = books_of(candidate, candidate.rigid_caches[other])
             found += [_on_body(stream, books, b) for b, o in enumerate(books.owner) if books.entities[o] in members]
@@ -66,19 +70,21 @@ def _on_body(stream: Stream, books: Books, body: int) -> Given:
     middle = 0.5 * (x[:-1] + x[1:]) + h / 8 * (v[:-1] - v[1:])
     coefficient = float(stream.box.settings.coefficient)
     count = books.frames - 1
-    ends, between = np.zeros((books.frames, 3)), np.zeros((count, 3))
+    ends, between, at_once = np.zeros((books.frames, 3)), np.zeros((count, 3)), np.zeros((count, 3))
     inside = np.zeros(books.frames, dtype=bool)
     for k in range(min(books.frames, stream.box.frames)):
         inside[k] = stream.within(x[k : k + 1], k)[0]
         ends[k] = _force(stream, coefficient, hull, turn[k], (x[k], v[k]), (k, 0.0)) if inside[k] else 0.0
     for k in range(count):
         if inside[k] and inside[k + 1]:
-            between[k] = _force(stream, coefficient, hull, turn[k], (middle[k], 0.5 * (v[k] + v[k + 1])), (k, 0.5))
+            way = (middle[k], 0.5 * (v[k] + v[k + 1]))
+            between[k] = _force(stream, coefficient, hull, turn[k], way, (k, 0.5))
+            at_once[k] = stream.at_once(partial(_force_at, stream, coefficient, hull @ turn[k].T, way, k))
     given = recorded(books)[:, body] - float(books.body_mass[body]) * _pulled(candidate, entity, x, books.times)
     awake = ~(books.asleep[:-1, body] | books.asleep[1:, body])
     judged = inside[:-1] & inside[1:] & awake & (books.free_time[:, owner] > h - 1e-9)
     worked_out = np.where((inside[:-1] & inside[1:])[:, None], h / 6 * (ends[:-1] + 4 * between + ends[1:]), 0.0)
-    return Given((entity,), given, worked_out, {entity: worked_out}, judged)
+    return Given((entity,), given, worked_out, {entity: worked_out}, judged, inside[:-1] & inside[1:], None, at_once)
 
 
 def _hull(points: F64) -> F64:
@@ -100,6 +106,11 @@ def _force(stream: Stream, coefficient: float, hull: F64, turn: F64, moves: tupl
     if fast == 0.0:
         return np.zeros(3)
     return np.asarray(0.5 * density[0] * coefficient * _outline(hull @ turn.T, past / fast) * fast * past)
+
+
+def _force_at(stream: Stream, coefficient: float, hull: F64, moves: tuple[F64, F64], frame: int, share: float) -> F64:
+    """Drag [N] on a body of a hull as it is turned, in the gas as it is a share of the way between two frames."""
+    return _force(stream, coefficient, hull, np.eye(3), moves, (frame, share))
 
 
 def _outline(points: F64, along: F64) -> float:
@@ -135,7 +146,7 @@ def _on_sheets(stream: Stream, run: ClothRun) -> Given:
     h, names = stream.box.duration, tuple(dict.fromkeys(p.entity for p in run.pieces))
     ends = {n: np.zeros((frames, 3)) for n in names}
     middle = {n: np.zeros((frames - 1, 3)) for n in names}
-    inside, pulled = np.ones(frames, dtype=bool), np.zeros((frames, 3))
+    inside, pulled, at_once = np.ones(frames, dtype=bool), np.zeros((frames, 3)), np.zeros((frames - 1, 3))
     before: Any = None
     for k in range(frames):
         x, v = run.frame(k)
@@ -148,13 +159,15 @@ def _on_sheets(stream: Stream, run: ClothRun) -> Given:
             speed = 1.5 / h * (x - a) - 0.25 * (b + v)
             for name, force in _blown(stream, run, way, speed, (k - 1, 0.5)).items():
                 middle[name][k - 1] = force
+            at_once[k - 1] = stream.at_once(partial(_all_blown, stream, run, way, speed, k - 1))
         pulled[k] = _weights(candidate, run, x, k * h)
         before = x, v
     sums = {n: h / 6 * (ends[n][:-1] + 4 * middle[n] + ends[n][1:]) for n in names}
     told = np.stack([run.record(f"air_impulse_{a}") for a in "xyz"], axis=1)[:frames]
     given = np.diff(told, axis=0) - 0.5 * h * (pulled[:-1] + pulled[1:])
     free = np.arange(frames - 1) * h >= run.start - 1e-9
-    return Given(names, given, sum(sums.values(), np.zeros((frames - 1, 3))), sums, inside[:-1] & inside[1:] & free)
+    kept = inside[:-1] & inside[1:]
+    return Given(names, given, sum(sums.values(), np.zeros((frames - 1, 3))), sums, kept & free, kept, None, at_once)
 
 
 def _blown(stream: Stream, run: ClothRun, x: F64, v: F64, when: tuple[int, float]) -> dict[str, F64]:
@@ -172,6 +185,11 @@ def _blown(stream: Stream, run: ClothRun, x: F64, v: F64, when: tuple[int, float
         force = ((0.5 * density * size * np.linalg.norm(past, axis=1))[:, None] * pressure).sum(axis=0)
         found[piece.entity] = found.get(piece.entity, np.zeros(3)) + force
     return found
+
+
+def _all_blown(stream: Stream, run: ClothRun, x: F64, v: F64, frame: int, share: float) -> F64:
+    """Force of the gas on all sheets [N], (3,), in the gas as it is a share of the way between two frames."""
+    return sum(_blown(stream, run, x, v, (frame, share)).values(), np.zeros(3))
 
 
 def _weights(candidate: Candidate, run: ClothRun, x: F64, time: float) -> F64:

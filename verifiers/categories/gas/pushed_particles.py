@@ -5,6 +5,7 @@ What flies alone is taken on from each frame to the next by the law of spheres; 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -43,21 +44,24 @@ def on_particles(stream: Stream, candidate: Candidate, other: str) -> Given:
     frames, h = stream.box.frames, stream.box.duration
     flies = candidate.spec.simulation.solvers[other].engine == "ballistic"
     pull = {n: pull_of(candidate, n) for n in names}
+    at_once = np.zeros((frames - 1, 3))
     given, shares = np.zeros((frames - 1, 3)), {n: np.zeros((frames - 1, 3)) for n in names}
-    doubt, judged = np.zeros(frames - 1), np.zeros(frames - 1, dtype=bool)
+    doubt, judged, inside = np.zeros(frames - 1), np.zeros(frames - 1, dtype=bool), np.zeros(frames - 1, dtype=bool)
     before = _read(candidate, other, names, 0)
     for k in range(frames - 1):
         now = _read(candidate, other, names, k + 1)
         _, here, there = np.intersect1d(before.identity, now.identity, return_indices=True)
         moves = (before.velocity[here] != 0.0).any(axis=1) | (now.velocity[there] != 0.0).any(axis=1)
         a, b = before.rows(here[moves]), now.rows(there[moves])
-        judged[k] = bool(len(a.place)) and all(stream.within(s.place, f).all() for s, f in ((before, k), (now, k + 1)))
+        inside[k] = all(stream.within(s.place, f).all() for s, f in ((before, k), (now, k + 1)))
+        judged[k] = bool(len(a.place)) and inside[k]
         for row, name in enumerate(names):
             own = a.member == row
             if own.any():
                 gravity = pull[name](a.place[own], k * h)
                 force = _flown if flies else _along
                 shares[name][k] = force(stream, a.rows(own), b.rows(own), gravity, k).sum(axis=0)
+        at_once[k] = stream.at_once(partial(_in_middle, stream, a, b, k))
         for swarm, kept, frame in ((before, here, k), (now, there, k + 1)):
             alone = swarm.rows(np.setdiff1d(np.arange(len(swarm.mass)), kept))
             if len(alone.mass) and judged[k]:
@@ -67,7 +71,7 @@ def on_particles(stream: Stream, candidate: Candidate, other: str) -> Given:
         given[k] = np.asarray(told, dtype=np.float64).sum(axis=0)
         given[k] -= sum((a.mass[a.member == r] @ _extra(candidate, pull[n], a.place[a.member == r], k, h) for r, n in enumerate(names)), np.zeros(3))  # fmt: skip
         before = now
-    return Given(names, given, sum(shares.values(), np.zeros((frames - 1, 3))), shares, judged, doubt)
+    return Given(names, given, sum(shares.values(), np.zeros((frames - 1, 3))), shares, judged, inside, doubt, at_once)
 
 
 def _read(candidate: Candidate, other: str, names: tuple[str, ...], frame: int) -> _Swarm:
@@ -114,6 +118,13 @@ def _along(stream: Stream, a: _Swarm, b: _Swarm, gravity: F64, frame: int) -> F6
         rate, flow = _rate(stream, a, place, velocity, (frame, share))
         given += (a.mass * rate)[:, None] * (flow - velocity) * (stream.box.duration / PARTS)
     return given
+
+
+def _in_middle(stream: Stream, a: _Swarm, b: _Swarm, frame: int, share: float) -> F64:
+    """Force on particles in the middle of their way between two frames, in the gas as it is a share of the way between them [N], (3,)."""
+    place, velocity = 0.5 * (a.place + b.place), 0.5 * (a.velocity + b.velocity)
+    rate, flow = _rate(stream, a, place, velocity, (frame, share))
+    return np.asarray(((a.mass * rate)[:, None] * (flow - velocity)).sum(axis=0))
 
 
 def _extra(candidate: Candidate, pull: Any, place: F64, frame: int, h: float) -> F64:

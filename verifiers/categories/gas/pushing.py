@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from ....worlds.categories.gas.carrying import carried_members, carries
 from ....worlds.errors import EvidenceError
+from ....worlds.instances import felt_by
 from ...rows.corrections import bake_again, halve_step
 from ...rows.findings import Finding
 from ..judge import Push
@@ -15,6 +17,7 @@ from .bounds import PUSHED
 from .frames import box_of
 from .pushed import given_by
 from .questions import PUSHING
+from .returned import returned_share
 from .rows import kept_within
 
 if TYPE_CHECKING:
@@ -82,7 +85,7 @@ def _off(given: Given) -> F64:
     recorded, own = (np.cumsum(np.where(given.judged[:, None], a, 0.0), axis=0) for a in (given.recorded, given.worked_out))
     scale = max(float(np.linalg.norm(own, axis=1).max()), float(np.linalg.norm(recorded, axis=1).max()), TINY)
     doubt = 0.0 if given.doubt is None else np.cumsum(np.where(given.judged, given.doubt, 0.0))
-    return np.concatenate([[0.0], np.maximum(np.linalg.norm(recorded - own, axis=1) - doubt, 0.0) / scale])
+    return np.concatenate([[0.0], np.maximum(given.off() - doubt, 0.0) / scale])
 
 
 def _size(vector: F64) -> float:
@@ -106,12 +109,8 @@ def pushing_lines(candidate: Candidate) -> list[dict[str, str]]:
         carried = carried_members(spec, name)
         if not carried:
             continue
-        listed = ", ".join(repr(m) for members in carried.values() for m in members)
+        found += [*_felt_lines(candidate, name, carried)]
         found += [
-            {
-                "what": f"the gas of {name!r} carries {listed} and does not feel them",
-                "effect": f"omitted reaction: it is not slowed, parted or shaded by them; {_share(candidate, name)}",
-            },
             {
                 "what": f"the gas of {name!r} acts on rigid bodies by its velocity at their centre of mass and one drag coefficient",
                 "effect": "no lift across the flow, no torque and no buoyancy: nothing spins in it, and a balloon does not rise by its lightness",
@@ -126,6 +125,26 @@ def pushing_lines(candidate: Candidate) -> list[dict[str, str]]:
             },
         ]
     return found
+
+
+def _felt_lines(candidate: Candidate, name: str, carried: Mapping[str, tuple[str, ...]]) -> Iterator[dict[str, str]]:
+    """Lines about what a gas carries, as far as it feels it, and as far as it does not."""
+    felt = felt_by(candidate.spec, name)
+    for ones in (tuple(c for c in carried if c not in felt), felt):
+        listed = ", ".join(repr(m) for c in ones for m in carried.get(c, ()))
+        if not listed:
+            continue
+        if ones is felt:
+            yield {
+                "what": f"the gas of {name!r} feels the drag of {listed}, spread over the cells about each, and flows through them",
+                "effect": "nothing is parted or shaded by them but by drag; what is as wide as a cell drags on part of its own wake, so that its drag is too low by "
+                f"about half of coefficient x shown area / cell^2, and at most as if it went with that air; {returned_share(candidate, name)}",
+            }
+        else:
+            yield {
+                "what": f"the gas of {name!r} carries {listed} and does not feel them",
+                "effect": f"omitted reaction: it is not slowed, parted or shaded by them; {_share(candidate, name)}",
+            }
 
 
 def _share(candidate: Candidate, name: str) -> str:

@@ -19,6 +19,7 @@ __all__ = [
     "PLACES",
     "PUSHING",
     "QUESTIONS",
+    "RETURNING",
     "STEAM",
     "TRANSPORT",
 ]
@@ -290,6 +291,18 @@ PUSHING = by_name(
         "PUSHED",
     ),
 )
+RETURNING = by_name(
+    _asked(
+        "returned",
+        "it loses what a two_way coupling lets it give to what it carries",
+        "largest difference since frame 0 over all that these got",
+        "1",
+        "RETURNED",
+    ),
+    _asked(
+        "returned_there", "it loses that where these are", "share of it that it lost elsewhere, in any interval", "1", "ASTRAY"
+    ),
+)
 STEAM = by_name(
     _asked(
         "boiled",
@@ -353,6 +366,6 @@ FATE = by_name(
 
 QUESTIONS = tuple(
     q
-    for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, PUSHING, FOLLOWING, FATE)
+    for group in (BOOKS, ESCAPES, TRANSPORT, LIMITS, FLOW, PLACES, FIRES, KINDLING, STEAM, PUSHING, RETURNING, FOLLOWING, FATE)
     for q in group.values()
 )

@@ -35,15 +35,41 @@ class Given:
     """The same by entity."""
     judged: Flags
     """True where it is free, awake and within the box at both ends, shape (F - 1,)."""
+    inside: Flags
+    """True where all of it is within the box at both ends, shape (F - 1,)."""
     doubt: F64 | None = None
     """Size of the impulse on what comes or goes within an interval, which nothing tells [N s], shape (F - 1,)."""
+    at_once: F64 | None = None
+    """By how much it is another if a gas that feels them gives way at once in each interval [N s], shape (F - 1, 3)."""
+
+    def off(self) -> F64:
+        """Distance of the sums of both since frame 0, whatever part of how the gas gives way is at once, in the intervals that are judged
+        [N s], shape (F - 1,)."""
+
+        def summed(values: F64) -> F64:
+            return np.cumsum(np.where(self.judged[:, None], values, 0.0), axis=0)
+
+        gap = summed(self.recorded) - summed(self.worked_out)
+        if self.at_once is not None:
+            whole = summed(self.at_once)
+            part = (gap * whole).sum(axis=1) / np.maximum((whole**2).sum(axis=1), 1e-300)
+            gap = gap - np.clip(part, 0.0, 1.0)[:, None] * whole
+        found: F64 = np.linalg.norm(gap, axis=1)
+        return found
 
 
 class Stream:
-    """Velocity and density of a gas between its cells and frames."""
+    """Velocity and density of a gas between its cells and frames; `yields`: what it carries moves it."""
 
-    def __init__(self, box: GasBox) -> None:
-        self.box = box
+    def __init__(self, box: GasBox, *, yields: bool = False) -> None:
+        self.box, self.yields = box, yields
+
+    def at_once(self, force: Callable[[float], F64]) -> F64:
+        """Difference of the impulse over an interval if a gas that feels what it carries gives way at once, and not evenly as is supposed:
+        half of what `force`, a function of the share of the way between both frames of the gas [N], changes by [N s], (3,)."""
+        if not self.yields:
+            return np.zeros(3)
+        return np.asarray(0.5 * self.box.duration * (force(1.0) - force(0.0)))
 
     def within(self, points: F64, frame: int) -> Flags:
         """True for points [m] in the box at a frame, (n, 3) -> (n,)."""

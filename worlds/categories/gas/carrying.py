@@ -9,7 +9,7 @@ import numpy as np
 
 from ...extents import initial_box
 from ...fields import acting_on, field_drivers
-from ...instances import bodies_read, carriers_of, waits_for_itself
+from ...instances import bodies_read, carriers_of, coupled_groups, felt_by, waits_for_itself
 from ...problems import Problem, removed, replaced
 from ..loose import domain_box, told_box
 from .burning import flammable_parts
@@ -64,10 +64,6 @@ def coupling_problems(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator
     """Problems of a coupling by which a gas carries the members of another instance."""
     plan, place = spec.simulation, f"/simulation/couplings/{key}"
     source, target = coupling.source, coupling.target
-    if coupling.direction != "one_way":
-        text = f"coupling {key!r}: the gas of {source!r} does not feel what it carries; make it one_way"
-        yield Problem(f"{place}/direction", text, replaced(f"{place}/direction", "one_way"))
-        return
     kind = plan.solvers[target].moves[0]
     felt = [m for m in plan.solvers[target].members if m in spec.entities and spec.entities[m].physics.feels_fields]
     if kind not in ("rigid", "cloth", "particles"):  # category names are those of `moves`
@@ -80,10 +76,39 @@ def coupling_problems(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator
     if not any(spec.entities[m].motion == "dynamic" for m in felt):
         text = f"coupling {key!r}: no member of {target!r} is dynamic, so that the gas of {source!r} moves nothing; make one dynamic, or take it out"
         yield Problem(place, text, removed(place))
+    if coupling.direction == "two_way":
+        yield from _felt(spec, key, coupling)
     yield from _both_ways(spec, key, coupling)
     yield from _watched(spec, key, coupling)
     yield from _burn(spec, key, coupling)
     yield from _two_airs(spec, key, coupling)
+
+
+def _felt(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
+    """Problems of what steps together with the gas that feels it, and cannot in this build."""
+    plan, place = spec.simulation, f"/simulation/couplings/{key}"
+    source, target = coupling.source, coupling.target
+    one_way = replaced(f"{place}/direction", "one_way")
+    if plan.gas[source].settings.follows:
+        text = f"coupling {key!r}: the gas of {source!r} is solved in a part of its box that follows it, and feels nothing there; make the coupling one_way, or set follows to false"
+        yield Problem(f"{place}/direction", text, one_way)
+    elastic = [m for m in plan.solvers[target].members if m in spec.entities and spec.entities[m].physics.shape == "deforming"]
+    if target in plan.rigid and elastic:
+        text = f"coupling {key!r}: the gas of {source!r} does not feel {elastic[0]!r}, which deforms; make the coupling one_way, or put {elastic[0]!r} into an instance of its own"
+        yield Problem(f"{place}/direction", text, one_way)
+    group = next(g for g in coupled_groups(spec) if source in g)
+    gases = sorted(g for g in group if felt_by(spec, g))
+    if gases[1:] and source == gases[1]:
+        text = f"coupling {key!r}: gases {gases[0]!r} and {source!r} feel what moves together; one gas per group is possible: make the coupling one_way"
+        yield Problem(f"{place}/direction", text, one_way)
+    rigid = next((r for r in sorted(group) if r in plan.rigid), None)
+    joined = [{c.source, c.target} for c in plan.couplings.values() if c.direction == "two_way"]
+    if rigid is not None and target != rigid and {rigid, target} not in joined:
+        text = (
+            f"coupling {key!r}: {target!r} and {rigid!r} move at the same time as the gas of {source!r}, and do not push each other; couple {rigid!r} "
+            f"and {target!r} two_way, or make the coupling one_way"
+        )
+        yield Problem(f"{place}/direction", text, one_way)
 
 
 def _both_ways(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from ...channel import Channel, quantity
+from ...instances import felt_by
 from ..shared_channels import MOTION
 from .burning import flammable_parts
 from .facts import gas_of
@@ -50,6 +51,10 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
         quantity("slipped_soot", "kg", "that left through sides of that part inside the box since frame 0; part of what escaped, and none should"),
         quantity("slipped_heat", "J", "the same of heat"),
     ),
+    "gas feel": (
+        Channel("gas_returned", "f4", (*BOX, 3), "N s/m^3", "momentum that its velocities took over the frame from what it carries and feels, by cell", finite=True),
+        Channel("gas_gained", "f8", (3,), "N s", "the same of all cells", finite=True),
+    ),
     "gas fire": (
         Channel("gas_fuel", "f4", BOX, "kg/m^3", "fuel that has not burnt"),
         Channel("gas_product", "f4", BOX, "kg/m^3", "what fuel and its air have become, without soot"),
@@ -91,6 +96,8 @@ def writers(spec: WorldSpec, name: str) -> Iterator[str]:
     held = gas_of(spec, name) if name in spec.simulation.gas else None
     if held is not None and spec.simulation.gas[name].settings.follows:
         yield "gas follow"
+    if held is not None and felt_by(spec, name):
+        yield "gas feel"
     if held is not None and held[2].fuel is not None:
         yield "gas fire"
     if held is not None and flammable_parts(spec, name):

@@ -95,7 +95,7 @@ class GasSettings(SpecModel):
     coefficient: NonNegative = Field(
         default=1.0,
         le=5,
-        description="drag coefficient of rigid bodies that a one_way coupling lets it carry, by the area that their hull shows to the flow: "
+        description="drag coefficient of rigid bodies that a coupling lets it carry, by the area that their hull shows to the flow: "
         "sphere 0.47, cube 1.05",
     )
     device: Literal["cpu", "cuda"] = "cpu"
@@ -105,8 +105,9 @@ class GasInstance(Instance):
     """A running gas and its one entity. Rigid bodies that reach into the domain are its obstacles; it does not push them.
 
     A one_way coupling from it to an instance of bodies, cloth or particles drags these along, with variables ["wrench"]: it is baked first, its velocity
-    and density act on them as those of a wind do, and bodies that it carries do not stand in its way. A one_way coupling from an instance of cloth
-    lets that cloth burn in it, where its material may.
+    and density act on them as those of a wind do, and bodies that it carries do not stand in its way. With a two_way one it feels them: they are
+    simulated together, and what drag gives to them is taken from it. A one_way coupling from an instance of cloth lets that cloth burn in it, where
+    its material may.
     """
 
     moves: ClassVar[tuple[str, ...]] = ("gas",)

@@ -169,7 +169,8 @@ def _couplings(spec: WorldSpec) -> Iterator[Problem]:
         flying = [
             s for s in (coupling.source, coupling.target) if s in plan.particles and plan.particles[s].engine == "ballistic"
         ]
-        if flying and coupling.direction == "two_way":
+        carried = coupling.source in plan.solvers and plan.solvers[coupling.source].carries
+        if flying and coupling.direction == "two_way" and not carried:
             place = f"/simulation/couplings/{name}"
             text = f"coupling {name!r}: ballistic particles of {flying[0]!r} push nothing; make it one_way from the rigid instance, or leave it out"
             yield Problem(place, text, removed(place))

@@ -10,13 +10,15 @@ import pytest
 from worldagent.testing.worlds.carried_worlds import JET_PROMPT, embers_spec, jet_spec, stream_spec
 from worldagent.testing.worlds.small_gas import dust_spec
 from worldagent.worlds.audits.audit import audit
+from worldagent.worlds.bake_plan import groups_of
 from worldagent.worlds.cache import Cache, CacheIndex, write_container
 from worldagent.worlds.categories.gas.carrying import unmet
 from worldagent.worlds.categories.gas.medium import FADES, GasMedium
 from worldagent.worlds.errors import EvidenceError
 from worldagent.worlds.fields import fields_of
-from worldagent.worlds.instances import bake_order, read_by, waits_for_itself
+from worldagent.worlds.instances import bake_order, felt_by, read_by, waits_for_itself
 from worldagent.worlds.spec import WorldSpec
+from worldagent.worlds.writers import writers_of
 
 BACK = {"source": "bodies", "target": "air", "direction": "one_way", "variables": ["motion"]}
 CARRIES = {"source": "air", "target": "bodies", "direction": "one_way", "variables": ["wrench"]}
@@ -72,7 +74,6 @@ def test_dust_of_bodies_that_the_gas_carries_is_refused() -> None:
 
 
 WRONG: list[tuple[tuple[str, Any], str]] = [
-    (("/simulation/couplings/carries/direction", "two_way"), "does not feel what it carries; make it one_way"),
     (("/simulation/couplings/carries/variables", ["motion"]), "it exchanges wrench alone"),
     (("/simulation/couplings/back", BACK), "let 'bodies' move the gas of 'air' and be moved by it"),
     (("/entities/ball/motion", "static"), "no member of 'bodies' is dynamic"),
@@ -87,6 +88,37 @@ WRONG: list[tuple[tuple[str, Any], str]] = [
 @pytest.mark.parametrize(("edit", "said"), WRONG, ids=[said for _, said in WRONG])
 def test_the_audit_refuses_what_contradicts(edit: tuple[str, Any], said: str) -> None:
     assert said in problems(world(jet_spec(), edit))
+
+
+@pytest.mark.parametrize("document", [jet_spec(), embers_spec(), stream_spec(thing="sheet")], ids=["body", "embers", "sheet"])
+def test_a_gas_that_feels_what_it_carries_moves_at_the_same_time(document: dict[str, Any]) -> None:
+    spec = world(document, ("/simulation/couplings/carries/direction", "two_way"))
+    assert problems(spec) == ""
+    (coupling,) = spec.simulation.couplings.values()
+    assert {"air", coupling.target} in [set(group) for group in groups_of(spec)]
+    assert felt_by(spec, "air") == (coupling.target,)
+    assert "air" not in read_by(spec, coupling.target)
+    assert coupling.target not in read_by(spec, "air")
+    assert ("bodies" in read_by(spec, "air")) == (coupling.target != "bodies")
+    assert "gas feel" in writers_of(spec, "air")
+    assert felt_by(world(jet_spec()), "air") == ()
+
+
+def test_what_cannot_be_felt_is_refused() -> None:
+    felt = ("/simulation/couplings/carries/direction", "two_way")
+    follows = world(jet_spec(), felt, ("/simulation/solvers/air/settings/follows", True))
+    assert "is solved in a part of its box that follows it, and feels nothing there" in problems(follows)
+    document = stream_spec(thing="sheet")
+    document["entities"]["ball"] = jet_spec()["entities"]["ball"]
+    document["simulation"]["solvers"]["bodies"]["members"].append("ball")
+    document["simulation"]["couplings"]["too"] = {**CARRIES, "direction": "two_way"}
+    both = world(document, felt)
+    assert "'sheets' and 'bodies' move at the same time as the gas of 'air', and do not push each other" in problems(both)
+    joined = {"source": "sheets", "target": "bodies", "direction": "two_way", "variables": ["motion", "wrench"]}
+    assert problems(world(document, felt, ("/simulation/couplings/joined", joined))) == ""
+    soft = jet_spec()
+    soft["entities"]["ball"]["physics"] = {"category": "elastic", "young_modulus": 1e5, "resolution": 0.01}
+    assert "does not feel 'ball', which deforms" in problems(world(soft, felt))
 
 
 def test_what_would_burn_in_the_gas_that_carries_it_is_refused() -> None:

@@ -33,6 +33,8 @@ LEAST_OPEN = wp.constant(0.02)
 """Faces open by less are closed: their cells would make the system stiff."""
 BURIED = wp.constant(9.0)
 """Distance to the surface that marks cells inside solids which touch no open one."""
+SHALLOW = wp.constant(64)
+"""Mark of cells that look to lie less than a quarter of a cell under the surface: beside air they may be air in the next step."""
 LEAST_THETA = wp.constant(0.05)
 """Nearest distance of the surface to the centre of a liquid cell, in cells."""
 
@@ -179,7 +181,7 @@ def build_rows(
     airy: wp.array(dtype=wp.int32),
 ):  # fmt: skip
     """One row per liquid cell; its right side is the flux into the cell. `airy` tells which sides of a cell are open to
-    air: bit n for side n.
+    air (bit n for side n) and which cells are SHALLOW.
     """
     r = first + wp.tid()
     c = cell[r]
@@ -225,6 +227,8 @@ def build_rows(
     coefficient[r] = k
     diagonal[r] = total
     right[r] = -flux
+    if phi[c] > -0.25:
+        free = free | SHALLOW
     airy[r] = free
 
 
@@ -237,17 +241,21 @@ def rate_density(
 ):  # fmt: skip
     """Source that undoes a share of a cell's compression, in cells of displacement; `excess` is the compression itself.
 
-    The tent that weighs a cell's density reaches its neighbours across faces and edges: where one of them is air, expansion may be
-    that of the surface and is let be. In all others, which are `inner`, it is air that was mixed in. (Air across a corner alone takes
-    1/720 of the density at most.) Of cells whose centre lies in a solid too little is open to tell.
+    The tent that weighs a cell's density reaches its neighbours across faces and edges: where one of them is air, or a shallow cell
+    beside air, expansion may be that of the surface and is let be. In all others, which are `inner`, it is air that was mixed in: that
+    a cell is half empty tells nothing. (Air across a corner alone takes 1/720 of the density at most.) Of cells whose centre lies in
+    a solid too little is open to tell.
     """
     r = first + wp.tid()
     c = cell[r]
     e = density[c] / wp.max(spread[c], 0.05) - 1.0
-    free = airy[r]
+    free = airy[r] & (SHALLOW - 1)
     for side in range(6):
         if coefficient[r][side] > 0.0:
-            free = free | (airy[link[r][side]] & ~(3 << (side - side % 2)))
+            its = airy[link[r][side]]
+            free = free | (its & (SHALLOW - 1) & ~(3 << (side - side % 2)))
+            if its > SHALLOW:
+                free = 1
     inside = int(1)
     if free != 0:
         e = wp.max(e, 0.0)

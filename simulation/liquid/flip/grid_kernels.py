@@ -250,9 +250,11 @@ def rate_density(
     c = cell[r]
     e = density[c] / wp.max(spread[c], 0.05) - 1.0
     free = airy[r] & (SHALLOW - 1)
+    links = link[r]
+    k = coefficient[r]
     for side in range(6):
-        if coefficient[r][side] > 0.0:
-            its = airy[link[r][side]]
+        if k[side] > 0.0:
+            its = airy[links[side]]
             free = free | (its & (SHALLOW - 1) & ~(3 << (side - side % 2)))
             if its > SHALLOW:
                 free = 1

@@ -101,20 +101,22 @@ def test_the_front_of_a_broken_dam_follows_the_measurement() -> None:
 
 @pytest.mark.slow
 def test_a_dam_on_a_dry_bed_spreads_as_ritter_says() -> None:
-    """Water 12 cells deep and 108 long, 4 wide; depth after 8 sqrt(h / g), relative L1 error.
+    """Water 12 cells deep and 108 long, 16 wide; depth after 8 sqrt(h / g), relative L1 error.
 
-    Ritter's solution knows no vertical acceleration: the error is 7 % after 3 sqrt(h / g) and falls with time.
+    4 cells wide, the noise of the markers makes up half of it: 4.9 to 5.7 %, by where they begin; 16 wide 4.4 to 4.5 %.
+    Ritter's solution knows no vertical acceleration, and films of less than half a cell slide freely: 3.4 % after 3 sqrt(h / g).
     """
-    depth, many, before, after = 0.5, 12, 9.0, 8.0
+    depth, many, wide, before, after = 0.5, 12, 16, 9.0, 8.0
     cell = depth / many
     length = before + 2.2 * after
-    engine = Flip(tank((length * depth, 4 * cell, 1.5 * depth), block((0, 0, 0), (before * depth, 4 * cell, depth), cell), cell))
+    side = wide * cell
+    engine = Flip(tank((length * depth, side, 1.5 * depth), block((0, 0, 0), (before * depth, side, depth), cell), cell))
     time = after * np.sqrt(depth / G)
     advance(engine, time)
     found = engine.particles()
     width = 4 * cell
     edges = np.arange(0.0, length * depth + width / 2, width)
-    measured = np.histogram(found.position[:, 0], edges, weights=found.volume)[0] / (width * 4 * cell)
+    measured = np.histogram(found.position[:, 0], edges, weights=found.volume)[0] / (width * side)
     x = (edges[1:] + edges[:-1]) / 2 - before * depth
     speed = np.sqrt(G * depth)
     exact = np.where(x < -speed * time, depth, (2 * speed - x / time).clip(0.0) ** 2 / (9 * G))

@@ -240,13 +240,14 @@ class Flip(CutCells):
         """Displacement potential that undoes compression; mean compression inside the liquid and the largest one."""
         wp, run, rows = warp(), self.run, solver.rows
         right, push = run.array("push_right", rows, wp.float32), run.array("push", rows, wp.float32)
-        excess, airy = run.array("excess", rows, wp.float32), run.array("airy", rows, wp.int32)
-        share = self.settings.volume_correction
-        state = [run.array("cell", rows, wp.int32), *self._of(grid, "density", "spread"), airy, int(self.solids.count > 0)]
-        run(cells.rate_density, rows, [*state, *self._of(grid, "solid"), share, right, excess])
-        self.gaps.quiet(grid, solver.levels[0].row, right, excess)
-        found, inner = run.read(excess, rows), run.read(airy, rows) == 0
-        bounds = (float(found[inner].mean()) if inner.any() else 0.0, float(found.max(initial=0.0)))
+        excess, (airy, inner) = run.array("excess", rows, wp.float32), (run.array(n, rows, wp.int32) for n in ("airy", "inner"))
+        share, fine = self.settings.volume_correction, solver.levels[0]
+        state = [run.array("cell", rows, wp.int32), *self._of(grid, "density", "spread"), fine.link, fine.coefficient, airy]
+        state += [int(self.solids.count > 0), *self._of(grid, "solid")]
+        run(cells.rate_density, rows, [*state, share, right, excess, inner])
+        self.gaps.quiet(grid, fine.row, right, excess)
+        found, within = run.read(excess, rows), run.read(inner, rows) == 1
+        bounds = (float(found[within].mean()) if within.any() else 0.0, float(found.max(initial=0.0)))
         if share == 0.0:
             push.zero_()
             return multigrid.Solution(0, 0.0, False), bounds

@@ -33,6 +33,8 @@ LEAST_OPEN = wp.constant(0.02)
 """Faces open by less are closed: their cells would make the system stiff."""
 BURIED = wp.constant(9.0)
 """Distance to the surface that marks cells inside solids which touch no open one."""
+SHALLOW = wp.constant(64)
+"""Mark of cells that look to lie less than a quarter of a cell under the surface: beside air they may be air in the next step."""
 LEAST_THETA = wp.constant(0.05)
 """Nearest distance of the surface to the centre of a liquid cell, in cells."""
 
@@ -178,7 +180,9 @@ def build_rows(
     link: wp.array(dtype=vec6i), coefficient: wp.array(dtype=vec6), diagonal: wp.array(dtype=float), right: wp.array(dtype=float),
     airy: wp.array(dtype=wp.int32),
 ):  # fmt: skip
-    """One row per liquid cell; its right side is the flux into the cell. `airy` marks cells beside air."""
+    """One row per liquid cell; its right side is the flux into the cell. `airy` tells which sides of a cell are open to
+    air (bit n for side n) and which cells are SHALLOW.
+    """
     r = first + wp.tid()
     c = cell[r]
     n = near[c]
@@ -211,10 +215,8 @@ def build_rows(
                 links[side] = target
                 k[side] = share
                 total += share
-                if phi[other] > -0.25:
-                    free = 1
             else:
-                free = 1
+                free = free | (1 << side)
                 theta = float(0.5)
                 if other >= 0:
                     theta = wp.clamp(phi[c] / (phi[c] - wp.max(phi[other], 1.0e-3)), LEAST_THETA, 1.0)
@@ -225,24 +227,42 @@ def build_rows(
     coefficient[r] = k
     diagonal[r] = total
     right[r] = -flux
+    if phi[c] > -0.25:
+        free = free | SHALLOW
     airy[r] = free
 
 
 @wp.kernel
 def rate_density(
     first: wp.int32, cell: wp.array(dtype=wp.int32), density: wp.array(dtype=float), spread: wp.array(dtype=float),
-    airy: wp.array(dtype=wp.int32), solids: int, solid: wp.array(dtype=float), share: float, right: wp.array(dtype=float),
-    excess: wp.array(dtype=float),
+    link: wp.array(dtype=vec6i), coefficient: wp.array(dtype=vec6), airy: wp.array(dtype=wp.int32), solids: int,
+    solid: wp.array(dtype=float), share: float, right: wp.array(dtype=float), excess: wp.array(dtype=float),
+    inner: wp.array(dtype=wp.int32),
 ):  # fmt: skip
     """Source that undoes a share of a cell's compression, in cells of displacement; `excess` is the compression itself.
 
-    Of cells whose centre lies in a solid too little is open to tell.
+    The tent that weighs a cell's density reaches its neighbours across faces and edges: where one of them is air, or a shallow cell
+    beside air, expansion may be that of the surface and is let be. In all others, which are `inner`, it is air that was mixed in: that
+    a cell is half empty tells nothing. (Air across a corner alone takes 1/720 of the density at most.) Of cells whose centre lies in
+    a solid too little is open to tell.
     """
     r = first + wp.tid()
     c = cell[r]
     e = density[c] / wp.max(spread[c], 0.05) - 1.0
-    if airy[r] == 1:
+    free = airy[r] & (SHALLOW - 1)
+    links = link[r]
+    k = coefficient[r]
+    for side in range(6):
+        if k[side] > 0.0:
+            its = airy[links[side]]
+            free = free | (its & (SHALLOW - 1) & ~(3 << (side - side % 2)))
+            if its > SHALLOW:
+                free = 1
+    inside = int(1)
+    if free != 0:
         e = wp.max(e, 0.0)
+        inside = 0
+    inner[r] = inside
     if solids == 1:
         if solid[c] < 0.0:
             e = 0.0

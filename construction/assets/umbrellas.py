@@ -59,7 +59,7 @@ def _umbrella(p: UmbrellaParameters, rng: np.random.Generator) -> Made:
     body.turned("tip", solid([(0.0035, 0.0), (0.005, tip)]), segments=12, material=p.metal)
     stacked(
         body,
-        "cloth",
+        "roll",
         [(0.3 * r, tip), (0.7 * r, 0.45 * top), (waist * r, 0.75 * top), (r, 0.97 * top), (0.45 * r, top)],
         segments=16,
     )

@@ -22,8 +22,8 @@ TAP = {"kind": "inflow", "entity": "water", "pose": {"position": [-0.1, 0.0, 0.2
 DRAIN = {
     "kind": "outflow",
     "entity": "water",
-    "pose": {"position": [0.13, 0.0, 0.05]},
-    "size": [0.1, 0.1, 0.1],
+    "pose": {"position": [0.13, 0.0, 0.04]},
+    "size": [0.08, 0.08, 0.08],
     "level": 0.15,
     "gauge": [0.0, -0.12],
 }
@@ -54,7 +54,7 @@ def test_a_tap_that_holds_a_level_stops_there_and_one_that_does_not_goes_on(tmp_
 
 
 def test_a_drain_stops_at_its_level_and_the_books_close(tmp_path: Path) -> None:
-    """From 0.2 m to 0.15 m, within a cell."""
+    """From 0.2 m to 0.15 m, within a cell, though the wave that the drain makes opens it once more."""
     candidate = world(tmp_path, drain=DRAIN)
     went = series(candidate.liquid_caches["water"], "outflow_mass")
     assert went[-1] / 1000 / 0.16 == pytest.approx(0.05, abs=0.03)

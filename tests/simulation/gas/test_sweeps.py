@@ -90,7 +90,7 @@ def test_sweeps_over_slices_of_layers_give_what_sweeps_over_all_do(sides: tuple[
                 one()
         found.append(np.stack([fine.x.numpy(), fine.left.numpy()]))
     assert np.abs(found[0]).max() > 1.0
-    np.testing.assert_array_equal(*found)
+    np.testing.assert_array_equal(found[0], found[1])
 
 
 def test_launches_are_kept_with_their_numbers_changed() -> None:

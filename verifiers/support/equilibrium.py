@@ -252,6 +252,8 @@ def _minimum(price: F64, matrix: Any, load: F64, limit: tuple[Any, F64] | None =
     less = {} if limit is None else {"A_ub": limit[0], "b_ub": limit[1]}
     options = {"presolve": presolve}
     found = linprog(price, A_eq=matrix.tocsr(), b_eq=load, bounds=(0.0, None), method="highs", options=options, **less)
+    if found.x is None and not presolve:
+        return _minimum(price, matrix, load, limit)
     if found.x is None:
         raise EvidenceError(f"the balance of contact forces has no numeric solution: {found.message}")
     return np.asarray(found.x)

@@ -198,7 +198,7 @@ def accept(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
     with WaitingJudge() as waiting, ThreadPoolExecutor(1) as second:  # it loads its modules meanwhile
         require_true_geometry(session, built)
         plates_of(work, context, distrust=True)
-        sheet = second.submit(report_sheet, work.candidate("full"))  # drawn while the judge works
+        sheet = second.submit(lambda: report_sheet(work.candidate("full")))  # drawn while the judge works
         context.progress(LOOKING, 1, "a fresh process judges the candidate")
         progress = Part(context.progress, LOOKING, JUDGED)
         record = judge_fresh(session.folder.root, seed=secrets.randbelow(2**31), progress=progress, waiting=waiting)

@@ -28,13 +28,11 @@ class UmbrellaStandParameters(Parameters):
 def _umbrella_stand(p: UmbrellaStandParameters, rng: np.random.Generator) -> Made:
     body, r, foot = Body("umbrella stand", p.material), p.diameter / 2, p.taper * p.diameter / 2
     base, rim = 0.03, 0.02
-    band = foot + (r - foot) * float(rng.uniform(0.6, 0.75))
-    share = (band - foot) / (r - foot) if r > foot else 0.7
-    level = base + share * (p.height - rim - base)
-    outer = [(foot, base), (band, level), (r, p.height - rim)]
+    share, high = float(rng.uniform(0.6, 0.75)), p.height - rim
+    outer = [(foot, base), (foot + share * (r - foot), base + share * (high - base)), (r, high)]
     body.turned("foot", solid([(foot + p.wall, 0.0), (foot + p.wall, base)]), segments=24)
     body.turned("wall", hollow(outer, p.wall, 2 * p.wall), segments=24)
-    body.turned("rim", ring(r - p.wall, p.height - rim, p.height, 2 * p.wall), segments=24)
+    body.turned("rim", ring(r - p.wall, high, p.height, 2 * p.wall), segments=24)
     made = Made.of(body)
     clear = 1.3 * (foot - p.wall)
     made.places["inside"] = Place((0, 0, base + 2 * p.wall), (clear, clear))

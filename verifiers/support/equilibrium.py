@@ -101,7 +101,7 @@ def solve(group: Group, *, claimed: Iterable[str] = (), shift: float = 0.0) -> d
     cost = np.array([1.0 if m in said else OTHERS for m in group.members])
     ways = _around(group.down)
     # Most groups rest as they are, which one program shows.
-    missing = _resting(group, cost)
+    missing = _missing(group, cost)
     moves = np.zeros((len(missing), 3))
     if missing.max() > ENOUGH:
         moves = _tipping(group, cost, ways)
@@ -205,7 +205,7 @@ def _tipping(group: Group, cost: F64, ways: F64) -> F64:
     return np.asarray(group.sizes[:, None] * (each @ ways))
 
 
-def _resting(group: Group, cost: F64) -> F64:
+def _missing(group: Group, cost: F64) -> F64:
     """Least force and moment that nothing gives where all stay as they are, as a share of each body's weight, shape (members,)."""
     from scipy.sparse import hstack
 

@@ -101,7 +101,7 @@ UPHILL_STILL = 0.5
 REST_TIME = 0.25
 """[s] Own choice: as STOP_TIME."""
 APPROACH = 0.02
-"""[m/s] Own choice: slower, nothing comes towards what it rests against; twice the noise of a velocity."""
+"""[m/s] Own choice: slower, nothing comes towards what it rests against."""
 TAKEN = 0.5
 """[1] of the momentum with which it came. Own choice: what ends a motion takes the greater part of it; friction on the way the rest."""
 JAM_DRIVE = 0.1

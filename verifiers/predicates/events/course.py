@@ -166,7 +166,7 @@ class Course:
 
     @cached_property
     def matter(self) -> dict[str, Given]:
-        """What matter of coupled instances gave it, by entity; none where several may have given it."""
+        """Impulse [N s] and work [J] that matter of coupled instances gave it, by entity; none where several may have given it."""
         found: dict[str, Given] = {}
         for origin, given in self.origins.items():
             members = (

@@ -96,7 +96,7 @@ def _resolution(spec: WorldSpec, name: str, entity: Entity) -> Iterator[Problem]
 
 
 def _joined(name: str, entity: Entity) -> Iterator[Problem]:
-    """Parts that meet at vertices, as if they were sewn: nothing joins them, and they push each other apart from frame 0 on."""
+    """Problems of parts whose vertices meet as if they were sewn: nothing joins them, and they push each other apart from frame 0 on."""
     from scipy.spatial import cKDTree
 
     physics = entity.physics

@@ -23,6 +23,7 @@ __all__ = [
     "Reading",
     "Warned",
     "events_in",
+    "is_stance",
     "kinds_meant",
     "known_kinds",
     "labelled",
@@ -79,6 +80,12 @@ def labelled(text: str) -> tuple[Labelled, ...]:
         if found.type != "filler":
             made.append(found)
     return tuple(made)
+
+
+def is_stance(quote: str) -> bool:
+    """True of a verb that says how something is, not what happens, alone or with a preposition of place (`hangs in`); not of `sits down`."""
+    verb, *behind = quote.casefold().split()
+    return not english.STANCES.isdisjoint(lemmas(verb, "v")) and set(behind) <= english.RESTING
 
 
 def _with_particle(found: Labelled, text: str) -> Labelled:

@@ -87,7 +87,9 @@ def test_a_bake_goes_on_from_the_last_checkpoint_of_its_probe_to_the_same_bytes(
     assert 0 < mark < PROBED - 1
     baked = probed.bake(probe=probed.probe)
     assert _frames(baked) == _frames(probed.alone)
-    assert {n: (t.origin, t.frames) for n, t in taken_in(baked).items()} == dict.fromkeys(NAMES, (f"{probed.candidate.name}/probe", mark + 1))
+    assert {n: (t.origin, t.frames) for n, t in taken_in(baked).items()} == dict.fromkeys(
+        NAMES, (f"{probed.candidate.name}/probe", mark + 1)
+    )
     assert probed.simulated == [*range(mark + 1, WHOLE)]
     assert spared_seconds(baked, {"simulated_s": 30.0, "frames": PROBED}) == pytest.approx(30.0 * (mark + 1) / PROBED)
 

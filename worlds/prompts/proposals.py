@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from .descriptions import UNSPACED, WordKind, meanings
 from .languages import REVIEWED, function_words, held_words, language_of
-from .lexicon import is_stance, labelled
+from .lexicon import describes, is_stance, labelled
 from .marks import Mark, MarkType, marked_text
 from .numbers import number_in, quantity_in
 from .units import Unit, folded, units_of, word_count
@@ -79,7 +79,8 @@ def proposal_text(prompt: str) -> str:
 def _english(text: str) -> Iterator[Proposal]:
     behind = 0
     for label in labelled(text):
-        lasts = label.type == "event" and is_stance(text[label.start : label.end])
+        span = label.start, label.end
+        lasts = label.type == "event" and (is_stance(text[slice(*span)]) or describes(text, *span))
         yield Proposal(label.start, label.end, "property" if lasts else label.type)
         word = _PLACE.search(text, behind, label.start)
         if word is not None and label.type == "thing":

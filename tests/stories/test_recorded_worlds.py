@@ -65,7 +65,10 @@ JUDGED: dict[str, tuple[str, ...]] = {
         *(row for row in GAS if ":cut:" not in row),  # Its smoke goes on above the picture.
     ),
     "gas/candle": (
-        *(f"causal:{a}:{b}" for a, b in (("lit", "burns"), ("burns", "leans"), ("blows", "leans"), ("burns", "out"), ("blows", "out"))),
+        *(
+            f"causal:{a}:{b}"
+            for a, b in (("lit", "burns"), ("burns", "leans"), ("blows", "leans"), ("burns", "out"), ("blows", "out"))
+        ),
         *("causal:without:lit:burns", "causal:without:blows:leans", "causal:without:blows:out"),
         *(f"category:gas:{n}:air" for n in ("fuel", "burnt", "released", "flames", "lit", "oxygen", "radiated")),
         *(row for row in GAS if ":cut:" not in row),  # Its smoke goes on above the picture.

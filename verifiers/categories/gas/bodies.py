@@ -12,6 +12,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ..liquid.solids import pieces_of, rows_within
+from .cells import neighbours
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -75,12 +76,13 @@ class Bodies:
 
     def blocked(self, frame: GasFrame) -> tuple[Mask, Mask, Mask]:
         """Faces between neighbours along each axis whose middles are in a body, (nx - 1, ny, nz), (nx, ny - 1, nz), (nx, ny, nz - 1)."""
-        centers = frame.centers
-        found = []
-        for axis in range(3):
-            middle = np.take(centers, range(centers.shape[axis] - 1), axis=axis) + 0.5 * frame.cell * np.eye(3)[axis]
-            found.append(self._made(f"blocked {axis}", frame, lambda f, m=middle: self._points(m, f, 0.0)) > 0.0)
-        return found[0], found[1], found[2]
+
+        def look(axis: int) -> F64:
+            lower, _ = neighbours(frame.centers, axis)
+            return self._points(lower + 0.5 * frame.cell * np.eye(3)[axis], frame, 0.0)
+
+        x, y, z = (self._made(f"blocked {axis}", frame, lambda _, a=axis: look(a)) > 0.0 for axis in range(3))
+        return x, y, z
 
     def _depth(self, frame: GasFrame) -> F64:
         return self._points(frame.centers, frame, (0.5 - TOUCH) * frame.cell)

@@ -12,12 +12,20 @@ from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 
-__all__ = ["WHOLE", "Cells", "FireCells", "GasFrame", "Mask"]
+__all__ = ["WHOLE", "Cells", "FireCells", "GasFrame", "Mask", "neighbours"]
 
 WHOLE = 0.999
 """[1] Room of a cell that no body cuts; the rest is rounding of bodies whose sides are those of cells."""
 Cells: TypeAlias = NDArray[np.float32]
 Mask: TypeAlias = NDArray[np.bool_]
+
+
+def neighbours(array: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Views of all cells but the last one and of all but the first one along an axis: each pair of neighbours at one place."""
+    lower: list[slice] = [slice(None)] * array.ndim
+    upper = list(lower)
+    lower[axis], upper[axis] = slice(0, -1), slice(1, None)
+    return array[tuple(lower)], array[tuple(upper)]
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from ....worlds.spec import Shot
     from ...rows.questions import Question
-    from .cells import GasFrame
+    from .cells import GasFrame, Mask
     from .frames import GasBox
 
 __all__ = ["Fate"]
@@ -39,6 +39,8 @@ class Fate:
         self.box = box
         self.depth: list[float] = []
         self.outside: list[dict[str, float]] = []
+        self._shown: tuple[tuple[Any, ...], Mask] | None = None
+        """Where the last camera stood, and the cells in its picture."""
 
     def see(self, now: GasFrame, before: GasFrame | None) -> None:
         """Look at one frame."""
@@ -57,11 +59,14 @@ class Fate:
             camera = camera_at(candidate.aimed(shot), now.index, look.width, look.height, None)
         except InputError:
             return 0.0
-        at = (now.centers.reshape(-1, 3) - camera.position) @ camera.axes.T
-        tall = np.tan(np.radians(camera.fov_deg) / 2.0)
-        wide = tall * look.width / look.height
-        shown = (at[:, 2] < 0.0) & (np.abs(at[:, 0]) <= -wide * at[:, 2]) & (np.abs(at[:, 1]) <= -tall * at[:, 2])
-        return 1.0 - float(soot.reshape(-1)[shown].sum()) / max(float(soot.sum()), TINY)
+        seen_from = (camera.position.tobytes(), camera.axes.tobytes(), float(camera.fov_deg), now.corner.tobytes())
+        if self._shown is None or self._shown[0] != seen_from:  # a camera that stands still sees the same cells at every frame
+            at = (now.centers.reshape(-1, 3) - camera.position) @ camera.axes.T
+            tall = np.tan(np.radians(camera.fov_deg) / 2.0)
+            wide = tall * look.width / look.height
+            shown = (at[:, 2] < 0.0) & (np.abs(at[:, 0]) <= -wide * at[:, 2]) & (np.abs(at[:, 1]) <= -tall * at[:, 2])
+            self._shown = (seen_from, shown)
+        return 1.0 - float(soot.reshape(-1)[self._shown[1]].sum()) / max(float(soot.sum()), TINY)
 
     def findings(self) -> dict[str, Finding]:
         """Finding on whether it stays in sight."""

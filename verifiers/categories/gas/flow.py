@@ -72,8 +72,9 @@ def blurred(values: F64) -> F64:
 
 def _part(array: F64, axis: int, start: int) -> F64:
     """All but two cells along an axis, from one on."""
-    count = array.shape[axis] - 2
-    return np.take(array, range(start, start + count), axis=axis)
+    at: list[slice] = [slice(None)] * array.ndim
+    at[axis] = slice(start, start + array.shape[axis] - 2)
+    return array[tuple(at)]
 
 
 def _within(now: GasFrame) -> Mask:

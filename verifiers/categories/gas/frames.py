@@ -72,6 +72,8 @@ class GasBox:
         fuel = fuel_of(own)
         self.combustion = None if fuel is None else Combustion(fuel, own.fuel_share, own.temperature, self.ambient, self.air)
         """Fuel that the gas may burn, with its source and air; None where nothing burns."""
+        self.last_reach: Any = None
+        """What `reach_of` found for the last two frames."""
         self._kept: dict[int, GasFrame] = {}
         self._room = KEPT_CELLS
 

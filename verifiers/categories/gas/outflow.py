@@ -39,8 +39,9 @@ class Outflow(NamedTuple):
 
 def layer(array: Any, side: int, depth: int = 0) -> F64:
     """Cells of an array along a side; `depth` cells inward."""
-    axis = side // 2
-    return np.asarray(np.take(array, -1 - depth if side % 2 else depth, axis=axis), dtype=np.float64)
+    at: list[slice | int] = [slice(None)] * array.ndim
+    at[side // 2] = -1 - depth if side % 2 else depth
+    return np.array(array[tuple(at)], dtype=np.float64, order="C")
 
 
 def outflow(box: GasBox, frame: GasFrame) -> Outflow:

@@ -17,6 +17,7 @@ from ....physics.substances import air_density
 from ....worlds.arrays import F64
 from ...rows.findings import Finding
 from .bounds import COURSE, SEEP, SLIVER
+from .cells import neighbours
 from .outflow import outflow
 from .questions import TRANSPORT
 from .reach import reach_of, within_reach
@@ -180,7 +181,6 @@ def _moments(box: GasBox, frame: GasFrame, n: int) -> tuple[F64, F64, float, flo
 
 def _by_faces(amount: F64, speed: NDArray[np.float32], axis: int) -> float:
     """Rate of the moment along an axis by what flows through the faces between cells, each from the cell that the gas there comes from."""
-    many = amount.shape[axis]
-    (a, b), (u, v) = ((np.take(x, range(many - 1), axis), np.take(x, range(1, many), axis)) for x in (amount, speed))
+    (a, b), (u, v) = (neighbours(x, axis) for x in (amount, speed))
     middle = 0.5 * (u.astype(np.float64) + v.astype(np.float64))
     return float(np.sum(np.where(middle > 0.0, a, b) * middle))

@@ -161,6 +161,28 @@ def test_reach_goes_round_walls_and_not_through_them() -> None:
     assert (shut[0, 4], shut[1, 0]) == (1.0, 0.0)
 
 
+def test_reach_is_that_of_plain_steps_on_random_cells() -> None:
+    """The compiled loops beside the same steps in numpy, with walls, unequal ways, values beyond the sides, and cells without a number."""
+    rng = np.random.default_rng(3)
+    shape = (7, 5, 6)
+    values, way = rng.normal(size=shape), rng.uniform(0.0, 4.0, size=shape)
+    values[2, 3, 1] = np.nan
+    walls = tuple(rng.random(tuple(n - (a == axis) for a, n in enumerate(shape))) < 0.3 for axis in range(3))
+    beyond = tuple(rng.normal(size=6))
+    expected = values.copy()
+    for step in range(1, 5):
+        wider = expected.copy()
+        for axis in range(3):
+            padded = np.moveaxis(wider, axis, 0)
+            shut = np.moveaxis(walls[axis], axis, 0)
+            low, high = np.where(shut, -np.inf, padded[:-1]), np.where(shut, -np.inf, padded[1:])
+            ends = [np.full_like(padded[:1], beyond[2 * axis + side]) for side in (0, 1)]
+            found = np.maximum(padded, np.maximum(np.concatenate([ends[0], low]), np.concatenate([high, ends[1]])))
+            wider = np.moveaxis(found, 0, axis)
+        expected = np.where(way >= step, wider, expected)
+    np.testing.assert_array_equal(within_reach(values, way, walls, beyond), expected)
+
+
 def test_books_of_the_declared_source_are_those_of_its_drivers() -> None:
     """6 litres a second of 400 K over 9 frames of 24: volume, 1 g/m^3 of soot, and 1 - T_a/T of the air's heat."""
     given = declared(box_of(scene("room"), SOLVER))

@@ -18,7 +18,17 @@ import numpy as np
 
 from .arrays import F64, I64
 
-__all__ = ["FACINGS", "FaceDrag", "Medium", "area_vectors", "drag_force", "face_drag", "gathering", "projected_area", "sphere_drag_rate"]
+__all__ = [
+    "FACINGS",
+    "FaceDrag",
+    "Medium",
+    "area_vectors",
+    "drag_force",
+    "face_drag",
+    "gathering",
+    "projected_area",
+    "sphere_drag_rate",
+]
 
 FACINGS = 128
 """Directions into which the faces of a body are gathered when it has more of them."""

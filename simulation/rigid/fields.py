@@ -127,9 +127,7 @@ class FieldForces:
             total[rows] += given
         return total, turning
 
-    def _lifted(
-        self, data: Any, rows: I64, medium: Medium, motion: tuple[F64, F64], dt: float
-    ) -> tuple[I64, Lifted] | None:
+    def _lifted(self, data: Any, rows: I64, medium: Medium, motion: tuple[F64, F64], dt: float) -> tuple[I64, Lifted] | None:
         """Places among some rows of those that lift acts on, and what it and drag do to these; None where there are none."""
         assert self._lifting is not None
         own = np.flatnonzero(np.isin(rows, self._lifting.rows))

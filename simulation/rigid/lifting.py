@@ -68,7 +68,9 @@ class Lifting:
             parts = built[entity].parts_of(body)
             hull = hull_of(np.concatenate([p.render.vertices for p in parts]), rigid.centers[row]) if parts else None
             if hull is None:
-                raise InputError(f"entity {entity!r}: lift acts on the hull of body {body!r}, and its parts enclose nothing; set physics/lift to false")
+                raise InputError(
+                    f"entity {entity!r}: lift acts on the hull of body {body!r}, and its parts enclose nothing; set physics/lift to false"
+                )
             hulls[row] = hull
         order = sorted(hulls)
         return cls(rigid, np.array(order, dtype=np.int64), [hulls[r] for r in order], mass[order]) if order else None

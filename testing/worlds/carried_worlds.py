@@ -111,10 +111,11 @@ def stream_spec(
     del spec["entities"]["plate"]
     spec["materials"]["shell"] = _shell(mass)
     spec["entities"]["floor"]["pose"]["position"][2] -= 1.0
+    source = max(0.1, 2.0 * resolution)
     spec["entities"]["smoke"] |= {
-        "pose": {"position": [-0.4, 0.0, 0.05]},
+        "pose": {"position": [-0.45 + 0.5 * source, 0.0, 0.5 * source]},
         "physics": {"category": "gas", "temperature": 293.15, "soot_density": 1e-6, "resolution": resolution},
-        "parts": {"source": {"shape": {"kind": "box", "size": [0.1, 0.1, 0.1]}}},
+        "parts": {"source": {"shape": {"kind": "box", "size": [source] * 3}}},
     }
     plan = spec["simulation"]
     plan["solvers"]["air"]["settings"] = {

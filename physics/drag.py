@@ -92,7 +92,7 @@ def gathering(normals: F64) -> I64:
     height, turn = 1.0 - 2.0 * step / FACINGS, step * math.pi * (1.0 + math.sqrt(5.0))
     ring = np.sqrt(1.0 - height**2)
     directions = np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=1)
-    return np.argmax(normals @ directions.T, axis=1)
+    return np.asarray(np.argmax(normals @ directions.T, axis=1))
 
 
 def projected_area(vectors: F64, owner: I64, turns: F64, flow: F64) -> F64:

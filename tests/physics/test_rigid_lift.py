@@ -119,7 +119,8 @@ def test_the_way_converges_with_the_step() -> None:
         ways.append(Run(world(things, seconds=0.4, drivers=blown(8.0), settings={"step": step})).of("b")[-1])
     coarse, middle, fine = (float(np.linalg.norm(w - ways[-1])) for w in ways[:-1])
     assert fine < 0.01 * float(np.linalg.norm(ways[-1] - [0, 0, 3]))
-    assert middle < 0.65 * coarse and fine < 0.65 * middle
+    assert middle < 0.65 * coarse
+    assert fine < 0.65 * middle
 
 
 @pytest.mark.parametrize("step", [5e-3, 5e-4])

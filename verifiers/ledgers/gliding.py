@@ -203,4 +203,4 @@ def _mixed(ends: F64, share: float) -> F64:
     first = np.where(even, 1.0 - share, np.sin((1.0 - share) * half) / sine)
     second = np.where(even, share, np.sin(share * half) / sine)
     found: F64 = first[:, None] * one + second[:, None] * two
-    return found / np.linalg.norm(found, axis=1)[:, None]
+    return np.asarray(found / np.linalg.norm(found, axis=1)[:, None])

@@ -124,7 +124,13 @@ def disc(corners_of: int, rings: int = 1) -> F64:
     """Points of a disc whose rim is rounded in some rings."""
     turn = np.linspace(0.0, 2.0 * np.pi, corners_of, endpoint=False)
     lean = np.linspace(-0.5 * np.pi, 0.5 * np.pi, rings + 1) if rings > 1 else np.array([-0.5 * np.pi, 0.5 * np.pi])
-    return np.array([[(0.5 + 0.01 * np.cos(a)) * np.cos(t), (0.5 + 0.01 * np.cos(a)) * np.sin(t), 0.01 * np.sin(a)] for a in lean for t in turn])
+    return np.array(
+        [
+            [(0.5 + 0.01 * np.cos(a)) * np.cos(t), (0.5 + 0.01 * np.cos(a)) * np.sin(t), 0.01 * np.sin(a)]
+            for a in lean
+            for t in turn
+        ]
+    )
 
 
 def test_push_and_torque_converge_with_the_facets_of_the_hull() -> None:
@@ -134,8 +140,15 @@ def test_push_and_torque_converge_with_the_facets_of_the_hull() -> None:
     errors = []
     for count in (12, 24, 48):
         found = pushed(hull(disc(count)), flows)
-        errors.append(max(np.abs(found.force - fine.force).max() / np.abs(fine.force).max(), np.abs(found.torque - fine.torque).max() / np.abs(fine.torque).max()))
-    assert errors[0] < 0.08 and errors[1] < 0.3 * errors[0] and errors[2] < 0.35 * errors[1], errors
+        errors.append(
+            max(
+                np.abs(found.force - fine.force).max() / np.abs(fine.force).max(),
+                np.abs(found.torque - fine.torque).max() / np.abs(fine.torque).max(),
+            )
+        )
+    assert errors[0] < 0.08
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[2] < 0.35 * errors[1]
     round_rim, finer = (pushed(hull(disc(96, rings)), flows) for rings in (8, 16))
     assert finer.force == pytest.approx(round_rim.force, rel=0.02, abs=0.01)
     assert finer.torque == pytest.approx(round_rim.torque, rel=0.03, abs=0.002)

@@ -27,7 +27,7 @@ TINY = 1e-300
 
 
 class Lifted(NamedTuple):
-    """What acts on n bodies over a step."""
+    """Force and torque on n bodies over a step."""
 
     force: F64
     """[N], shape (n, 3)."""
@@ -111,7 +111,7 @@ class Lifting:
         return Lifted(force, _limited(self._inertia(data, ids), given_back, torque), along / slow)
 
     def _inertia(self, data: Any, ids: I64) -> F64:
-        """Of the bodies about their centres of mass, world axes [kg m^2], shape (n, 3, 3)."""
+        """Inertia of the bodies about their centres of mass, world axes [kg m^2], shape (n, 3, 3)."""
         axes = data.ximat[ids].reshape(-1, 3, 3)
         return np.asarray(np.einsum("nij,nj,nkj->nik", axes, self.rigid.model.body_inertia[ids], axes))
 

@@ -29,7 +29,7 @@ POINTS = 17
 
 
 class Air(NamedTuple):
-    """What is about a body at the start, in the middle and at the end of k intervals."""
+    """Medium and pulls about a body at the start, in the middle and at the end of k intervals."""
 
     velocity: F64
     """[m/s], shape (3, k, 3)."""
@@ -51,7 +51,7 @@ class Ends(NamedTuple):
 
 
 class Given(NamedTuple):
-    """What fields gave over k intervals."""
+    """Impulse and twist that fields gave over k intervals."""
 
     impulse: F64
     """[N s], shape (k, 3)."""
@@ -109,7 +109,7 @@ class _Law:
 
 
 def glide(hull: Hull, body: tuple[float, F64], gravity: F64, air: Air, ends: Ends, seconds: float) -> Given:
-    """What fields give to a body that nothing else touches over intervals of so many seconds.
+    """Impulse and twist that fields give to a body that nothing else touches over intervals of so many seconds.
 
     Args:
         hull: of the body.
@@ -139,7 +139,7 @@ def glide(hull: Hull, body: tuple[float, F64], gravity: F64, air: Air, ends: End
 
 
 def along(hull: Hull, mass: float, air: Air, ends: Ends, seconds: float) -> Given:
-    """What fields give to a body on the way that lies evenly between its motion at both ends: where joints or contacts lead it."""
+    """Impulse and twist that fields give to a body on the way that lies evenly between its motion at both ends: where joints or contacts lead it."""
     law, step = _Law(hull, air, mass), 1.0 / (POINTS - 1)
     forces, torques = [], []
     for share in np.linspace(0.0, 1.0, POINTS):

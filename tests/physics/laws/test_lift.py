@@ -18,7 +18,7 @@ POLHAMUS = 1.48, np.pi
 
 
 def corners(*size: float) -> F64:
-    return np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)]) * np.array(size)
+    return np.asarray(np.array([[i, j, k] for i in (-0.5, 0.5) for j in (-0.5, 0.5) for k in (-0.5, 0.5)]) * np.array(size))
 
 
 def hull(points: F64, center: tuple[float, float, float] = (0, 0, 0)) -> Hull:

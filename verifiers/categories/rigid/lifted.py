@@ -67,7 +67,7 @@ def _share(given: F64, laws: tuple[Given, Given], which: int, free: F64, loose: 
 
 
 def air_about(books: Books, body: int, found: Fields) -> Air:
-    """What the fields are about a body at both ends and in the middle of every interval."""
+    """Fields about a body at both ends and in the middle of every interval."""
     x, v, h = books.body_centers[:, body], books.velocity[:, body], books.duration
     places = (x[:-1], 0.5 * (x[:-1] + x[1:]) - h / 8 * (v[1:] - v[:-1]), x[1:])
     # A field that ends with the frame acts in all of it: that at the end is that of just before.

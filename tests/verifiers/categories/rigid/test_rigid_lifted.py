@@ -1,4 +1,4 @@
-"""What media gave to bodies that declare lift is what the law says: sound flights and landings pass, wrong engines and records are found."""
+"""Impulses and twists on bodies that declare lift against the law: sound flights and landings pass, wrong engines and records are found."""
 
 from __future__ import annotations
 

@@ -60,6 +60,8 @@ class Hull:
     """Half the integral of (r x n)(r x n)^T over the surface, about its middle [m^4], shape (3, 3)."""
     surface: float
     """[m^2]"""
+    length: float
+    """Greatest of its lengths, as a rectangle has them [m]."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,7 @@ class Hulls:
     spans: F64
     rolls: F64
     surface: F64
+    length: F64
 
     def of(self, bodies: I64) -> Hulls:
         """Hulls of some of them, in ascending order."""
@@ -82,13 +85,8 @@ class Hulls:
             return self
         faces = np.isin(self.owner, bodies)
         own = np.searchsorted(bodies, self.owner[faces])
-        rest = (self.center[bodies], self.flatness[bodies], self.spans[bodies], self.rolls[bodies], self.surface[bodies])
+        rest = (v[bodies] for v in (self.center, self.flatness, self.spans, self.rolls, self.surface, self.length))
         return Hulls(self.vectors[faces], self.arms[faces], own, *rest)
-
-    @property
-    def length(self) -> F64:
-        """Greatest lengths of the bodies, as a rectangle has them [m], shape (n,)."""
-        return np.asarray(np.sqrt(np.linalg.eigvalsh(self.spans)[:, 2]))
 
 
 @dataclass(frozen=True)
@@ -140,6 +138,7 @@ def hull_of(vertices: F64, center: F64) -> Hull | None:
     turned = np.zeros((len(areas), 3, 3))
     turned[:, 0, 1], turned[:, 1, 2], turned[:, 2, 0] = normal[:, 2], normal[:, 0], normal[:, 1]
     turned -= np.swapaxes(turned, 1, 2)
+    spans = 12.0 * second.sum(axis=0) / surface
     rolls = 0.5 * np.einsum("fij,fjk,flk->il", turned, second, turned)
     principal = np.linalg.eigvalsh(np.einsum("f,fi,fj->ij", areas, normal, normal))
     vectors, arms = normal * areas[:, None], corner.mean(axis=1)
@@ -150,9 +149,10 @@ def hull_of(vertices: F64, center: F64) -> Hull | None:
         arms=arms,
         center=middle - np.asarray(center, dtype=np.float64),
         flatness=float(1.0 - principal[1] / principal[2]),
-        spans=12.0 * second.sum(axis=0) / surface,
+        spans=spans,
         rolls=rolls,
         surface=surface,
+        length=float(np.sqrt(np.linalg.eigvalsh(spans)[-1])),
     )
 
 
@@ -177,6 +177,7 @@ def stacked(hulls: list[Hull]) -> Hulls:
         spans=np.array([h.spans for h in hulls]),
         rolls=np.array([h.rolls for h in hulls]),
         surface=np.array([h.surface for h in hulls]),
+        length=np.array([h.length for h in hulls]),
     )
 
 
@@ -197,22 +198,28 @@ def wrenches(hulls: Hulls, turns: F64, flow: F64, spin: F64, pressure: F64) -> W
     """
     count, owner = len(turns), hulls.owner
     arm = np.einsum("nij,nj->ni", turns, hulls.center)
-    past = flow - np.cross(spin, arm)
+    past = flow - _cross(spin, arm)
     speed = np.linalg.norm(past, axis=1)
     way = np.einsum("nji,nj->ni", turns, past / np.maximum(speed, TINY)[:, None])
     along = -(hulls.vectors * way[owner]).sum(axis=1)
     size = np.linalg.norm(hulls.vectors, axis=1)
     share = normal_share(_angle(np.maximum(along, 0.0) / np.maximum(size, TINY)))
     loads = -share[:, None] * hulls.vectors
-    plate, moment = (_sums(owner, v, count) for v in (loads, np.cross(hulls.arms, loads)))
+    plate, moment = (_sums(owner, v, count) for v in (loads, _cross(hulls.arms, loads)))
     shown = 0.5 * np.bincount(owner, weights=np.abs(along), minlength=count)
-    moment += np.cross(_ahead(hulls, plate, way), plate)
+    moment += _cross(_ahead(hulls, plate, way), plate)
     whole, flat = pressure * speed**2, hulls.flatness
     force = whole[:, None] * ((1.0 - flat) * shown)[:, None] * way + (whole * flat)[:, None] * plate
     force, turning = (np.einsum("nij,nj->ni", turns, v) for v in (force, (whole * flat)[:, None] * moment))
     strips = 2.0 * speed + STRIPS * hulls.length * np.linalg.norm(spin, axis=1)
     resistance = (pressure * flat * strips)[:, None, None] * np.einsum("nij,njk,nlk->nil", turns, hulls.rolls, turns)
-    return Wrench(force, turning + np.cross(arm, force), resistance, past)
+    return Wrench(force, turning + _cross(arm, force), resistance, past)
+
+
+def _cross(a: F64, b: F64) -> F64:
+    """Vector products of rows, as numpy's own in a tenth of its time for a few."""
+    (x, y, z), (u, v, w) = a.T, b.T
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
 
 
 def _angle(sine: F64) -> F64:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...physics.lift import Hull, hull_of, stacked, wrenches
-from ...worlds.arrays import F64, I64
+from ...worlds.arrays import F64, I64, cross
 from ...worlds.errors import InputError
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ class Lifting:
         )
         force = (mass / dt)[:, None] * (found.flow - left)
         arm = np.einsum("nij,nj->ni", turns, hulls.center)
-        torque = found.torque - np.cross(arm, found.force) + np.cross(arm, force)
+        torque = found.torque - cross(arm, found.force) + cross(arm, force)
         torque -= np.einsum("nij,nj->ni", found.resistance, spin)
         given_back = dt * found.resistance + (dt**2 * pressure * speed**2 * self._stiff[which])[:, None, None] * np.eye(3)
         return Lifted(force, _limited(self._inertia(data, ids), given_back, torque), along / slow)

@@ -179,7 +179,7 @@ def _substeps(hull: Hull, body: tuple[float, F64], air: Air, ends: Ends, seconds
     """Steps within an interval that resolve how the body turns, is turned and is stopped."""
     (mass, inertia), past = body, np.linalg.norm(air.velocity[::2] - ends.velocity, axis=2).max(initial=0.0)
     pressure, least = float(air.pressure.max(initial=0.0)), float(np.linalg.eigvalsh(inertia)[0])
-    length = math.sqrt(float(np.linalg.eigvalsh(hull.spans)[-1])) + float(np.linalg.norm(hull.center))
+    length = hull.length + float(np.linalg.norm(hull.center))
     spin = float(np.linalg.norm(ends.spin, axis=2).max(initial=0.0))
     swing = past * math.sqrt(pressure * hull.surface * length / least)
     slows = 2.0 * pressure * past * max(hull.surface / mass, float(np.linalg.eigvalsh(hull.rolls)[-1]) / least)

@@ -9,6 +9,7 @@ from worldagent.testing.worlds.carried_worlds import JET_PROMPT, stream_spec
 from worldagent.tests.physics.rigid_world import ball, box, floor, world
 from worldagent.worlds.audits.audit import audit
 from worldagent.worlds.requirements import Row
+from worldagent.worlds.slices import motion_slice
 from worldagent.worlds.spec import WorldSpec
 from worldagent.worlds.writers import writers_of
 
@@ -86,3 +87,9 @@ def test_only_instances_with_lift_write_twists() -> None:
     assert "rigid lifted" in writers_of(spec, "bodies")
     plain = world({"b": box(0.2, 0.2, 0.002)}, drivers=AIR)
     assert "rigid lifted" not in writers_of(plain, "main")
+
+
+def test_what_declares_no_lift_moves_by_the_same_recipe_as_before() -> None:
+    plain, with_lift = (motion_slice(world({"b": thing}, drivers=AIR)) for thing in (box(0.2, 0.2, 0.002), card()))
+    assert "lift" not in plain["entities"]["b"]["physics"]
+    assert with_lift["entities"]["b"]["physics"]["lift"] is True

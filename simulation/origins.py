@@ -1,4 +1,5 @@
-"""Frames that a probe takes over from other probes of its world, where an edit acts later or not on an instance at all.
+"""Frames that a probe takes over from other probes of its world, where an edit acts later or not on an instance at all; and a bake from the
+probe of its own settings.
 
 A run goes on from the last checkpoint before the edit acts (`worlds/common_past.py`). Frames and checkpoints are taken as they are, by
 hard link or copy, after their digests were compared; `taken.json` beside the instances says how many and from where. One channel is
@@ -99,20 +100,21 @@ def taken_in(root: Path) -> dict[str, Taken]:
     try:
         return {n: Taken(str(t["from"]), int(t["frames"]), str(t["digest"])) for n, t in json.loads(path.read_text()).items()}
     except DAMAGE as error:
-        raise EvidenceError(f"{RECORD} of the probe is damaged ({error}); call probe_sim again") from error
+        raise EvidenceError(f"{RECORD} of the {root.name} is damaged ({error}); call probe_sim again") from error
 
 
 class Origins:
-    """Other probes of a world, whose frames one of its probes may take. A bake is no origin: what acceptance may refute is not handed on.
+    """Probes of a world, whose frames another run of it may take. A bake is no origin: what acceptance may refute is not handed on.
 
     Args:
         root: folder of the run that takes, in the folder of its candidate.
         spec: that it simulates.
         built: its geometry.
+        own: folder of a probe of just these settings, the only origin where it is given; else the probes of other candidates are.
     """
 
-    def __init__(self, root: Path, spec: WorldSpec, built: Mapping[str, BuiltEntity]) -> None:
-        self._root = root
+    def __init__(self, root: Path, spec: WorldSpec, built: Mapping[str, BuiltEntity], own: Path | None = None) -> None:
+        self._root, self._probe = root, own
         self._own = Settings(spec, {n: b.digest() for n, b in built.items()})
         self._same: dict[tuple[str, str], int] = {}
         """Frames that instances have in common with an origin, whatever their digests say."""
@@ -120,6 +122,8 @@ class Origins:
     @cached_property
     def _known(self) -> list[Origin]:
         """Probes by the present engines whose records are whole, the newest first."""
+        if self._probe is not None:
+            return [Origin(self._probe, f"{self._probe.parent.name}/{self._probe.name}", self._own)]
         stage, records = self._root.name, []
         for path in self._root.parent.parent.glob("*/candidate.json"):
             try:

@@ -14,10 +14,10 @@ def bake_sim(
     wait_s: WaitSeconds = 30.0,
     detail: RowDetail = "concise",
 ) -> ToolReply:
-    """Simulate every frame of the frozen candidate, in the declared solver order, coupled instances together, and check all of it.
+    """Simulate the whole sequence of the frozen candidate, in the declared solver order, coupled instances together, and check all of it.
 
-    Use it after a passing probe of exactly these settings; it is refused without one. An interrupted bake is resumed, a
-    complete one is given back. Takes about as long for each frame as the probe did; the reply estimates it.
+    Use it after a passing probe of exactly these settings; it is refused without one. Frames that this probe simulated, nothing
+    coarser, are taken from it. An interrupted bake is resumed, a complete one is given back; the reply estimates the time.
     Returns: frames, rows that do not pass, a link to a contact sheet; or a job_id when it takes longer than wait_s.
     Not for: trying settings (probe_sim is shorter). Next: run_checks(scope='acceptance').
     """

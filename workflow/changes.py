@@ -81,6 +81,8 @@ class Change:
         """Untested changes that the edit takes back."""
         self.failing: list[Row] = []
         """Mandatory rows whose last judgement was a failure."""
+        self.answerable: list[Row] = []
+        """These and the optional ones, which repairs may answer too."""
         self.weaker: list[str] = []
         """Requirements that the edit makes easier, a line each."""
         self.early: list[str] = []
@@ -90,7 +92,8 @@ class Change:
         """Objections to the edit by the evidence that the ledger holds at this moment (R111-R113, R157)."""
         ledger = self.world.ledger
         self.undone = self._undone() if self.causal else []
-        self.failing = [r for r in ledger.rows() if failed(r) and r.mandatory and r.check != "audit"]
+        self.answerable = [r for r in ledger.rows() if failed(r) and r.check != "audit"]
+        self.failing = [r for r in self.answerable if r.mandatory]
         self.weaker = weakenings(self.world.spec, self.after, judged_on(self.failing))
         self.weaker += role_weakenings(self.world.spec, self.after, said_of(self.failing))
         told = self._version_objections()
@@ -158,7 +161,7 @@ class Change:
                 f"{untested[0]['revision'] - 1} is allowed at once"
             )
         if self.joint is not None:
-            return told + joint_objections(self.joint, failing, grouped(self.places, causal), ledger.stages(), self.after)
+            return told + joint_objections(self.joint, self.answerable, grouped(self.places, causal), ledger.stages(), self.after)
         unseen = "" if failing else unjudged(ledger, untested=True)
         if not failing and not unseen:
             return told
@@ -193,7 +196,7 @@ class Change:
         """Hypotheses that the edit tests, each with its group, the failing rows that it answers, and its first places."""
         if self.joint is None:
             return [Attempted(self.hypothesis, self.causal[0], self.failing, self._values(self.places), "")]
-        rows, places = {r.id: r for r in self.failing}, grouped(self.places, self.causal)
+        rows, places = {r.id: r for r in self.answerable}, grouped(self.places, self.causal)
         return [
             Attempted(r.hypothesis, r.group, [rows[r.row]], self._values(places[r.group]), r.expect) for r in self.joint.repairs
         ]

@@ -6,10 +6,12 @@ import json
 import math
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ..execution import JobStore
     from ..worlds.folder import WorldFolder
     from ..worlds.spec import WorldSpec
@@ -21,6 +23,7 @@ __all__ = [
     "bake_estimate",
     "film_estimate",
     "pace_seen",
+    "spared_seconds",
     "still_estimate",
     "still_took",
     "usual_seconds",
@@ -74,16 +77,30 @@ class Pace:
 def bake_estimate(session: Session, record: dict[str, Any]) -> float | None:
     """Seconds that a bake with its checks will take, by the pace of its probe; None where that was not measured.
 
-    A bake simulates and judges the frames; what the probe simulated once more to judge its causes, the bake leaves out.
+    A bake takes the frames of a probe at production settings, simulates the others and judges all; what the probe simulated once more to
+    judge its causes, the bake leaves out.
     """
-    simulated, judged = record["detail"].get("simulated_s"), record["detail"].get("judged_s")
-    frames = record["detail"].get("frames")
+    detail, total = record["detail"], session.spec.simulation.frames
+    simulated, judged, frames = (detail.get(name) for name in ("simulated_s", "judged_s", "frames"))
     if not simulated or judged is None or not frames:
         return None
     # Particles and steps that a coarser probe did without.
-    finer = float(record["detail"].get("coarser", 1.0)) ** 4
-    per_frame = (finer * float(simulated) + float(judged)) / float(frames)
-    return round(per_frame * session.spec.simulation.frames, 1)
+    finer, new = float(detail.get("coarser", 1.0)) ** 4, total if detail.get("overrides") else total - frames
+    return round((finer * float(simulated) * new + float(judged) * total) / float(frames), 1)
+
+
+def spared_seconds(bake: Path, probe: Mapping[str, Any]) -> float:
+    """Time [s] that frames took which a bake has from its probe, by the probe's pace; 0 where that was not measured.
+
+    Args:
+        bake: folder of the bake.
+        probe: what the ledger says of the probe.
+    """
+    from ..simulation.origins import taken_in
+
+    taken = [t.frames for t in taken_in(bake).values()]
+    simulated, frames = probe.get("simulated_s"), probe.get("frames")
+    return float(simulated) * min(taken) / float(frames) if taken and simulated and frames else 0.0
 
 
 class Usual(NamedTuple):

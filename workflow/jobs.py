@@ -11,13 +11,13 @@ from ..execution import JobContext, Part
 from ..worlds.canonical import spec_digest
 from ..worlds.errors import EvidenceError, LimitError, RefusedError
 from ..worlds.verdicts import prompt_told, unusual_told, verdict_words
-from .estimates import Pace
+from .estimates import Pace, spared_seconds
 from .gates import require_acceptance, require_probe, require_true_geometry
 from .interiors import interior
 from .landscapes import terrain
 from .pictures import film_sheet, motion_sheet
 from .placing import placing
-from .probes import judge_probe, probe, probe_candidate
+from .probes import judge_probe, probe, probe_candidate, taken_frames
 from .rows import summary
 from .running import Running
 from .session import Session
@@ -104,7 +104,8 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         candidate = run_bake(
             session.folder, freeze, built=built, progress=part, check=running.noting(context.check), reuse=not forged, probe=probe
         )
-    seconds = round(time.monotonic() - began, 2)
+    taken = session.folder.candidate(freeze) / "bake"
+    seconds = round(time.monotonic() - began + spared_seconds(taken, record["detail"]), 2)
     rows = run_checks(candidate, plates=False, progress=Part(context.progress, split, 1.0))
     promised, found = record["detail"]["events"], first_true_frames(candidate)
     rows.append(promise_row(candidate, promised, found, record["detail"].get("overrides", {})))
@@ -119,6 +120,7 @@ def bake(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         "passed": not open_rows,
         "freeze": freeze[:16],
         "frames": total,
+        **taken_frames(taken, total),
         "cache_digest": candidate.digest[:16],
         "changed_rows": len(changed),
         **summary(rows),

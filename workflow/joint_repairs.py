@@ -128,7 +128,7 @@ def joint_objections(
 
     Args:
         joint: one repair per group, and the failed run.
-        failing: mandatory rows that fail.
+        failing: rows that fail, optional ones too.
         places: JSON pointers that the edit changes, by causal group.
         stages: at which each row was judged.
         after: the specification after the edit.

@@ -254,12 +254,12 @@ def judge_probe(
     }
 
 
-def taken_frames(probe: Path, count: int) -> dict[str, list[str]]:
-    """Text about the frames that a probe of so many frames took over from earlier runs, where there are any."""
+def taken_frames(run: Path, count: int) -> dict[str, list[str]]:
+    """Text about the frames that a run of so many frames, in its folder, took over from earlier runs, where there are any."""
     from ..simulation.origins import taken_in
 
     groups: dict[tuple[str, int], list[str]] = {}
-    for name, taken in sorted(taken_in(probe).items()):
+    for name, taken in sorted(taken_in(run).items()):
         groups.setdefault((taken.origin, taken.frames), []).append(name)
     told = [
         f"frames 0..{frames - 1} of {', '.join(names)} taken from {origin}{f', simulated from {frames}' if frames < count else ''}"

@@ -16,7 +16,7 @@ from ..worlds.errors import InputError
 from ..worlds.predicates.registry import PREDICATES
 from ..worlds.prompts.descriptions import meanings
 from ..worlds.prompts.languages import language_of
-from ..worlds.prompts.lexicon import events_in, kinds_meant
+from ..worlds.prompts.lexicon import events_in, is_stance, kinds_meant
 from ..worlds.prompts.proposals import proposal_text
 from ..worlds.prompts.units import folded, units_of, word_count
 from .answers import answer, call, size_of
@@ -171,7 +171,7 @@ def _wanted(name: str, words: list[str]) -> list[str]:
 
 def _sections(words: list[str], called: list[_Called], room: int) -> tuple[dict[str, str], list[str]]:
     """Texts of sections by `skill/SKILL.md#heading`, as many as there is room for, and the places of what is left out."""
-    own = {c.name: len(c.because) for c in called if c.name not in BASE}
+    own = {c.name: len(c.because) * (VERB if _guides()[c.name].matter else 1) for c in called if c.name not in BASE}
     groups = [(own, int(room * OWN_SHARE) if own else 0), (dict.fromkeys(BASE, 1), room)]
     texts = {f"{name}/SKILL.md#{h}": _text(name, h) for names, _ in groups for name in names for h in _wanted(name, words)}
     told: dict[str, str] = {}
@@ -215,6 +215,8 @@ def _events(prompt: str) -> dict[str, Any]:
     verbs: dict[str, list[str]] = {}
     events = sorted(k for k in PREDICATES if PREDICATES[k].event)
     for quote, kinds in events_in(prompt):
+        if is_stance(quote):
+            continue
         called = [k for k in events if k[:ALIKE] == quote[:ALIKE].casefold()]
         own = called + [k for k in events if k in kinds and k not in called]
         if _loses_balance(prompt, quote):

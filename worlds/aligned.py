@@ -108,6 +108,8 @@ def named_alike(before: WorldSpec, after: WorldSpec, matches: Mapping[str, str |
         requirements = before.story.requirements.get(old), after.story.requirements.get(new)
         if None not in requirements:
             _bodies(pairs, *(r.predicate for r in requirements if r is not None))
+    for new, old in pairs.names["graph/relations"].items():
+        _sides(pairs, before, after, old, new)
     _matter(pairs, before, after)
     for group in HELD:
         _held(pairs, group, before, after)
@@ -122,6 +124,17 @@ def _beat(pairs: _Pairs, before: WorldSpec, after: WorldSpec, old: str, new: str
     pairs.put("entities", one.subject, other.subject)
     _bodies(pairs, one.predicate, other.predicate)
     pairs.put_all("story/beats", one.causes, other.causes)
+
+
+def _sides(pairs: _Pairs, before: WorldSpec, after: WorldSpec, old: str, new: str) -> None:
+    """What two relations that mean the same hold between under one id in both, where no claim names it."""
+    one, other = before.graph.relations.get(old), after.graph.relations.get(new)
+    if one is None or other is None:
+        return
+    for mine, theirs in ((one.a, other.a), (one.b, other.b)):
+        if mine == theirs:
+            for group in (g for g in _TARGETS["node"] if mine in _members(before, g) and mine in _members(after, g)):
+                pairs.put(group, mine, mine)
 
 
 def _bodies(pairs: _Pairs, one: Any, other: Any) -> None:

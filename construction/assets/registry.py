@@ -149,7 +149,11 @@ def found(query: str) -> list[str]:
     def score(entry: Generator) -> float:
         named = set(entry.name.split("_"))
         own = named | set(entry.tags) | set(entry.summary.lower().replace(",", " ").split())
-        return sum(3.0 * (w in named or w.rstrip("s") in named) + (w in own or w.rstrip("s") in own) for w in words)
+        whole = entry.name.replace("_", "")  # `flowerpot` means the flower_pot
+        return sum(
+            3.0 * (w in named or w.rstrip("s") in named or whole in (w, w.rstrip("s"))) + (w in own or w.rstrip("s") in own)
+            for w in words
+        )
 
     ranked = sorted(((score(g), n) for n, g in GENERATORS.items()), key=lambda s: (-s[0], s[1]))
     return [n for s, n in ranked if s > 0]

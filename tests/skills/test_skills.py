@@ -278,7 +278,7 @@ def test_the_rule_for_boxes_of_gas_in_the_skill_is_its_data() -> None:
 
 def test_worlds_of_skills_are_found() -> None:
     assert {f"{p.parent.name}/{p.stem}" for p in WORLDS} >= {
-        "cloth/flag", "cloth/laid", "coupled-systems/crate", "elastic-bodies/jelly", "fracture/breach", "gas/banner", "gas/blower", "gas/bowl", "gas/chimney", "gas/kettle", "gas/lava", "gas/rockfall", "interiors/study", "particles/ash", "particles/collapse", "particles/dust",
+        "cloth/flag", "cloth/laid", "coupled-systems/crate", "elastic-bodies/jelly", "fracture/breach", "gas/banner", "gas/blower", "gas/bowl", "gas/candle", "gas/chimney", "gas/kettle", "gas/lava", "gas/rockfall", "interiors/study", "particles/ash", "particles/collapse", "particles/dust",
         "particles/rain", "particles/sparks", "rigid-bodies/scree",
     }  # fmt: skip
 

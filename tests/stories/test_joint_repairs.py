@@ -8,6 +8,7 @@ import pytest
 from worldagent.tests.stories.conftest import Agent
 from worldagent.tests.stories.inline_jobs import run_jobs_inline
 from worldagent.workflow.joint_repairs import said_of
+from worldagent.workflow.session import Session
 
 PROMPT = "A ball hits a block. A sled slides."
 MARKED = "A [ball](thing ball) [hits](event hit) a [block](thing block). A [sled](thing sled) [slides](event slide)."
@@ -82,6 +83,15 @@ def test_independent_faults_are_mended_at_once_and_each_hears_of_its_own(yard: A
     assert said["beat:slide"]["after"] > 0.25 > said["beat:slide"]["before"]
     kept = yard.call("inspect_world", world="w", part="iterations")["iterations"]
     assert {i["said"]["row"] for i in kept} == {"beat:hit", "beat:slide"}
+
+
+def test_a_repair_may_answer_a_row_that_is_not_mandatory(yard: Agent) -> None:
+    session = Session.open(yard.workspace, "w")
+    slide = next(r for r in session.ledger.rows() if r.id == "beat:slide")
+    session.ledger.put_rows([slide.model_copy(update={"mandatory": False})], revision=session.revision, stage="probe")
+    yard.call("edit_spec", world="w", patch=[FASTER, SMOOTHER], repairs=[HIT, SLIDE])
+    found = yard.call("probe_sim", world="w")
+    assert {r["row"]: r["said"] for r in found["repairs"]} == {"beat:hit": "confirmed", "beat:slide": "confirmed"}
 
 
 def test_a_repair_that_does_not_what_it_promised_is_refuted_beside_one_that_does(yard: Agent) -> None:

@@ -1,6 +1,6 @@
 """The worlds that skills record, to their acceptance: a wall is breached, a pot breaks, a ball pushes a
 glass off a table and it breaks, planks splinter, a flag flutters, a jelly wobbles, sand
-topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out, a
+topples a tile, dust falls, a kettle steams, a chimney smokes, a fire burns in a bowl and goes out, a candle is blown out, a
 campfire lights a banner of cloth and a gust carries its smoke over a lake, a boulder that rolls off a ledge raises dust, a block comes to rest on a laid table, a crate floats beside
 a wall, a boulder rolls onto a scree, a bookcase tips against a piano and its lamp stays hanging on its cord."""
 
@@ -61,6 +61,15 @@ JUDGED: dict[str, tuple[str, ...]] = {
     ),
     "gas/bowl": (
         *("causal:lit:burns", "causal:burns:out", "causal:without:lit:burns"),
+        *(f"category:gas:{n}:air" for n in ("fuel", "burnt", "released", "flames", "lit", "oxygen", "radiated")),
+        *(row for row in GAS if ":cut:" not in row),  # Its smoke goes on above the picture.
+    ),
+    "gas/candle": (
+        *(
+            f"causal:{a}:{b}"
+            for a, b in (("lit", "burns"), ("burns", "leans"), ("blows", "leans"), ("burns", "out"), ("blows", "out"))
+        ),
+        *("causal:without:lit:burns", "causal:without:blows:leans", "causal:without:blows:out"),
         *(f"category:gas:{n}:air" for n in ("fuel", "burnt", "released", "flames", "lit", "oxygen", "radiated")),
         *(row for row in GAS if ":cut:" not in row),  # Its smoke goes on above the picture.
     ),

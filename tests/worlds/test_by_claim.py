@@ -61,6 +61,20 @@ def test_other_ids_make_no_world_easier() -> None:
     assert easier_by_claim(world(), world(ids=OTHER_IDS)) == []
 
 
+def test_what_a_claimed_relation_holds_to_is_the_same_where_no_claim_names_it() -> None:
+    """A kerb that only a relation of the claim names: it was compared with a copy of itself under another id."""
+
+    def beside(spec: dict[str, Any]) -> None:
+        spec["entities"]["kerb"] = json.loads(json.dumps(spec["entities"]["shelf"]))
+        spec["graph"]["relations"]["ball_on_shelf"]["a"] = "kerb"
+
+    marked = MARKED.replace("into a row of", "[into](place ball_on_shelf) a row of")
+    one = world(beside, marked=marked)
+    assert "/graph/relations/ball_on_shelf" in one.claims["into"].by
+    assert "/entities/kerb" not in [n for c in one.claims.values() for n in c.by]
+    assert easier_by_claim(one, world(beside, marked=marked)) == []
+
+
 WEAKER: dict[str, tuple[Edit, str]] = {
     "a lighter body": (
         at("/entities/b3/physics", {"category": "rigid", "mass": 0.01}),

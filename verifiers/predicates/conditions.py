@@ -14,7 +14,20 @@ from .outcome import Comparison, Outcome, Truth, finite
 if TYPE_CHECKING:
     from .scope import Scope
 
-__all__ = ["Condition", "happens", "lasts"]
+__all__ = ["Condition", "happens", "in_digits", "lasts"]
+
+MOST_DIGITS = 9
+"""Significant digits of numbers that hardly differ."""
+
+
+def in_digits(value: float, bound: float) -> tuple[str, str]:
+    """Both numbers with three significant digits, or as many more as tell them apart, so that no row says that 0.99 is less than 0.99."""
+    told = (f"{value:.3g}", f"{bound:.3g}")
+    for digits in range(4, MOST_DIGITS + 1):
+        if value == bound or told[0] != told[1]:
+            break
+        told = (f"{value:.{digits}g}", f"{bound:.{digits}g}")
+    return told
 
 
 @dataclass(frozen=True)
@@ -50,7 +63,8 @@ class Condition:
             return f"{self.told} cannot be measured"
         unit = "" if self.unit == "1" else f" {self.unit}"
         most = "at least" if self.comparison == ">=" else "at most"
-        return f"{self.told} is {self.value[i]:.3g}{unit}, {most} {self.bound_at(i):.3g}{unit} is asked"
+        value, bound = in_digits(float(self.value[i]), self.bound_at(i))
+        return f"{self.told} is {value}{unit}, {most} {bound}{unit} is asked"
 
 
 def happens(

@@ -105,14 +105,15 @@ def _start(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:
             bodies = tuple(n for n in bodies if n != beat.subject and n not in acts_from(spec, beat.owner)[1])
         if owned.status != "pass" or not bodies:
             return owned
-    helper = undeclared(spec, beat_id, _comes(candidate, beat_id) / spec.simulation.fps, bodies)
+    until = _comes(candidate, beat_id, seen=True)
+    helper = undeclared(spec, beat_id, until / spec.simulation.fps, bodies)
     if helper is not None:
         owns = "no beat that leads to it is owned by" if beat.causes else "no beat is owned by"
         body = next(n for n in bodies if n in acts_from(spec, helper)[1])
         text = f"{deed(spec, helper, body)}, before {beat_id} comes true, and {owns} {helper}"
         return _Start("fail", text, "unsaid", body, helper)
     try:
-        help_ = helped(candidate, beat_id, _comes(candidate, beat_id), bodies)
+        help_ = helped(candidate, beat_id, until, bodies)
     except EvidenceError as error:
         return _Start("unverified", f"whether something else helps {beat_id} along is not known: {error}", "unknown")
     if help_ is not None:
@@ -193,10 +194,14 @@ def _idle_force(candidate: Candidate, beat_id: str, beat: Beat) -> str | None:
     )
 
 
-def _comes(candidate: Candidate, beat_id: str) -> int:
-    """Frame at which a beat comes true; where it does not, the last of its interval."""
+def _comes(candidate: Candidate, beat_id: str, *, seen: bool = False) -> int:
+    """Frame at which a beat comes true; where it does not, the last of its interval, or with `seen` the last of these that is there: in a run
+    that still goes on it may come true before what acts later."""
     first = beat_times(candidate).outcome(beat_id).first_true_frame
-    return candidate.spec.story.beats[beat_id].frames[1] if first is None else first
+    if first is not None:
+        return first
+    last = candidate.spec.story.beats[beat_id].frames[1]
+    return min(last, candidate.last_frame) if seen else last
 
 
 def _started(candidate: Candidate, beat_id: str, beat: Beat) -> _Start:

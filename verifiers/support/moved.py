@@ -24,6 +24,8 @@ MOVING_KINDS = (
 """Predicates that say that an entity leaves its place."""
 MOVED_BY = frozenset({"pushes", "pulls", "lifts", "lowers", "throws"})
 """Events of which `other` leaves its place."""
+PRESSED_BY = frozenset({"buries"})
+"""Events of which `other` may be pushed aside: nothing has to hold it from there on."""
 
 
 def atoms(data: Any, each: tuple[str, ...] = ()) -> Iterator[dict[str, Any]]:
@@ -50,7 +52,9 @@ def beat_moves(beat: Beat) -> frozenset[str]:
     found = list(atoms(beat.predicate.model_dump()))
     if is_invariant(beat.predicate):
         return frozenset(a["entity"] for a in found if a["kind"] == "speed" and (a.get("min") or 0.0) > 0.0)
-    moved = {a["entity"] for a in found if a["kind"] in MOVING_KINDS} | {a["other"] for a in found if a["kind"] in MOVED_BY}
+    moved = {a["entity"] for a in found if a["kind"] in MOVING_KINDS} | {
+        a["other"] for a in found if a["kind"] in MOVED_BY | PRESSED_BY
+    }
     return frozenset({beat.subject, *moved})
 
 

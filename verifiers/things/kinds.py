@@ -73,6 +73,8 @@ class Kind(_Data):
     generators: tuple[str, ...] = ()
     nouns: tuple[str, ...] = ()
     """Last words of roles by which things that no generator made are told."""
+    other: tuple[str, ...] = ()
+    """Words before such a noun that make another thing of it: a flower bed."""
     limits: tuple[Limit, ...]
 
 
@@ -149,7 +151,8 @@ def kind_of(generator: str | None, role: str) -> Kind | None:
     """Kind of a thing: by the generator that made it, else by the last word of its role."""
     if generator is not None:
         return _BY_GENERATOR.get(generator)
-    return _BY_NOUN.get(head_noun(role))
+    found = _BY_NOUN.get(head_noun(role))
+    return None if found is None or _read(role).words & set(found.other) else found
 
 
 def variant_of(role: str) -> Variant | None:

@@ -72,6 +72,11 @@ MATERIALS = _words(
 """Solids that a body can be of: before a noun they are a property of it, where water or oil would only say what it is for (water tower, oil drum)."""
 POSTURES = _words("hang dangle stand sit lie lean rest perch")
 """Verbs that in a claim of place say how something is there, which the rows of that claim judge; no event has to take them up."""
+STANCES = _words("stand lie sit hang lean rest stay remain")
+"""Verbs that say how something is, not what happens: the stance verbs of Quirk et al. (1985), A Comprehensive Grammar of the English Language, 4.32, and
+their like."""
+RESTING = _words("in on at by from against")
+"""Prepositions of place that such a verb keeps its meaning with; with a particle (`sits down`) it tells of an event."""
 SUBJECTS = _words("i you he she it we they who which that somebody someone")
 """Pronouns after which a verb follows."""
 GERUNDS = _words("without by before after from while for")

@@ -22,7 +22,9 @@ __all__ = [
     "Labelled",
     "Reading",
     "Warned",
+    "describes",
     "events_in",
+    "is_stance",
     "kinds_meant",
     "known_kinds",
     "labelled",
@@ -54,6 +56,7 @@ CLAUSE = 6
 """Own choice: words after a verb that are looked at for what it is with them ("sets the old wooden barn on fire")."""
 
 
+_PARTICIPLE = re.compile(r"[a-z]+e[dn]", re.IGNORECASE)
 _PARTICLE = re.compile(r"\s+(over|off|down|away|out)\b", re.IGNORECASE)
 
 
@@ -79,6 +82,21 @@ def labelled(text: str) -> tuple[Labelled, ...]:
         if found.type != "filler":
             made.append(found)
     return tuple(made)
+
+
+def is_stance(quote: str) -> bool:
+    """True of a verb that says how something is, not what happens, alone or with a preposition of place (`hangs in`); not of `sits down`."""
+    verb, *behind = quote.casefold().split()
+    return not english.STANCES.isdisjoint(lemmas(verb, "v")) and set(behind) <= english.RESTING
+
+
+def describes(text: str, start: int, end: int) -> bool:
+    """True of a past participle behind its noun that no kind of event judges: `a barrow heaped with gravel`, not `is heaped` nor `a barrow rolled off`."""
+    quote = text[start:end]
+    if not _PARTICIPLE.fullmatch(quote) or verb_kinds(quote):
+        return False
+    before = words_of(text[:start])
+    return bool(before) and before[-1].of("n") > 0 and text[before[-1].end : start].isspace()
 
 
 def _with_particle(found: Labelled, text: str) -> Labelled:
@@ -205,7 +223,8 @@ def _left_out(readings: Sequence[Reading], text: str) -> Iterator[Warned]:
         over = {reading.type for reading in readings if reading.start < word.end and word.start < reading.end}
         quote = text[word.start : word.end]
         posture = "place" in over and bool(english.POSTURES & set(lemmas(quote.split()[0], "v")))
-        if word.type == "event" and word.confidence >= EVENT and over <= {"thing", "place", "property"} and not posture:
+        told = posture or (over == {"property"} and describes(text, word.start, word.end))
+        if word.type == "event" and word.confidence >= EVENT and over <= {"thing", "place", "property"} and not told:
             yield Warned(
                 word.start,
                 word.end,

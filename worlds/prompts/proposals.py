@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from .descriptions import UNSPACED, WordKind, meanings
 from .languages import REVIEWED, function_words, held_words, language_of
-from .lexicon import labelled, lemmas
+from .lexicon import describes, is_stance, labelled
 from .marks import Mark, MarkType, marked_text
 from .numbers import number_in, quantity_in
 from .units import Unit, folded, units_of, word_count
@@ -31,9 +31,6 @@ LONGEST_EVENT = 8
 """Words of an event or quantity."""
 LONGEST_UNIT = 5
 """Text units that are looked at behind a number for its unit of measure: own choice; `kilometres per hour` has three, `立方厘米` four."""
-STANCES = frozenset({"stand", "lie", "sit", "hang", "lean", "rest", "stay", "remain"})
-"""Verbs that say how something is, not what happens: the stance verbs of Quirk et al. (1985), A Comprehensive Grammar of the English Language, 4.32, and
-their like. With a particle (`sits down`) they tell of an event."""
 _PLACE = re.compile(
     r"\b(under|beneath|underneath|above|beside|next to|between|behind|in front of|inside)(?= (?:the|an?|its|his|her|their|two|both)\b)",
     re.IGNORECASE,
@@ -82,7 +79,8 @@ def proposal_text(prompt: str) -> str:
 def _english(text: str) -> Iterator[Proposal]:
     behind = 0
     for label in labelled(text):
-        lasts = label.type == "event" and not STANCES.isdisjoint(lemmas(text[label.start : label.end], "v"))
+        span = label.start, label.end
+        lasts = label.type == "event" and (is_stance(text[slice(*span)]) or describes(text, *span))
         yield Proposal(label.start, label.end, "property" if lasts else label.type)
         word = _PLACE.search(text, behind, label.start)
         if word is not None and label.type == "thing":

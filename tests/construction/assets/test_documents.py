@@ -107,6 +107,13 @@ def test_words_find_generators(query: str, name: str) -> None:
     assert found("xyzzy") == []
 
 
+@pytest.mark.parametrize(
+    ("query", "name"), [("flowerpot", "flower_pot"), ("flowerpots", "flower_pot"), ("clay flowerpot", "flower_pot")]
+)
+def test_a_name_written_as_one_word_is_found(query: str, name: str) -> None:
+    assert found(query)[0] == name
+
+
 def test_every_generator_says_what_it_is_and_all_its_parameters_have_ranges() -> None:
     assert len(GENERATORS) >= 60
     for name, generator in GENERATORS.items():

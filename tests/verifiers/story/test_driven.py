@@ -132,6 +132,16 @@ def test_a_short_run_leaves_open_what_moves_by_itself(tmp_path: Path) -> None:
     assert driven(moving(tmp_path / "b", {"b": late}, speed=1.0)).status == "pass"
 
 
+@pytest.mark.parametrize(("start", "status"), [(0.1, "fail"), (1.5, "pass")])
+def test_a_run_that_goes_on_is_not_accused_of_what_acts_after_its_last_frame(tmp_path: Path, start: float, status: str) -> None:
+    """A beat that may still come true before an unsaid driver acts (a draught after the candle is lit) is judged by what has acted so far."""
+    slides = beat(Speed(entity="cube", min=0.5))
+    later = beat(causes=["a"]).model_copy(update={"frames": (1, 40)})
+    push = ForceDriver(entity="cube", force=(5, 0, 0), start=start, end=start + 0.1)
+    row = driven(moving(tmp_path, {"a": slides, "b": later}, start=0.95, speed=1.0, drivers={"push": push}))
+    assert row.status == status, row.evidence["explanation"]
+
+
 def test_a_trigger_on_a_path_is_an_input_and_has_no_row(tmp_path: Path) -> None:
     keys = {"a": PathKey(time=0, pose=pose((0, 0, 0.1))), "b": PathKey(time=1, pose=pose((1, 0, 0.1)))}
     beats = {"b": beat(owner="rail"), "follows": beat(Speed(entity="ball", min=1), "ball", causes=["b"])}

@@ -87,7 +87,10 @@ def test_the_last_word_of_a_role_tells_the_kind(tmp_path: Path, role: str) -> No
     assert row.status == "fail"
 
 
-@pytest.mark.parametrize("role", ["chair lift", "cushion of a chair", "block", "box that falls onto the chair"])
+@pytest.mark.parametrize(
+    "role",
+    ["chair lift", "cushion of a chair", "block", "box that falls onto the chair", "flower bed", "bed of a river", "truck bed"],
+)
 def test_things_of_other_names_are_not_asked(tmp_path: Path, role: str) -> None:
     assert _chair(tmp_path, 0.2, role) is None
 

@@ -147,6 +147,14 @@ def test_a_verb_is_one_thing_with_the_word_behind_it_and_fits_its_kind(text: str
     assert [w.word for w in warnings_for(readings, text, "en") if w.marked.startswith("an event")] != []
 
 
+@pytest.mark.parametrize(
+    ("text", "warned"), [("A barrow heaped with gravel tips.", False), ("A barrow is heaped with gravel.", True)]
+)
+def test_a_participle_that_no_kind_judges_is_a_property_behind_its_noun_alone(text: str, warned: bool) -> None:
+    told = [w.word for w in warnings_for([reading(text, "heaped", "property")], text, "en")]
+    assert any("heaped" in word for word in told) is warned, told
+
+
 @pytest.mark.parametrize(("marked", "warned"), [("place", False), ("thing", True)])
 def test_a_posture_in_a_claim_of_place_needs_no_event(marked: str, warned: bool) -> None:
     """`stays hanging on`: the rows of that claim judge how it hangs."""

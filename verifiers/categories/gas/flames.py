@@ -13,6 +13,7 @@ from ...predicates.conditions import Condition, happens
 from ...predicates.outcome import Outcome, Series, band, judge
 from .bounds import FIRE_OUT, FIRE_POWER, FIRE_TIME
 from .fire_of import SolidFire, fire_of
+from .flame_life import with_life
 from .predicates import banded, inside, no_gas
 
 if TYPE_CHECKING:
@@ -35,7 +36,9 @@ def heat_release(scope: Scope, predicate: SpecModel) -> Outcome:
         there = inside(candidate, p.region, box, frame)
         return box.volume * float(np.sum((frame.fire.released * frame.room)[there], dtype=np.float64))
 
-    return banded(scope, p, "W", f"power of the flames of {p.entity}" + (f" in {p.region}" if p.region else ""), measure)
+    found = banded(scope, p, "W", f"power of the flames of {p.entity}" + (f" in {p.region}" if p.region else ""), measure)
+    fire = fire_of(candidate, p.entity) if found.status == "fail" else ""
+    return found if isinstance(fire, str) else with_life(found, candidate, p.entity, fire)
 
 
 def burnt_share(scope: Scope, predicate: SpecModel) -> Outcome:
@@ -66,7 +69,9 @@ def burns(scope: Scope, p: FireEvent) -> Outcome:
     condition = Condition("least power of its flames over 0.2 s", kept, max(FIRE_POWER, p.min or 0.0), "W")
     found = happens(scope, p.entity, (condition,))
     hottest = fire.hottest(scope.frames[1])
-    return replace(found, explanation=f"{found.explanation}; {hottest}") if hottest and found.status == "fail" else found
+    if hottest and found.status == "fail":
+        return replace(found, explanation=f"{found.explanation}; {hottest}")
+    return with_life(found, scope.candidate, p.entity, fire)
 
 
 def goes_out(scope: Scope, p: FireEvent) -> Outcome:
@@ -86,7 +91,7 @@ def goes_out(scope: Scope, p: FireEvent) -> Outcome:
         Condition("share of its power that is gone for good", gone, max(1.0 - FIRE_OUT, p.min or 0.0)),
         Condition("least power of its flames over 0.2 s before", burnt, FIRE_POWER, "W"),
     )
-    return happens(scope, p.entity, conditions)
+    return with_life(happens(scope, p.entity, conditions), scope.candidate, p.entity, fire)
 
 
 def _kept(box: GasBox, power: F64) -> F64:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -22,11 +22,13 @@ from .frames import box_of
 from .pushing import carried_pushes, pushing_lines
 from .register import gas_lines
 from .register_of_fire import lost_lines
+from .rows import hold_the_flame
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
-    from ....worlds.requirements import Row
+    from ....worlds.requirements import Correction, Row
     from ....worlds.spec import WorldSpec
+    from ...predicates.outcome import Outcome
     from .cells import GasFrame
     from .frames import GasBox
 
@@ -149,6 +151,12 @@ class GasJudge(Loose):
         """Its one emission, and the side of the box that a row names."""
         emissions = [n for n, d in spec.simulation.drivers.items() if d.kind == "emission" and d.entity == entity]
         return {"emission": emissions[0] if len(emissions) == 1 else None}
+
+    def beat_corrections(
+        self, candidate: Candidate, entity: str, outcome: Outcome, details: Mapping[str, Any]
+    ) -> list[Correction]:
+        """What to do where flames that a beat asks for ended with their spark."""
+        return hold_the_flame(entity, details)
 
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:
         """Lines of the approximation register."""

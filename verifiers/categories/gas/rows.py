@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...rows.corrections import bake_again, correction, halve_step
+from ...rows.corrections import bake_again, correction, halve_step, pointer
 from ...rows.findings import Finding
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ....worlds.requirements import Correction
     from .frames import GasBox
 
-__all__ = ["finer", "kept_within", "larger_box", "recomputed", "shorter"]
+__all__ = ["finer", "hold_the_flame", "kept_within", "larger_box", "recomputed", "shorter"]
 
 
 def kept_within(
@@ -66,3 +66,21 @@ def larger_box(box: GasBox, side: int, cause: str, name: str) -> Correction:
         cause, "domain", f"extend the domain by {more:.3g} m beyond side {name}", pointers=(f"{place}/size", f"{place}/center"),
         patch=tuple({"op": "add", "path": f"{place}/{k}", "value": [round(c, 6) for c in v]} for k, v in (("size", size), ("center", center))),
     )  # fmt: skip
+
+
+def hold_the_flame(entity: str, details: Mapping[str, Any]) -> list[Correction]:
+    """What to do where flames ended with the spark that lit them."""
+    spark = dict(details.get("flames") or {}).get("spark")
+    if not spark:
+        return []
+    place = pointer("simulation", "drivers", spark, "end")
+    action = f"let {spark} stay on as a pilot flame (remove {place}), or feed {entity} with more gas in a wider source: a flame of a few cells keeps itself alight"
+    return [
+        correction(
+            f"the flames end with ignition {spark}: their gas is too cold to burn on by itself",
+            "drivers",
+            action,
+            pointers=(place,),
+            patch=({"op": "remove", "path": place},),
+        )
+    ]

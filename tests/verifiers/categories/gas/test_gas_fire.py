@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from worldagent.verifiers.categories.gas.fires import Fires
 from worldagent.verifiers.categories.gas.frames import box_of
 from worldagent.verifiers.categories.gas.kindling import Kindling
 from worldagent.verifiers.categories.gas.pushing import Pushing
+from worldagent.verifiers.categories.gas.rows import hold_the_flame
 from worldagent.verifiers.categories.gas.steaming import Steaming
 from worldagent.verifiers.predicates.outcome import Outcome
 from worldagent.worlds.candidate import Candidate
@@ -63,6 +65,35 @@ def test_it_burns_and_goes_out_and_its_power_is_that_of_its_burner(whole: Candid
     power = asked(whole, (12, 24), kind="heat_release", min=1.2e4, max=3.0e4, when="always")
     assert power.status == "pass", power.explanation
     assert asked(whole, (34, 36), kind="heat_release", max=200.0, when="always").status == "pass"
+
+
+def test_a_beat_that_asks_for_flames_that_are_not_there_tells_when_and_where_they_were(whole: Candidate) -> None:
+    late = asked(whole, (34, 36), kind="heat_release", min=1e3)
+    flames = late.details["flames"]
+    power = [asked(whole, (k, k), kind="heat_release", min=0.0).value or 0.0 for k in range(37)]
+    assert (flames["brightest"], flames["most"]) == (int(np.argmax(power)), pytest.approx(max(power)))
+    assert power[flames["last"]] > 0.01 * max(power) >= power[flames["last"] + 1]
+    assert 24 < flames["last"] < 34
+    source = whole.spec.entities["smoke"].pose.position
+    assert np.linalg.norm(np.subtract(flames["at"], source)[:2]) < 0.05
+    assert f"its flames burn from frame {flames['first']} to {flames['last']}, " in late.explanation
+    assert flames["spark"] is None
+    assert hold_the_flame("smoke", late.details) == []
+    assert "flames" not in asked(scene("room"), kind="heat_release", min=1.0).details
+
+
+def test_flames_that_end_with_their_spark_are_told_so_with_what_to_do(whole: Candidate) -> None:
+    ends = asked(whole, (34, 36), kind="heat_release", min=1e3).details["flames"]["last"] / whole.spec.simulation.fps
+    for early, named in ((0.1, "spark"), (0.5, None)):  # how long before the flames the spark ends
+        drivers = dict(whole.spec.simulation.drivers)
+        drivers["spark"] = drivers["spark"].model_copy(update={"end": ends - early})
+        plan = whole.spec.simulation.model_copy(update={"drivers": drivers})
+        candidate = dataclasses.replace(whole, spec=whole.spec.model_copy(update={"simulation": plan}))
+        found = asked(candidate, (34, 36), kind="heat_release", min=1e3)
+        assert found.details["flames"]["spark"] == named
+        assert ("they ended with ignition spark" in found.explanation) == (named is not None)
+        told = hold_the_flame("smoke", found.details)
+        assert [c.patch for c in told] == ([({"op": "remove", "path": "/simulation/drivers/spark/end"},)] if named else [])
 
 
 def test_a_gas_without_fuel_neither_burns_nor_goes_out() -> None:

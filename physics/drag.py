@@ -18,7 +18,17 @@ import numpy as np
 
 from .arrays import F64, I64
 
-__all__ = ["FaceDrag", "Medium", "area_vectors", "drag_force", "face_drag", "projected_area", "sphere_drag_rate"]
+__all__ = [
+    "FACINGS",
+    "FaceDrag",
+    "Medium",
+    "area_vectors",
+    "drag_force",
+    "face_drag",
+    "gathering",
+    "projected_area",
+    "sphere_drag_rate",
+]
 
 FACINGS = 128
 """Directions into which the faces of a body are gathered when it has more of them."""
@@ -40,6 +50,10 @@ class Medium:
     """Dynamic [Pa s], shape (n,)."""
     coefficient: F64
     """Drag coefficient of rigid bodies, shape (n,)."""
+
+    def at(self, points: I64) -> Medium:
+        """The medium at some of the points."""
+        return Medium(self.velocity[points], self.density[points], self.viscosity[points], self.coefficient[points])
 
 
 @dataclass(frozen=True)
@@ -65,15 +79,20 @@ def area_vectors(vertices: F64) -> F64:
     found: F64 = hull.equations[:, :3] * areas[:, None]
     if len(found) <= FACINGS:
         return found
+    merged = np.zeros((FACINGS, 3))
+    np.add.at(merged, gathering(hull.equations[:, :3]), found)
+    # Faces that are joined at an angle lose area; on the whole it stays.
+    kept: F64 = merged * (areas.sum() / np.linalg.norm(merged, axis=1).sum())
+    return kept
+
+
+def gathering(normals: F64) -> I64:
+    """Nearest of `FACINGS` directions, spread evenly over a sphere, to each normal, shape (n, 3) -> (n,)."""
     step = np.arange(FACINGS) + 0.5
     height, turn = 1.0 - 2.0 * step / FACINGS, step * math.pi * (1.0 + math.sqrt(5.0))
     ring = np.sqrt(1.0 - height**2)
     directions = np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=1)
-    merged = np.zeros((FACINGS, 3))
-    np.add.at(merged, np.argmax(hull.equations[:, :3] @ directions.T, axis=1), found)
-    # Faces that are joined at an angle lose area; on the whole it stays.
-    kept: F64 = merged * (areas.sum() / np.linalg.norm(merged, axis=1).sum())
-    return kept
+    return np.asarray(np.argmax(normals @ directions.T, axis=1))
 
 
 def projected_area(vectors: F64, owner: I64, turns: F64, flow: F64) -> F64:

@@ -31,6 +31,7 @@ __all__ = [
     "carried_by",
     "field_drivers",
     "fields_of",
+    "lifted_members",
 ]
 
 
@@ -120,6 +121,18 @@ def fields_of(
     """Fields that act on an entity, `without` some drivers, and the media of instances that carry it, which have to be given to be asked."""
     drivers = {k: d for k, d in field_drivers(spec).items() if k not in without and entity in acting_on(spec, d)}
     return Fields(drivers, carried_by(spec, entity), media or {})
+
+
+def lifted_members(spec: WorldSpec, solver: str) -> tuple[str, ...]:
+    """Members of an instance that move, declare lift and have a medium about them."""
+    return tuple(
+        n
+        for n in spec.simulation.solvers[solver].members
+        if n in spec.entities
+        and spec.entities[n].physics.lifted
+        and spec.entities[n].motion == "dynamic"
+        and fields_of(spec, n).has_medium
+    )
 
 
 class Fields:

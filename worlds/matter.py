@@ -34,6 +34,11 @@ class Matter(SpecModel):
         return 0.0
 
     @property
+    def lifted(self) -> bool:
+        """True if a medium pushes it across the flow too, and turns it."""
+        return False
+
+    @property
     def flow_cell(self) -> float:
         """Cell or particle spacing that must fit an opening for it to flow through [m]; 0 for what is no fluid."""
         return 0.0

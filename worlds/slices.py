@@ -68,7 +68,7 @@ def motion_slice(spec: WorldSpec, geometries: Mapping[str, Any] | None = None) -
                 "geometry": geometry_slice(spec, k) if geometries is None else geometries[k],
                 "pose": entities[k]["pose"],
                 "motion": e.motion,
-                "physics": entities[k]["physics"],
+                "physics": {n: v for n, v in entities[k]["physics"].items() if (n, v) != ("lift", False)},
                 "active": e.active,
                 **({} if e.breakable is None else {"bond": entities[k]["breakable"]["bond"]}),
             }

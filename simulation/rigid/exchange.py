@@ -96,6 +96,7 @@ class Exchange:
             own -= self.soft.wrench[ids]
         if fields:
             own[:, :3] -= fields.present
+            own[:, 3:] -= fields.turning
         pieces = rigid.kin_rows
         if pieces.any():
             # Pieces of one cluster are pushed together: what the cluster got is theirs as it was given, and its first one's if more.

@@ -41,7 +41,7 @@ def frame_channels(
         "joint": data.qpos[rigid.joint_qpos].copy() if rigid.joints else np.zeros(0),
         "driver/active": parts.drivers.active(*span),
         **({"exchange/impulse": exchange.received.copy()} if coupled else {}),
-        **({"field/impulse": parts.fields.impulse.copy()} if parts.fields else {}),
+        **(parts.fields.channels() if parts.fields else {}),
         **parts.monitor.arrays(),
         **({} if parts.flexes is None else parts.flexes.channels(data)),
         **({} if soft is None else {"exchange/soft": soft.impulse.copy()}),

@@ -118,7 +118,7 @@ def carry_over(old: Parts, new: Parts, time: float) -> None:
     new.drivers.keep_poses(kept)
     new.monitor.take_over(old.monitor, time)
     new.ledger.take_over(old.ledger)
-    new.fields.impulse[:] = old.fields.impulse
+    new.fields.take_over(old.fields)
     if new.rigid.law.kin is not None and old.rigid.law.kin is not None:
         new.rigid.law.kin.take_over(old.rigid.law.kin)
 

@@ -62,20 +62,23 @@ KINDS = (
     "felt",
     "swarm",
     "draped",
+    "glided",
+    "deflected",
 )
 """A plate over smoke; hot smoke; a low box that it leaves; a block in it; another scheme; Boussinesq; an emission that ends; confinement; cold
 fog; wind through the box; wind that begins later; a plate that is pulled through the smoke; wood gas that burns; methane that burns; propane hot enough to burn by itself; a fire
 whose fuel ends; a sheet beside a fire that catches it; one so far off that it does not; one that is swept
 through the flames; cloth that swings beside them; dust that a ball raises where it lands; steam of a hot block in water; a ball and a sheet that a stream carries; smoke in
-a wide box, followed by a part of it; a gas that feels a ball, a falling cloud of grains and a sheet that it carries."""
+a wide box, followed by a part of it; a gas that feels a ball, a falling cloud of grains and a sheet that it carries; a card that a stream lifts and
+turns, and one that turns the stream, whose cells are as wide."""
 
 FIRES = {"fire": ("wood", 3.0e4), "burner": ("methane", 5.0e4), "ember": ("propane", 3.0e4), "puffed": ("heptane", 6.0e4)}
 """Fuel and power [W] of the kinds that burn."""
 
 
-CARRIED = {"borne": "ball", "waved": "sheet"}
+CARRIED = {"borne": "ball", "waved": "sheet", "glided": "card"}
 """Things that a stream carries, by kind."""
-FELT = {"felt": "ball", "draped": "sheet"}
+FELT = {"felt": "ball", "draped": "sheet", "deflected": "card"}
 """Things that it feels."""
 MAKE: dict[str, Any] = {"kindled": kindled_spec, "spared": kindled_spec, "torch": torch_spec, "hung": hung_spec}
 """Makers of what may burn beside a fire."""
@@ -136,7 +139,7 @@ def _own(kind: str) -> dict[str, Any] | None:
     if kind == "swarm":
         return cloud_spec(count=400, frames=FRAMES, resolution=0.1, radius=1e-3)
     if kind in FELT:
-        spec = stream_spec(thing=FELT[kind], frames=FRAMES, resolution=CELL)
+        spec = stream_spec(thing=FELT[kind], frames=FRAMES, resolution=0.1 if kind == "deflected" else CELL)
         spec["simulation"]["couplings"]["carries"]["direction"] = "two_way"
         return spec
     if kind in CARRIED:

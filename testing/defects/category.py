@@ -19,6 +19,7 @@ from ...worlds.spec import HingeJoint, SpringJoint, WorldSpec
 from . import _scenes as scenes
 from ._films import Film
 from ._impacts import IMPACTS
+from ._lifted import LIFTED
 from .cases import Mechanism, Suite, World
 
 __all__ = ["SUITE"]
@@ -507,6 +508,7 @@ SUITE = Suite(
         _clean("thrown_pair", "two bodies, up to 20 times unlike, bounce off each other in the air", scenes.thrown_pair),
         _clean("pile", "boxes fall on each other and keep nothing of their speed", scenes.pile),
         *IMPACTS,
+        *LIFTED,
         Mechanism("almost_pushed", "velocities off by less than the bound", False, almost_pushed, 1e-6, 1.5e-3, "m/s"),
         Mechanism("other_sign", "quaternions flip their sign", False, other_sign, 1.0, 6.0, "variant", named=(1.0, 3.0)),
     ),

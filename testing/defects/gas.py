@@ -101,6 +101,11 @@ def _blunter(document: dict[str, Any], magnitude: float) -> None:
     document["simulation"]["solvers"][SOLVER]["settings"]["coefficient"] *= 1.0 + magnitude
 
 
+def _unlifted(document: dict[str, Any], magnitude: float) -> None:
+    """A card that is carried is told to have no lift."""
+    document["entities"]["card"]["physics"]["lift"] = False
+
+
 def _airier(document: dict[str, Any], magnitude: float) -> None:
     """The sheet that is carried is told to catch more air than it did."""
     document["entities"]["sheet"]["physics"]["drag"] = 1.2 * (1.0 + magnitude)
@@ -223,6 +228,10 @@ BROKEN = (
     Mechanism("invert", "it got what it should have lost", True, _breaks(returned.invert, "returned", kinds=FELT), 0.01, 1.0, "1"),
     Mechanism("miscount", "its cells lost more than all of it", True, _breaks(returned.miscount, "returned", kinds=FELT), 3e-3, 1.0, "1"),
     Mechanism("displace", "it lost that beside what it carries", True, _breaks(returned.displace, "returned_there", kinds=("felt",)), 8.0, 12.0, "cells"),
+    Mechanism("unlift", "a card got less lift from the gas than its stream gives, none (1) or the opposite (2)", True, _carried(carried.unlift, "glided", "bodies"), 0.15, 2.0, "1"),
+    Mechanism("overlift", "a card got more lift than that, twice as much (1)", True, _carried(carried.overlift, "glided", "bodies"), 0.15, 2.0, "1"),
+    Mechanism("unlifted", "a card that the gas lifted declares no lift", True, _told(_unlifted, "pushed", kind="glided"), 1.0, 1.0, "1"),
+    Mechanism("forget_lift", "a gas lost less than a card that it lifts got", True, _breaks(returned.forget, "returned", kinds=("deflected",)), 3e-3, 1.0, "1"),
     Mechanism("arrive", "smoke at the sides of the part that follows it", True, _breaks(following.arrive, "arrived", kinds=FOLLOWED), 2e-3, 1.0, "1", 1e-3),
     Mechanism("ooze", "smoke left the part that follows it", True, _breaks(following.ooze, "slipped", kinds=FOLLOWED), 2e-4, 0.9, "1", 1e-4),
     Mechanism("stir", "air moves outside the part that follows", True, _breaks(following.stir, "beyond", kinds=FOLLOWED), 1e-3, 2.0, "m/s", 0.0),

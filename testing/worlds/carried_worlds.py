@@ -1,4 +1,4 @@
-"""Small worlds with a gas that carries others: a jet that blows a ball along, a stream in which a ball or a sheet is let go, sparks over a fire."""
+"""Small worlds with a gas that carries others: a jet that blows a ball along, a stream in which a ball, a card or a sheet is let go, sparks over a fire."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ JET_PROMPT = "A jet of air from a pipe blows a light ball along the floor."
 EMBERS_PROMPT = "A fire in a bowl carries glowing embers up."
 BALL = {"radius": 0.02, "mass": 2.7e-3}
 """Radius [m] and mass [kg] of a table tennis ball."""
+CARD = (0.1, 0.1, 0.0006)
+"""Extents of a card of paper of 700 kg/m^3, which weighs 4 g [m]."""
 PUSH = {"source": "air", "target": "bodies", "direction": "one_way", "variables": ["wrench"]}
 OPEN = ["open"] * 6
 
@@ -26,6 +28,19 @@ def _ball(position: list[float]) -> dict[str, Any]:
         "pose": {"position": position},
         "physics": {"category": "rigid"},
         "parts": {"ball": {"shape": {"kind": "sphere", "radius": BALL["radius"]}}},
+    }
+
+
+def _card(position: list[float]) -> dict[str, Any]:
+    """A card of 10 cm, tilted against a stream along +x, which lifts it and turns it."""
+    return {
+        "role": "card",
+        "motion": "dynamic",
+        "material": "paper",
+        "dimensions": {"size": list(CARD)},
+        "pose": {"position": position, "euler": [0.1, -0.5, 0.0]},
+        "physics": {"category": "rigid", "lift": True},
+        "parts": {"card": {"shape": {"kind": "box", "size": list(CARD)}}},
     }
 
 
@@ -81,10 +96,10 @@ def jet_spec(*, frames: int = 37, resolution: float = 0.025, speed: float = 4.0,
 def stream_spec(
     *, thing: str = "ball", by: str = "gas", frames: int = 25, speed: float = 3.0, resolution: float = 0.05, mass: float = 2e-4
 ) -> dict[str, Any]:
-    """A ball without weight, or a sheet that hangs, in a stream of air along +x through an open box.
+    """A ball or a card without weight, or a sheet that hangs, in a stream of air along +x through an open box.
 
     Args:
-        thing: ball or sheet.
+        thing: ball, card or sheet.
         by: gas: wind blows through the box of a gas, which carries the thing; wind: it blows at the thing itself.
         frames: at 24 per second.
         speed: of the stream [m/s].
@@ -96,10 +111,11 @@ def stream_spec(
     del spec["entities"]["plate"]
     spec["materials"]["shell"] = _shell(mass)
     spec["entities"]["floor"]["pose"]["position"][2] -= 1.0
+    source = max(0.1, 2.0 * resolution)
     spec["entities"]["smoke"] |= {
-        "pose": {"position": [-0.4, 0.0, 0.05]},
+        "pose": {"position": [-0.45 + 0.5 * source, 0.0, 0.5 * source]},
         "physics": {"category": "gas", "temperature": 293.15, "soot_density": 1e-6, "resolution": resolution},
-        "parts": {"source": {"shape": {"kind": "box", "size": [0.1, 0.1, 0.1]}}},
+        "parts": {"source": {"shape": {"kind": "box", "size": [source] * 3}}},
     }
     plan = spec["simulation"]
     plan["solvers"]["air"]["settings"] = {
@@ -112,15 +128,18 @@ def stream_spec(
         "wind": {"kind": "field", "field": wind, "entities": ["smoke" if by == "gas" else thing]},
     }
     target = "bodies"
-    if thing == "ball":
+    if thing in ("ball", "card"):
         plan["gravity"] = [0.0, 0.0, 0.0]
-        spec["entities"]["ball"] = _ball([0.0, 0.0, 0.2])
-        plan["solvers"]["bodies"]["members"] = ["floor", "ball"]
+        spec["entities"][thing] = (_ball if thing == "ball" else _card)([0.0, 0.0, 0.2])
+        plan["solvers"]["bodies"]["members"] = ["floor", thing]
     else:
         target = "sheets"
         spec["entities"]["sheet"] = _sheet()
         plan["solvers"]["bodies"]["members"] = ["floor"]
         plan["solvers"]["sheets"] = {"engine": "shell", "members": ["sheet"]}
+    if thing == "card":
+        spec["materials"]["paper"] = {"density": 700.0, "substance": "paper", "friction": 0.4, "restitution": 0.2}
+        wind["coefficient"] = plan["solvers"]["air"]["settings"]["coefficient"] = 1.15
     if by == "gas":
         plan["couplings"] = {"carries": {**PUSH, "target": target}}
     return spec

@@ -43,3 +43,11 @@ def test_a_sheet_in_a_stream_of_gas_hangs_as_in_a_wind(tmp_path: Path) -> None:
     moved = [np.asarray(p).mean(axis=1) - np.asarray(p)[0].mean(axis=0) for p in (gas, wind)]
     assert moved[1][:, 0].max() > 0.08
     assert np.abs(moved[0] - moved[1]).max() < 0.01 * moved[1][:, 0].max()
+
+
+def test_a_card_in_a_stream_of_gas_is_lifted_and_turned_as_in_a_wind(tmp_path: Path) -> None:
+    """Half a second: 0.7 m along, 0.25 m across; places alike within a percent of the way."""
+    gas, wind = (way_of(streamed(tmp_path, "card", by)) for by in ("gas", "wind"))
+    assert wind[-1, 0] > 0.7
+    assert abs(wind[:, 2] - wind[0, 2]).max() > 0.2
+    assert np.abs(gas - wind)[:13].max() < 0.01 * np.linalg.norm(wind[12] - wind[0])

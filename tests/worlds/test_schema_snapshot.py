@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "4968fc19bafbd319248ef15ee8b3043b67ae616616d83bdf8c6a0d252556439e"
+SCHEMA = "9b03e841152fb2ec2cf9d60853f5067370483e8abd17e86208edc898155be063"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

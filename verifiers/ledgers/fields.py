@@ -1,4 +1,4 @@
-"""Impulses that force fields gave to the bodies of a rigid instance, as the engine applied them (R18, R63)."""
+"""Impulses, and twists where lift is declared, that force fields gave to the bodies of a rigid instance, as the engine applied them (R18, R63)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...worlds.arrays import F64
-from ...worlds.fields import acting_on, field_drivers, fields_of
+from ...worlds.fields import acting_on, field_drivers, fields_of, lifted_members
 from ...worlds.instances import carriers_of
 from ...worlds.media import media_of
 from .exchanged import Exchanged, account, impulses, nothing
@@ -18,10 +18,13 @@ if TYPE_CHECKING:
     from ...worlds.spec import WorldSpec
     from .balance import Books
 
-__all__ = ["CHANNEL", "blown", "blown_at", "feels_fields", "fields_in", "recorded"]
+__all__ = ["CHANNEL", "blown", "blown_at", "feels_fields", "fields_in", "recorded", "twisted"]
 
 CHANNEL = "field/impulse"
 """Impulse of fields on each body over the frame, at its centre of mass [N s], shape (n, 3)."""
+
+TWIST = "field/twist"
+"""Angular impulse of media with lift on each body over the frame, about its centre of mass [N m s], shape (n, 3)."""
 
 
 def feels_fields(spec: WorldSpec, solver: str) -> bool:
@@ -47,12 +50,22 @@ def recorded(books: Books) -> F64:
     return impulses(books, CHANNEL, 3)
 
 
+def twisted(books: Books) -> F64:
+    """Angular impulses of media with lift on the bodies over the intervals [N m s], shape (F - 1, n, 3); zero where nothing declares any.
+
+    Raises:
+        EvidenceError: a medium lifts a body, and the cache has no record of how it turned it.
+    """
+    if not lifted_members(books.candidate.spec, books.cache.index.solver):
+        return np.zeros((books.frames - 1, len(books.owner), 3))
+    return impulses(books, TWIST, 3)
+
+
 def blown(books: Books) -> Exchanged:
     """Impulses and work of fields; zero where none acts on the instance."""
     if not feels_fields(books.candidate.spec, books.cache.index.solver):
         return nothing(books)
-    linear = recorded(books)
-    return account(books, np.concatenate([linear, np.zeros_like(linear)], axis=2))
+    return account(books, np.concatenate([recorded(books), twisted(books)], axis=2))
 
 
 def blown_at(candidate: Candidate, entity: str, frame: int) -> dict[str, float]:

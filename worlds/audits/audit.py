@@ -30,6 +30,7 @@ from .fields import field_problems
 from .foreseen import foreseen
 from .joints import joint_problems
 from .leaves import value_at
+from .lift import declares_lift
 from .masses import mass_problems
 from .named_materials import row_problems
 from .ownership import ownership_problems
@@ -213,7 +214,7 @@ class _Audit:
                 or row.also(self.spec)
             ):
                 self.add(row.row, row.predicate, row.problems(self.spec), group="physical")
-        if field_drivers(self.spec):
+        if field_drivers(self.spec) or declares_lift(self.spec):
             self.add("fields", "every force field acts on something that moves", field_problems(self.spec), group="physical")
         if plan.couplings or (plan.order and len(plan.solvers) > len(plan.rigid)):
             self.add(

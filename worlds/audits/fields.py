@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from ..categories.registry import CATEGORIES
 from ..fields import acting_on, field_drivers
 from ..problems import Problem, removed
+from .lift import lift_problems
 
 if TYPE_CHECKING:
     from ..spec import FieldDriver, WorldSpec
@@ -16,7 +17,7 @@ __all__ = ["field_problems"]
 
 
 def field_problems(spec: WorldSpec) -> list[Problem]:
-    """Fields that act on nothing, on what cannot feel them, or too late."""
+    """Fields that act on nothing, on what cannot feel them, or too late; bodies that declare lift without cause."""
     found: list[Problem] = []
     for name, driver in field_drivers(spec).items():
         found += _named(spec, name, driver)
@@ -27,7 +28,7 @@ def field_problems(spec: WorldSpec) -> list[Problem]:
         if driver.start >= last:
             text = f"field {name!r} begins at {driver.start:g} s, after the last frame ({last:.3g} s); start it earlier"
             found.append(Problem(f"/simulation/drivers/{name}/start", text))
-    return found
+    return [*found, *lift_problems(spec)]
 
 
 def _named(spec: WorldSpec, name: str, driver: FieldDriver) -> Iterator[Problem]:

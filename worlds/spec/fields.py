@@ -116,7 +116,7 @@ class AttractionField(SpecModel):
 class FieldDriver(TimedDriver):
     """A force field during [start, end) seconds on all that moves, or on some entities.
 
-    Air acts by the velocity relative to it: on rigid bodies as drag at the centre of mass, on cloth and elastic bodies by their
+    Air acts by the velocity relative to it: on rigid bodies as drag at the centre of mass, and lift where they declare it, on cloth and elastic bodies by their
     faces, on grains and sparks as on spheres, on liquids by the surface that it blows against; it bears nothing. Attraction
     accelerates all alike.
     """

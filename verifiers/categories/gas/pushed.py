@@ -1,7 +1,8 @@
 """Impulses that a gas gives to the bodies, sheets and particles that it carries, worked out anew from its cells and from how these move (R66, R105).
 
 Another route than the solvers': cells are looked up by spline interpolation of order one, the area that a body shows is that of the outline of
-its hull across the flow, and each interval between frames is summed by Simpson's rule with the way between both ends.
+its hull across the flow, and each interval between frames is summed by Simpson's rule with the way between both ends. What declares lift is flown
+anew through the cells' stream from frame to frame (`verifiers/ledgers/gliding.py`).
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 from ....worlds.categories.gas.carrying import carried_members
@@ -17,11 +19,13 @@ from ....worlds.fields import fields_of
 from ....worlds.instances import felt_by
 from ...ledgers.balance import books_of
 from ...ledgers.fields import recorded
+from ...ledgers.gliding import Air, ends_of, glide, hull_in
 from ..cloth.frames import cloth_run
 from .pushed_particles import on_particles
 from .stream import Given, Stream
 
 if TYPE_CHECKING:
+    from ....physics.lift import Hull
     from ....worlds.candidate import Candidate
     from ...ledgers.balance import Books
     from ..cloth.frames import ClothRun
@@ -68,23 +72,64 @@ def _on_body(stream: Stream, books: Books, body: int) -> Given:
     hull = _hull(np.concatenate([p.render.vertices for p in parts])) if parts else np.zeros((0, 3))
     x, v, turn = books.body_centers[:, body], books.velocity[:, body], books.turns[:, body]
     middle = 0.5 * (x[:-1] + x[1:]) + h / 8 * (v[:-1] - v[1:])
-    coefficient = float(stream.box.settings.coefficient)
-    count = books.frames - 1
-    ends, between, at_once = np.zeros((books.frames, 3)), np.zeros((count, 3)), np.zeros((count, 3))
-    inside = np.zeros(books.frames, dtype=bool)
-    for k in range(min(books.frames, stream.box.frames)):
-        inside[k] = stream.within(x[k : k + 1], k)[0]
-        ends[k] = _force(stream, coefficient, hull, turn[k], (x[k], v[k]), (k, 0.0)) if inside[k] else 0.0
-    for k in range(count):
-        if inside[k] and inside[k + 1]:
-            way = (middle[k], 0.5 * (v[k] + v[k + 1]))
-            between[k] = _force(stream, coefficient, hull, turn[k], way, (k, 0.5))
-            at_once[k] = stream.at_once(partial(_force_at, stream, coefficient, hull @ turn[k].T, way, k))
+    inside = np.array([k < stream.box.frames and stream.within(x[k : k + 1], k)[0] for k in range(books.frames)])
+    both, lifted = inside[:-1] & inside[1:], hull_in(books, body)
+    if lifted is not None:
+        worked_out, at_once = _lifted(stream, books, body, lifted, both)
+    else:
+        worked_out, at_once = _dragged(stream, hull, turn, (x, v, middle), inside)
     given = recorded(books)[:, body] - float(books.body_mass[body]) * _pulled(candidate, entity, x, books.times)
     awake = ~(books.asleep[:-1, body] | books.asleep[1:, body])
-    judged = inside[:-1] & inside[1:] & awake & (books.free_time[:, owner] > h - 1e-9)
-    worked_out = np.where((inside[:-1] & inside[1:])[:, None], h / 6 * (ends[:-1] + 4 * between + ends[1:]), 0.0)
-    return Given((entity,), given, worked_out, {entity: worked_out}, judged, inside[:-1] & inside[1:], None, at_once)
+    judged = both & awake & (books.free_time[:, owner] > h - 1e-9)
+    if lifted is not None:
+        judged &= books.lone[owner] & ~books.touched[:, owner]
+    return Given((entity,), given, worked_out, {entity: worked_out}, judged, both, None, at_once)
+
+
+def _dragged(stream: Stream, hull: F64, turn: F64, way: tuple[F64, F64, F64], inside: NDArray[np.bool_]) -> tuple[F64, F64]:
+    """Impulses by drag on a body [N s], (F - 1, 3), and by how much they are others if the gas gives way at once.
+
+    Args:
+        stream: of the gas.
+        hull: of the body.
+        turn: its orientations, shape (F, 3, 3).
+        way: its places [m] and velocities [m/s] at the frames, and its places between them.
+        inside: whether it is in the box at each frame.
+    """
+    (x, v, middle), h = way, stream.box.duration
+    coefficient, count = float(stream.box.settings.coefficient), len(x) - 1
+    ends, between, at_once = np.zeros((count + 1, 3)), np.zeros((count, 3)), np.zeros((count, 3))
+    for k in np.flatnonzero(inside).tolist():
+        ends[k] = _force(stream, coefficient, hull, turn[k], (x[k], v[k]), (k, 0.0))
+    both = inside[:-1] & inside[1:]
+    for k in np.flatnonzero(both).tolist():
+        moves = (middle[k], 0.5 * (v[k] + v[k + 1]))
+        between[k] = _force(stream, coefficient, hull, turn[k], moves, (k, 0.5))
+        at_once[k] = stream.at_once(partial(_force_at, stream, coefficient, hull @ turn[k].T, moves, k))
+    return np.where(both[:, None], h / 6 * (ends[:-1] + 4 * between + ends[1:]), 0.0), at_once
+
+
+def _lifted(stream: Stream, books: Books, body: int, hull: Hull, both: NDArray[np.bool_]) -> tuple[F64, F64]:
+    """The same of a body that declares lift, in the intervals in which it is in the box at `both` ends."""
+    x, v, h, count = books.body_centers[:, body], books.velocity[:, body], books.duration, books.frames - 1
+    middle = 0.5 * (x[:-1] + x[1:]) + h / 8 * (v[:-1] - v[1:])
+    coefficient = 0.5 * float(stream.box.settings.coefficient)
+    velocity, pressure, at_once = np.zeros((3, count, 3)), np.zeros((3, count)), np.zeros((count, 3))
+    for k in np.flatnonzero(both).tolist():
+        for row, (place, share) in enumerate(((x[k], 0.0), (middle[k], 0.5), (x[k + 1], 1.0))):
+            flow, density = stream.at(place[None], k, share)
+            velocity[row, k], pressure[row, k] = flow[0], coefficient * float(density[0])
+    entity = books.cache.index.bodies[body].split("/", 1)[0]
+    pull = np.repeat(_pulled(books.candidate, entity, x, books.times)[None] / h, 3, axis=0)
+    air, mass = Air(velocity, pressure, pull), float(books.body_mass[body])
+    rest = (mass, books.inertia[body]), books.gravity
+    impulse = glide(hull, *rest, air, ends_of(books, body), h).impulse
+    if stream.yields:
+        # As it is at the start or at the end of the interval, all through it.
+        still = [Air(*(np.repeat(a[j : j + 1], 3, axis=0) for a in air)) for j in (0, 2)]
+        one, two = (glide(hull, *rest, a, ends_of(books, body), h).impulse for a in still)
+        at_once = 0.5 * (two - one)
+    return np.where(both[:, None], impulse - mass * h * pull[0], 0.0), np.where(both[:, None], at_once, 0.0)
 
 
 def _hull(points: F64) -> F64:

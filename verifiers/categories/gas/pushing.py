@@ -110,10 +110,15 @@ def pushing_lines(candidate: Candidate) -> list[dict[str, str]]:
         if not carried:
             continue
         found += [*_felt_lines(candidate, name, carried)]
+        flat = any(spec.entities[m].physics.lifted for members in carried.values() for m in members)
         found += [
             {
                 "what": f"the gas of {name!r} acts on rigid bodies by its velocity at their centre of mass and one drag coefficient",
-                "effect": "no lift across the flow, no torque and no buoyancy: nothing spins in it, and a balloon does not rise by its lightness",
+                "effect": (
+                    "no buoyancy, and no lift and torque on what declares none: a balloon does not rise by its lightness"
+                    if flat
+                    else "no lift across the flow, no torque and no buoyancy: nothing spins in it, and a balloon does not rise by its lightness"
+                ),
             },
             {
                 "what": f"between two frames and two middles of cells the gas of {name!r} that carries is taken as changing evenly",

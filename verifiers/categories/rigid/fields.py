@@ -2,7 +2,7 @@
 
 `fields` asks the declared fields again at the poses and velocities of the frames: Simpson's rule over each
 interval, with the state in its middle from both ends. Where contacts, joints, cloth or liquids may have turned a body's way between two
-frames, drag is known only so far (`_astray`).
+frames, drag is known only so far (`_astray`). Bodies that declare lift are another matter (`lifted.py`).
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ import numpy as np
 from ....physics.drag import area_vectors, drag_force, projected_area
 from ....worlds.arrays import F64, rotation_matrix
 from ....worlds.fields import Fields
-from ...ledgers.fields import feels_fields, fields_in, recorded
+from ...ledgers.fields import feels_fields, fields_in, recorded, twisted
+from ...ledgers.gliding import hull_in
 from .bounds import FIELD
+from .lifted import lifted_off
 from .rows import Law
 
 if TYPE_CHECKING:
@@ -30,11 +32,11 @@ def fields(books: Books) -> Finding:
     spec = books.candidate.spec
     excess = np.full((books.frames - 1, len(books.owner)), -np.inf)
     if feels_fields(spec, books.cache.index.solver):
-        given = recorded(books)
+        given, twist = recorded(books), twisted(books)
         for body in range(len(books.owner)):
             found = fields_in(books.candidate, books.entities[books.owner[body]])
             if found:
-                excess[:, body] = _excess(books, body, found, given[:, body])
+                excess[:, body] = _excess(books, body, found, (given[:, body], twist[:, body]))
             else:
                 excess[:, body] = np.where(np.abs(given[:, body]).any(axis=1), np.inf, -np.inf)
     names = tuple(books.entities[o] for o in books.owner)
@@ -47,14 +49,32 @@ def fields(books: Books) -> Finding:
     return law.judge(names, excess, np.isfinite(excess) | (excess > 0))
 
 
-def _excess(books: Books, body: int, found: Fields, given: F64) -> F64:
-    """Deviation of recorded impulses beyond what the frames leave open, as share of the largest, shape (F - 1,)."""
-    times, free = books.times, books.free_time[:, books.owner[body]]
+def _excess(books: Books, body: int, found: Fields, told: tuple[F64, F64]) -> F64:
+    """Deviation of recorded impulses and twists beyond what the frames leave open, as share of the largest, shape (F - 1,)."""
+    times, free, h = books.times, books.free_time[:, books.owner[body]], books.duration
+    given = np.concatenate(told, axis=1)
+    hull = hull_in(books, body) if found.has_medium else None
+    if hull is not None:
+        off = lifted_off(books, body, found, hull, told, _astray(books, body))
+    else:
+        off = _off(books, body, found, told[0])
+    switch = [t for d in found.drivers for t in (d.start, d.start + d.rise, d.end) if t is not None]
+    within = [(times[:-1] < t - 1e-9) & (times[1:] > t + 1e-9) for t in switch]
+    steady = (free > h - 1e-9) & ~np.any([books.asleep[:-1, body] | books.asleep[1:, body], *within], axis=0)
+    silent = (free <= 0) & (np.abs(given).max(axis=1) > 0)
+    if not np.isfinite(off).any():
+        return np.where(np.abs(given).max(axis=1) > 0, np.inf, 0.0)
+    return np.where(silent, np.inf, np.where(steady, off, -np.inf))
+
+
+def _off(books: Books, body: int, found: Fields, given: F64) -> F64:
+    """The same of impulses by drag and accelerations, whatever the body does; infinite where the fields give none."""
+    times, h = books.times, books.duration
     center, velocity, turn = books.body_centers[:, body], books.velocity[:, body], books.turns[:, body]
     entity, name = books.cache.index.bodies[body].split("/", 1)
     parts = books.candidate.entity(entity).parts_of(name)
     vectors = area_vectors(np.concatenate([p.render.vertices for p in parts])) if parts else np.zeros((1, 3))
-    mass, h = float(books.body_mass[body]), books.duration
+    mass = float(books.body_mass[body])
     between = 0.5 * (center[:-1] + center[1:]) - h / 8 * (velocity[1:] - velocity[:-1])
     half = (
         books.quaternion[:-1, body]
@@ -72,14 +92,9 @@ def _excess(books: Books, body: int, found: Fields, given: F64) -> F64:
     )
     if found.has_medium:
         spread += h * _astray(books, body) * _resistance(books, body, found, vectors)
-    off = np.linalg.norm(given - simpson, axis=1) - spread
-    switch = [t for d in found.drivers for t in (d.start, d.start + d.rise, d.end) if t is not None]
-    within = [(times[:-1] < t - 1e-9) & (times[1:] > t + 1e-9) for t in switch]
-    steady = (free > h - 1e-9) & ~np.any([books.asleep[:-1, body] | books.asleep[1:, body], *within], axis=0)
-    silent = (free <= 0) & (np.abs(given).max(axis=1) > 0)
     if scale <= 0:
-        return np.where(np.abs(given).max(axis=1) > 0, np.inf, 0.0)
-    return np.where(silent, np.inf, np.where(steady, off / scale, -np.inf))
+        return np.full(books.frames - 1, np.inf)
+    return np.asarray((np.linalg.norm(given - simpson, axis=1) - spread) / scale)
 
 
 def _astray(books: Books, body: int) -> F64:

@@ -31,7 +31,7 @@ class RigidJudge(Judge):
     name: ClassVar[str] = "rigid"
     in_fields: ClassVar[tuple[str, str] | None] = (
         "drag of field {0!r} on bodies acts at their centres of mass",
-        "by the area of their convex hulls, without lift and without torque",
+        "by the area of their convex hulls, without lift and without torque on what declares no lift",
     )
 
     def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64, pose_of, rotation_matrix
+from ....worlds.fields import lifted_members
 from ....worlds.spec import PathDriver
 from ...ledgers.balance import Books, Flags
 from ...ledgers.sleep_impulses import rests_of, strangest
@@ -140,12 +141,19 @@ def _uneven(books: Books) -> F64:
     force = np.linalg.norm(books.driver_wrench[0], axis=2)
     weight = books.mass * float(np.linalg.norm(books.gravity)) * books.duration
     # What differs so much from one interval to the next may change as much within either.
-    change = np.linalg.norm(np.diff(books.liquid.linear, axis=0), axis=2)
-    swing = np.maximum(np.pad(change, ((1, 0), (0, 0))), np.pad(change, ((0, 1), (0, 0))))
+    swing, gusts = (_swing(e.linear) for e in (books.liquid, books.fields))
     liquid = np.linalg.norm(books.liquid.linear, axis=2) + np.where(books.liquid.wet, UNSTEADY * weight + swing, 0.0)
-    field = np.linalg.norm(books.fields.linear, axis=2)
+    # Lift turns round with the body.
+    turned = lifted_members(books.candidate.spec, books.cache.index.solver)
+    field = np.linalg.norm(books.fields.linear, axis=2) + np.where([n in turned for n in books.entities], gusts, 0.0)
     result: F64 = drag + spring + liquid + field + np.where(books.switching, force, 0.0)
     return result
+
+
+def _swing(given: F64) -> F64:
+    """Largest difference of each interval's impulse from those of its neighbours [N s], shape (F - 1, E)."""
+    change = np.linalg.norm(np.diff(given, axis=0), axis=2)
+    return np.asarray(np.maximum(np.pad(change, ((1, 0), (0, 0))), np.pad(change, ((0, 1), (0, 0)))))
 
 
 def motion(books: Books) -> Finding:

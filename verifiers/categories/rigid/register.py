@@ -10,6 +10,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from ....worlds.spec import DetachDriver, WeldJoint
+from .lifted import lift_lines
 
 if TYPE_CHECKING:
     from ....worlds.spec import Material, RigidInstance, WorldSpec
@@ -33,7 +34,11 @@ steps it halves the speed in the first one."""
 
 def rigid_lines(spec: WorldSpec) -> list[dict[str, str]]:
     """Lines about every rigid instance, by its settings."""
-    return [line for name, instance in spec.simulation.rigid.items() for line in _instance(spec, name, instance)]
+    return [
+        line
+        for name, instance in spec.simulation.rigid.items()
+        for line in (*_instance(spec, name, instance), *lift_lines(spec, name))
+    ]
 
 
 def _instance(spec: WorldSpec, name: str, instance: RigidInstance) -> list[dict[str, str]]:

@@ -11,7 +11,7 @@ from ...extents import initial_box
 from ...fields import acting_on, field_drivers
 from ...instances import bodies_read, carriers_of, coupled_groups, felt_by, waits_for_itself
 from ...problems import Problem, removed, replaced
-from ..loose import domain_box, told_box
+from ..loose import ROUNDED, domain_box, told_box
 from .burning import flammable_parts
 from .facts import dusts_of
 from .steam_facts import steams_of
@@ -96,6 +96,7 @@ def _felt(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
     if target in plan.rigid and elastic:
         text = f"coupling {key!r}: the gas of {source!r} does not feel {elastic[0]!r}, which deforms; make the coupling one_way, or put {elastic[0]!r} into an instance of its own"
         yield Problem(f"{place}/direction", text, one_way)
+    yield from _wide(spec, key, coupling)
     group = next(g for g in coupled_groups(spec) if source in g)
     gases = sorted(g for g in group if felt_by(spec, g))
     if gases[1:] and source == gases[1]:
@@ -109,6 +110,22 @@ def _felt(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
             f"and {target!r} two_way, or make the coupling one_way"
         )
         yield Problem(f"{place}/direction", text, one_way)
+
+
+def _wide(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:
+    """Bodies with lift that are wider than the cells of a gas that feels them: their own downwash would turn their flow a second time."""
+    place, gas = f"/simulation/couplings/{key}", spec.simulation.gas[coupling.source]
+    for name in spec.simulation.solvers[coupling.target].members:
+        entity, held = spec.entities.get(name), spec.entities.get(gas.members[0])
+        if entity is None or held is None or not entity.physics.lifted:
+            continue
+        wide, cell = max(entity.dimensions.size), held.physics.flow_cell
+        if wide > (1.0 + ROUNDED) * cell:
+            text = (
+                f"coupling {key!r}: {name!r} declares lift, is {wide:.3g} m long, and the gas that feels it has cells of {cell:g} m, at least as wide as it they have to be: what "
+                "it turns of the gas would turn its own flow once more. Make the coupling one_way, or the cells as wide"
+            )
+            yield Problem(f"{place}/direction", text, replaced(f"{place}/direction", "one_way"))
 
 
 def _both_ways(spec: WorldSpec, key: str, coupling: Coupling) -> Iterator[Problem]:

@@ -24,6 +24,7 @@ RIGID = CategorySpec(
     parameters=(
         *parameters(PHYSICS, "mass hollow", "mass", "repair", "by default density times volume", physical=True),
         *parameters(PHYSICS, "linear_damping", "mass", "repair", "its loss stands in the energy rows"),
+        *parameters(PHYSICS, "lift", "drivers", "repair", "its law stands in the register"),
         *parameters(PHYSICS, "angular_velocity", "initial_state", "repair", "the state at frame 0 and what holds it"),
         *LINEAR_VELOCITY,
         *STEPS,

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from ...channel import Channel, quantity
-from ...fields import fields_of
+from ...fields import fields_of, lifted_members
 from ...instances import coupled_groups
 from ..shared_channels import CONTACTS, DRIVER_WORK, FIELD_IMPULSE, GIVEN, ITERATIONS_CAPPED, MOTION
 
@@ -63,6 +63,9 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = {
     "rigid blown": (
         FIELD_IMPULSE,
     ),
+    "rigid lifted": (
+        Channel("field/twist", "f8", ("bodies", 3), "N m s", "angular impulse of media with lift over the frame, about each body's centre of mass", "sum"),
+    ),
 }  # fmt: skip
 """By kind of writer."""
 
@@ -76,3 +79,5 @@ def writers(spec: WorldSpec, name: str) -> Iterator[str]:
     members = [m for m in spec.simulation.solvers[name].members if m in spec.entities]
     if any(spec.entities[m].physics.category == "rigid" and fields_of(spec, m) for m in members):
         yield "rigid blown"
+    if lifted_members(spec, name):
+        yield "rigid lifted"

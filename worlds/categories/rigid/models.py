@@ -45,6 +45,16 @@ class RigidPhysics(Matter):
     linear_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, of the centre of mass [m/s]")
     angular_velocity: Vec3 = Field(default=(0, 0, 0), description="at frame 0, world axes [rad/s]")
     linear_damping: NonNegative = Field(default=0.0, description="viscous drag on the body [N s/m]")
+    lift: bool = Field(
+        default=False,
+        description="true: wind, or a gas that carries it, also pushes it across the flow and turns it, by the law of plates as far as its hull is flat: card, "
+        "leaf, roof tile; the medium's coefficient is then that across the flow, of a plate 1.15",
+    )
+
+    @property
+    def lifted(self) -> bool:
+        """True if a medium pushes it across the flow too."""
+        return self.lift
 
     def geometry(self) -> dict[str, Any]:
         """The declared mass."""

@@ -30,7 +30,7 @@ def small(folder: Path, thing: str = "ball") -> Candidate:
     return simulate(folder, WorldSpec.model_validate({"prompt": JET_PROMPT, **document}))
 
 
-@pytest.mark.parametrize("kind", ["felt", "swarm", "draped"])
+@pytest.mark.parametrize("kind", ["felt", "swarm", "draped", "deflected"])
 def test_a_gas_loses_what_it_gives_and_every_row_holds(kind: str) -> None:
     candidate = scene(kind)
     found = rows_of(candidate)

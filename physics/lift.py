@@ -9,7 +9,7 @@ References:
     B. Laing, M. McCarty and M. Pond, Journal of Wind Engineering and Industrial Aerodynamics 96 (2008) 2188, doi:10.1016/j.jweia.2008.02.030,
     and B. Kordi and G. A. Kopp, Journal of Engineering Mechanics 135 (2009) 657, doi:10.1061/(ASCE)EM.1943-7889.0000008, use them for
     plates about as long as wide, after ESDU 70015 (1970). S. F. Hoerner, Fluid-Dynamic Drag (1965), chapter 3, has 1.17 for a square plate
-    across the flow and the same stall near 40 degrees.
+    across the flow and the same stall near 40 degrees. These pages were not at hand when this was written: compare before you cite.
     Compact bodies: drag by the area that the hull shows, as `drag.py`.
     Resistance to turning: the plate's law by strips, each of which meets the flow past it (blade elements; H. Glauert, 1926).
 """

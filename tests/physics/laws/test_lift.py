@@ -1,4 +1,4 @@
-"""The law of lift: printed coefficients of plates, another published law, symmetries, and energy that it never gives."""
+"""The law of lift: coefficients of plates by the formulas that are cited, another published law, symmetries, and energy that it never gives."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from worldagent.physics.lift import Hull, Wrench, hull_of, normal_share, pressur
 from worldagent.worlds.arrays import F64, rotation_matrix
 
 ACROSS = 1.15
-PRINTED = {10.0: 0.425, 20.0: 0.85, 30.0: 1.275, 40.0: 1.7, 60.0: 1.15, 90.0: 1.15}
+BY_FORMULA = {10.0: 0.425, 20.0: 0.85, 30.0: 1.275, 40.0: 1.7, 60.0: 1.15, 90.0: 1.15}
 """C_N of square plates by angle of attack [degrees]: Richards et al. (2008), Kordi and Kopp (2009)."""
 CENTRES = {0.0: 0.3, 19.0: 0.19, 38.0: 0.08, 60.0: 0.08 * np.cos(np.radians(44.0)), 90.0: 0.0}
 """Centre of pressure ahead of the middle over the length, from the same."""
@@ -50,19 +50,19 @@ def at(degrees: float) -> F64:
 CARD = hull(corners(1.0, 1.0, 1e-4))
 
 
-@pytest.mark.parametrize("degrees", PRINTED)
-def test_a_thin_plate_has_the_printed_coefficients(degrees: float) -> None:
+@pytest.mark.parametrize("degrees", BY_FORMULA)
+def test_a_thin_plate_has_the_coefficients_of_the_formula(degrees: float) -> None:
     """Law: C_L = C_N cos a, C_D = C_N sin a, with the declared coefficient as C_N across the flow."""
     found, along = pushed(CARD, at(degrees), pressure=ACROSS), at(degrees)
     across = np.array([-along[2], 0.0, along[0]])
     drag, lift = float(found.force[0] @ along), float(found.force[0] @ across)
-    assert drag == pytest.approx(PRINTED[degrees] * np.sin(np.radians(degrees)), rel=2e-3, abs=5e-4)
-    assert lift == pytest.approx(PRINTED[degrees] * np.cos(np.radians(degrees)), rel=2e-3, abs=5e-4)
-    assert float(normal_share(np.array(degrees))) * ACROSS == pytest.approx(PRINTED[degrees])
+    assert drag == pytest.approx(BY_FORMULA[degrees] * np.sin(np.radians(degrees)), rel=2e-3, abs=5e-4)
+    assert lift == pytest.approx(BY_FORMULA[degrees] * np.cos(np.radians(degrees)), rel=2e-3, abs=5e-4)
+    assert float(normal_share(np.array(degrees))) * ACROSS == pytest.approx(BY_FORMULA[degrees])
 
 
 @pytest.mark.parametrize("degrees", CENTRES)
-def test_the_push_acts_ahead_of_the_middle_by_the_printed_distance(degrees: float) -> None:
+def test_the_push_acts_ahead_of_the_middle_by_the_distance_of_the_formula(degrees: float) -> None:
     assert float(pressure_point(np.array(degrees))) == pytest.approx(CENTRES[degrees], abs=1e-12)
     if degrees > 5.0:
         # Torque about +y over the force along +z is the way of the point against the flow along +x.

@@ -1,6 +1,7 @@
 """Bounds of clearances at frame 0 after a small move, which settle most comparisons without a measurement.
 
-Upper: points of two surfaces stay on them, so that the surfaces are no farther apart than these are after the move. Lower: whatever is apart comes
+Upper: points of two surfaces stay on them, so that the surfaces are no farther apart than these are after the move, and overlap where one of these
+lies in the other body. Lower: whatever is apart comes
 nearer by no more than the move is long, and bodies whose boxes are apart are at least as far apart. A bound decides where it is farther from what is
 compared than the two measurements of the clearance can be wrong together; all else is measured.
 """
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...geometry import contains
 from ...worlds.arrays import F64
 
 if TYPE_CHECKING:
@@ -52,6 +54,9 @@ def shifted(surfaces: Surfaces, parts: Mapping[Pair, Sequence[Two]], bound: Mapp
     compared = np.repeat([bound[pair] + margin[pair] for pair in left], [len(parts[pair]) for pair in left])
     near = iter((least <= compared).tolist())
     unsettled = {pair: [two for two in parts[pair] if next(near)] for pair in left}
+    sunk = [pair for pair, some in unsettled.items() if bound[pair] > margin[pair] and _sinks(surfaces, pair, some, offset)]
+    known |= dict.fromkeys(sunk, 0.0)
+    unsettled = {pair: some for pair, some in unsettled.items() if pair not in known}
     known |= {pair: np.inf for pair, some in unsettled.items() if not some}
     return Shifted(known, {pair: some for pair, some in unsettled.items() if some})
 
@@ -61,6 +66,20 @@ def _farthest(surfaces: Surfaces, pair: Pair, offset: F64) -> float:
     below, above = pair
     gap = surfaces.known_gap(above, below)
     return np.inf if gap is None else float(np.linalg.norm(gap.point_a + offset - gap.point_b))
+
+
+def _sinks(surfaces: Surfaces, pair: Pair, some: Sequence[Two], offset: F64) -> bool:
+    """True if a point at which a pair is nearest lies in the other body after the move; not asked of convex parts, whose overlap costs no more."""
+    below, above = pair
+    gap = surfaces.known_gap(above, below)
+    if gap is None or all(surfaces.parts[i].solid.convex and surfaces.parts[j].solid.convex for i, j in some):
+        return False
+    for entity, part, point in ((below, gap.part_b, gap.point_a + offset), (above, gap.part_a, gap.point_b - offset)):
+        k = next(k for k in surfaces.parts_of[entity] if surfaces.parts[k].part == part)
+        solid, pose = surfaces.shapes.solid(k, 0), surfaces.track_of(k).at(0)
+        if contains(solid, pose.inverse().apply(point[None]))[0]:
+            return True
+    return False
 
 
 def _least(surfaces: Surfaces, asked: Sequence[Two], offset: F64) -> F64:

@@ -42,7 +42,7 @@ class Crossings(NamedTuple):
     for coplanar overlap the length of the overlap."""
 
 
-def self_crossings(solid: Solid, *, noise: float) -> Crossings:
+def self_crossings(solid: Solid, *, noise: float, groups: NDArray[np.intp] | None = None) -> Crossings:
     """Triangles of one surface that cross each other.
 
     Triangles that share an edge cross only where they are folded onto each other; those that share a corner only beyond it.
@@ -50,9 +50,11 @@ def self_crossings(solid: Solid, *, noise: float) -> Crossings:
     Args:
         solid: the surface, open or closed.
         noise: [m] up to which parts of it touch and do not cross.
+        groups: sizes of runs of triangles, each far from the others, where the surface is many small ones; default one.
     """
     triangles, faces = solid.triangles, solid.faces
-    i, j = _near_pairs(triangles.min(axis=1) - noise, triangles.max(axis=1) + noise)
+    low, high = triangles.min(axis=1) - noise, triangles.max(axis=1) + noise
+    i, j = _near_pairs(low, high) if groups is None else _near_in_groups(low, high, groups)
     owners, planes = _edge_owners(solid), planes_of(triangles)
     found, reach = [np.empty((0, 2), dtype=np.intp)], [np.empty(0)]
     for s in range(0, len(i), CHUNK):
@@ -184,6 +186,15 @@ def _near_pairs(low: F64, high: F64, *, split: int | None = None) -> tuple[IPoin
         across = (i < split) & (j >= split)
         i, j = i[across], j[across]
     return i, j
+
+
+def _near_in_groups(low: F64, high: F64, groups: NDArray[np.intp]) -> tuple[IPoints, IPoints]:
+    """Pairs i < j of boxes of one group that meet; groups are runs of boxes."""
+    from .soup_kernels import met_in_groups
+
+    order = np.lexsort((low[:, 0], np.repeat(np.arange(len(groups)), groups)))
+    found = met_in_groups(low, high, order, np.concatenate([[0], np.cumsum(groups)]).astype(np.int64))
+    return found[:, 0], found[:, 1]
 
 
 # ---------------------------------------------------------------------- edges

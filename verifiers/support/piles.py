@@ -1,13 +1,14 @@
-"""Groups of bodies that rest by weight alone, told without a linear program: each stands with its load over one thing that carries it.
+"""Groups of bodies that rest by weight alone, told without a linear program: each stands with its load over what carries it.
 
 The proof: a vertical force at any level contact lies within its friction pyramid, and such forces >= 0 at points around a vertical line have a
-resultant of any size on it. So each body can pass its weight and its load, on the line through their common centre, to one carrier, from the top
-down; no other contact need push. Where that fails nothing is said.
+resultant of any size on it. So each body can pass its weight and its load, on the line through their common centre, to one carrier, or shares of
+them on two lines with that centre to two, from the top down; no other contact need push. Where that fails nothing is said.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -23,6 +24,8 @@ TILT = 1e-6
 """Sine of the slope of a contact up to which it counts as level."""
 ROUGH_ENOUGH = 1e-3
 """[1] Own choice: friction from which on a vertical force lies well within the pyramid of a contact that is level but for `TILT`."""
+SHARE = 0.01
+"""[1] Own choice: the least share of a load that one of two carriers is given."""
 AROUND = 1e-6
 """[rad] Own choice: by so much the widest gap between points, seen from the line, must be less than a half turn; rounding is far less."""
 AT = 1e-9
@@ -54,13 +57,14 @@ def rests_by_weight(group: Group) -> bool:
         at = ready.pop()
         if not weight[at] > 0.0:
             return False
-        on = next((b for b in bases[at] if _surrounds(b.points - moment[at] / weight[at])), None)
-        if on is None:
+        passed = _passed(bases[at], moment[at] / weight[at])
+        if not passed:
             return False
         done += 1
-        if on.carrier is not None:
-            weight[on.carrier] += weight[at]
-            moment[on.carrier] = moment[on.carrier] + moment[at]
+        for carrier, share, place in passed:
+            if carrier is not None:
+                weight[carrier] += share * weight[at]
+                moment[carrier] = moment[carrier] + share * weight[at] * place
         for base in bases[at]:
             if base.carrier is not None:
                 above[base.carrier] -= 1
@@ -83,6 +87,22 @@ def _bases(group: Group, body: str, across: F64) -> Sequence[_Base]:
             (found.setdefault(other, []) if other in group.members else fixed).append(points)
     ground = [_Base(None, np.concatenate(fixed))] if fixed else []
     return [*ground, *(_Base(name, np.concatenate(some)) for name, some in found.items())]
+
+
+def _passed(bases: Sequence[_Base], line: F64) -> list[tuple[str | None, float, F64]]:
+    """Who may carry a load on a vertical line: carriers, their shares, and on which lines; empty where neither one nor two can."""
+    for base in bases:
+        if _surrounds(base.points - line):
+            return [(base.carrier, 1.0, line)]
+    for one, two in combinations(bases, 2):
+        middle = one.points.mean(axis=0)  # equal forces at all points act there
+        way = middle - two.points.mean(axis=0)
+        share = float((line - middle + way) @ way / max(float(way @ way), AT * AT))
+        if SHARE <= share <= 1.0 - SHARE:
+            rest = (line - share * middle) / (1.0 - share)
+            if _surrounds(two.points - rest):
+                return [(one.carrier, share, middle), (two.carrier, 1.0 - share, rest)]
+    return []
 
 
 def _surrounds(points: F64) -> bool:

@@ -60,12 +60,12 @@ def self_crossings(solid: Solid, *, noise: float, groups: NDArray[np.intp] | Non
     for s in range(0, len(i), CHUNK):
         one, two = i[s : s + CHUNK], j[s : s + CHUNK]
         shared = (faces[one][:, :, None] == faces[two][:, None]).sum(axis=(1, 2))
-        pairs = pairs_of(triangles, planes, one, two, noise)
+        both = pairs_of(triangles, planes, one, two, noise)
         value = np.zeros(len(one))
         loose = np.flatnonzero(shared <= 1)
-        value[loose] = properly(pairs.take(loose), noise)
+        value[loose] = properly(both.take(loose), noise)
         rest = np.flatnonzero(value == 0.0)
-        value[rest] = coplanar(pairs.take(rest), noise)
+        value[rest] = coplanar(both.take(rest), noise)
         apart = np.flatnonzero((shared == 0) & (value == 0.0))
         value[apart] = _through_edge(solid, owners, one[apart], two[apart], noise)
         edge = np.flatnonzero((shared == 2) & (value == 0.0))

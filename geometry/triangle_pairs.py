@@ -62,7 +62,8 @@ class Pairs(NamedTuple):
 
     def take(self, rows: IPoints) -> Pairs:
         """Some of them."""
-        return Pairs(*(own[rows] for own in self))
+        corners, normals = (self.a[rows], self.b[rows]), (self.normal_a[rows], self.normal_b[rows])
+        return Pairs(*corners, *normals, self.wide[rows], self.h[rows], self.g[rows])
 
 
 def pairs_of(t: F64, planes: tuple[F64, NDArray[np.bool_]], one: IPoints, two: IPoints, noise: float) -> Pairs:

@@ -20,7 +20,7 @@ from ..rows.telling import tell
 from .at_start import Gap, nearest_parts, own_distances
 from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
-from .shifted import Shifted, shifted
+from .shifted import Shifted, Start, shifted
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -347,8 +347,9 @@ class Surfaces(Parts):
         return sorted({(j, i) for i, j in self._near.get((below, above), ())} | self._near.get((above, below), set()))
 
     def _settled(self, parts: Mapping[Pair, Sequence[tuple[int, int]]], bound: Mapping[Pair, F64], offset: F64) -> Shifted:
-        """What bounds tell of pairs at frame 0."""
-        return shifted(self, parts, {pair: float(bound[pair][0]) for pair in parts}, offset)
+        """Answers of bounds about pairs at frame 0."""
+        start = Start(self.at_start, self.boxes_at_start, self.known_gap)
+        return shifted(self, start, parts, {pair: float(bound[pair][0]) for pair in parts}, offset)
 
     def known_gap(self, a: str, b: str) -> Gap | None:
         """The gap of two entities at frame 0 as far as it was measured before."""

@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 from ...worlds.arrays import F64
 
 if TYPE_CHECKING:
-    from .equilibrium import Group
+    from .touching import Contacts
 
-__all__ = ["rests_by_weight"]
+__all__ = ["Bodies", "rests_by_weight"]
 
 TILT = 1e-6
 """Sine of the slope of a contact up to which it counts as level."""
@@ -32,6 +32,30 @@ AT = 1e-9
 """[m] Own choice: points so near the line are left out, for their direction is rounding."""
 
 
+class Bodies(Protocol):
+    """Free bodies that touch each other, and every contact of theirs: `equilibrium.Group`."""
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Their names."""
+
+    @property
+    def contacts(self) -> tuple[tuple[str, str, Contacts], ...]:
+        """(pushed body, pushing body, contacts)."""
+
+    @property
+    def centers(self) -> F64:
+        """Centres of mass [m], shape (members, 3)."""
+
+    @property
+    def weights(self) -> F64:
+        """[N], shape (members,)."""
+
+    @property
+    def down(self) -> F64:
+        """Unit vector along gravity, shape (3,)."""
+
+
 class _Base(NamedTuple):
     """Level contacts from below of one body with one thing, or with all that is no member of the group."""
 
@@ -40,7 +64,7 @@ class _Base(NamedTuple):
     """Across gravity [m], shape (n, 2)."""
 
 
-def rests_by_weight(group: Group) -> bool:
+def rests_by_weight(group: Bodies) -> bool:
     """True if it is proven that every body of a group rests on contacts from below alone; False says nothing."""
     across = np.linalg.svd(group.down[None])[2][1:]
     bases = {m: _bases(group, m, across) for m in group.members}
@@ -72,7 +96,7 @@ def rests_by_weight(group: Group) -> bool:
     return done == len(group.members)
 
 
-def _bases(group: Group, body: str, across: F64) -> Sequence[_Base]:
+def _bases(group: Bodies, body: str, across: F64) -> Sequence[_Base]:
     """Where a body may stand: on all that is no member together, then on each member."""
     level = np.sqrt(1.0 - TILT * TILT)
     fixed: list[F64] = []

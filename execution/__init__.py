@@ -6,6 +6,7 @@ Knows nothing of what worlds contain. Importing it is cheap: no numpy, no pydant
 from __future__ import annotations
 
 from .caps import memory_cap, wall_cap
+from .collecting import seldom_collected
 from .context import JobContext
 from .inline import run_inline
 from .job import BULK, ENDED_STATES, INTERACTIVE, JOB_STATES, NORMAL, Cancelled, Job, JobState, Progress, result_of
@@ -39,5 +40,6 @@ __all__ = [
     "memory_cap",
     "result_of",
     "run_inline",
+    "seldom_collected",
     "wall_cap",
 ]

@@ -42,6 +42,8 @@ SHALLOW = -2.0
 """Told in place of a depth that is not over what is of interest."""
 ALIKE = 1e-3
 """[1] Own choice: bodies whose sizes differ by more of the greater are not in one place; such that are differ by rounding."""
+FEW_OF = 0.5
+"""[1] Own choice: share of the solids up to which trees are grown for those alone that queries are about; all queries to come need their own."""
 CHUNK = 65_536
 """Queries held at once: about 30 MB of poses and results."""
 
@@ -247,6 +249,8 @@ def _by_kernels(forest: Forest, asked: _Queries, device: str, tolerance: float) 
     from . import clearance_kernels as kernels
 
     load(kernels.nearest, device)
+    forest, used = _asked_about(forest, asked.pairs, device)
+    asked = asked._replace(pairs=used)
     wood = wood_on(forest, device)
     solids = forest.solids
     size = np.array([s.size for s in solids])
@@ -270,6 +274,14 @@ def _by_kernels(forest: Forest, asked: _Queries, device: str, tolerance: float) 
         value[part] = distance
         exact += len(left)
     return value, exact
+
+
+def _asked_about(forest: Forest, pairs: I32, device: str) -> tuple[Forest, I32]:
+    """A forest of the solids that queries are about alone, and those in it, where few of many are and no trees stand yet."""
+    used, places = np.unique(pairs, return_inverse=True)
+    if device in forest.on_device or len(used) > FEW_OF * len(forest.solids):
+        return forest, pairs
+    return Forest([forest.solids[k] for k in used]), places.reshape(pairs.shape).astype(np.int32)
 
 
 def _settled(solids: Sequence[Solid], size: F64, pairs: I32) -> NDArray[np.bool_]:

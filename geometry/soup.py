@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..worlds.arrays import F64, I32, cross
+from .triangle_pairs import coplanar, heights, pairs_of, planes_of, properly
 
 if TYPE_CHECKING:
     from .solids import Solid
@@ -26,8 +27,6 @@ LARGE = 512
 """Own choice: triangles over more cells than this are compared with all instead."""
 CHUNK = 400_000
 """Pairs of triangles tested at once; bounds memory to about 200 MB."""
-FLAT = 1e-6
-"""Sine below which a triangle's plane is too ill-defined to be crossed: slivers are left out."""
 SAME_ANGLE = 1e-7
 """[rad] Triangles this close around an edge lie on each other."""
 IPoints = NDArray[np.intp]
@@ -43,7 +42,7 @@ class Crossings(NamedTuple):
     for coplanar overlap the length of the overlap."""
 
 
-def self_crossings(solid: Solid, *, noise: float) -> Crossings:
+def self_crossings(solid: Solid, *, noise: float, groups: NDArray[np.intp] | None = None) -> Crossings:
     """Triangles of one surface that cross each other.
 
     Triangles that share an edge cross only where they are folded onto each other; those that share a corner only beyond it.
@@ -51,19 +50,22 @@ def self_crossings(solid: Solid, *, noise: float) -> Crossings:
     Args:
         solid: the surface, open or closed.
         noise: [m] up to which parts of it touch and do not cross.
+        groups: sizes of runs of triangles, each far from the others, where the surface is many small ones; default one.
     """
     triangles, faces = solid.triangles, solid.faces
-    i, j = _near_pairs(triangles.min(axis=1) - noise, triangles.max(axis=1) + noise)
-    owners = _edge_owners(solid)
+    low, high = triangles.min(axis=1) - noise, triangles.max(axis=1) + noise
+    i, j = _near_pairs(low, high) if groups is None else _near_in_groups(low, high, groups)
+    owners, planes = _edge_owners(solid), planes_of(triangles)
     found, reach = [np.empty((0, 2), dtype=np.intp)], [np.empty(0)]
     for s in range(0, len(i), CHUNK):
         one, two = i[s : s + CHUNK], j[s : s + CHUNK]
         shared = (faces[one][:, :, None] == faces[two][:, None]).sum(axis=(1, 2))
+        both = pairs_of(triangles, planes, one, two, noise)
         value = np.zeros(len(one))
-        loose = shared <= 1
-        value[loose] = _properly(triangles[one[loose]], triangles[two[loose]], noise)
+        loose = np.flatnonzero(shared <= 1)
+        value[loose] = properly(both.take(loose), noise)
         rest = np.flatnonzero(value == 0.0)
-        value[rest] = _coplanar(triangles[one[rest]], triangles[two[rest]], noise)
+        value[rest] = coplanar(both.take(rest), noise)
         apart = np.flatnonzero((shared == 0) & (value == 0.0))
         value[apart] = _through_edge(solid, owners, one[apart], two[apart], noise)
         edge = np.flatnonzero((shared == 2) & (value == 0.0))
@@ -87,11 +89,11 @@ def mutual_crossings(one: F64, two: F64, *, noise: float) -> Crossings:
     """
     both = np.concatenate([one, two])
     i, j = _near_pairs(both.min(axis=1) - noise, both.max(axis=1) + noise, split=len(one))
-    reach = np.zeros(len(i))
+    reach, planes = np.zeros(len(i)), planes_of(both)
     for s in range(0, len(i), CHUNK):
         some = slice(s, s + CHUNK)
-        a, b = both[i[some]], both[j[some]]
-        reach[some] = np.maximum(_properly(a, b, noise), _coplanar(a, b, noise))
+        pairs = pairs_of(both, planes, i[some], j[some], noise)
+        reach[some] = np.maximum(properly(pairs, noise), coplanar(pairs, noise))
     hit = reach > 0.0
     return _sorted(np.stack([i[hit], j[hit] - len(one)], axis=1), reach[hit])
 
@@ -186,82 +188,16 @@ def _near_pairs(low: F64, high: F64, *, split: int | None = None) -> tuple[IPoin
     return i, j
 
 
-# ---------------------------------------------------------------------- exact tests
+def _near_in_groups(low: F64, high: F64, groups: NDArray[np.intp]) -> tuple[IPoints, IPoints]:
+    """Pairs i < j of boxes of one group that meet; groups are runs of boxes."""
+    from .soup_kernels import met_in_groups
+
+    order = np.lexsort((low[:, 0], np.repeat(np.arange(len(groups)), groups)))
+    found = met_in_groups(low, high, order, np.concatenate([[0], np.cumsum(groups)]).astype(np.int64))
+    return found[:, 0], found[:, 1]
 
 
-def _planes(t: F64) -> tuple[F64, NDArray[np.bool_]]:
-    """Unit normals, shape (n, 3), and which triangles are wide enough to have a plane."""
-    u, v = t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]
-    normal = cross(u, v)
-    length = np.linalg.norm(normal, axis=1)
-    longest = np.maximum(np.linalg.norm(u, axis=1), np.linalg.norm(v, axis=1))
-    return normal / np.maximum(length, np.finfo(float).tiny)[:, None], length > FLAT * longest**2
-
-
-def _heights(a: F64, b: F64, normal: F64, noise: float) -> F64:
-    """Heights of the corners of a over the planes of b [m], shape (n, 3); 0 within the noise."""
-    h = np.einsum("nki,ni->nk", a - b[:, :1], normal)
-    return np.where(np.abs(h) <= noise, 0.0, h)
-
-
-def _stretch(t: F64, h: F64, along: F64) -> tuple[F64, F64]:
-    """Where triangles cross the other's plane, as an interval along the common line, shape (n,) each; empty: inf, -inf."""
-    p = np.einsum("nki,ni->nk", t, along)
-    low, high = np.full(len(t), np.inf), np.full(len(t), -np.inf)
-    for k in range(3):
-        m = (k + 1) % 3
-        cut = h[:, k] * h[:, m] < 0.0
-        share = np.where(cut, h[:, k] / np.where(cut, h[:, k] - h[:, m], 1.0), 0.0)
-        at = p[:, k] + share * (p[:, m] - p[:, k])
-        on = h[:, k] == 0.0
-        for mask, value in ((cut, at), (on, p[:, k])):
-            low, high = np.where(mask, np.minimum(low, value), low), np.where(mask, np.maximum(high, value), high)
-    return low, high
-
-
-def _properly(a: F64, b: F64, noise: float) -> F64:
-    """Depth to which pairs reach through each other [m], shape (n,); 0 where they do not cross."""
-    normal_a, wide_a = _planes(a)
-    normal_b, wide_b = _planes(b)
-    h, g = _heights(a, b, normal_b, noise), _heights(b, a, normal_a, noise)
-    reach = np.minimum(np.minimum(h.max(axis=1), -h.min(axis=1)), np.minimum(g.max(axis=1), -g.min(axis=1)))
-    line = cross(normal_a, normal_b)
-    length = np.linalg.norm(line, axis=1)
-    along = line / np.maximum(length, np.finfo(float).tiny)[:, None]
-    low_a, high_a = _stretch(a, h, along)
-    low_b, high_b = _stretch(b, g, along)
-    overlap = np.minimum(high_a, high_b) - np.maximum(low_a, low_b)
-    crossing = wide_a & wide_b & (reach > 0.0) & (length > FLAT) & (overlap > noise)
-    return np.where(crossing, np.minimum(reach, overlap), 0.0)
-
-
-def _coplanar(a: F64, b: F64, noise: float) -> F64:
-    """Width [m] by which coplanar triangles that face the same way overlap, shape (n,); 0 elsewhere."""
-    value = np.zeros(len(a))
-    normal_a, wide_a = _planes(a)
-    normal_b, wide_b = _planes(b)
-    flat = (_heights(a, b, normal_b, noise) == 0.0).all(axis=1) & (_heights(b, a, normal_a, noise) == 0.0).all(axis=1)
-    rows = np.flatnonzero(flat & wide_a & wide_b & (np.einsum("ni,ni->n", normal_a, normal_b) > 0.0))
-    if len(rows):
-        value[rows] = np.maximum(_width(a[rows], b[rows], normal_a[rows]), 0.0)
-        value[value <= noise] = 0.0
-    return value
-
-
-def _width(a: F64, b: F64, normal: F64) -> F64:
-    """Least overlap of the projections of coplanar triangles on their edge normals [m]; negative where they are apart.
-
-    Separating axes: two convex figures in a plane are apart exactly where one edge normal separates them.
-    """
-    least = np.full(len(a), np.inf)
-    for t in (a, b):
-        for k in range(3):
-            edge = t[:, (k + 1) % 3] - t[:, k]
-            axis = cross(normal, edge)
-            axis /= np.maximum(np.linalg.norm(axis, axis=1), np.finfo(float).tiny)[:, None]
-            p, q = np.einsum("nki,ni->nk", a, axis), np.einsum("nki,ni->nk", b, axis)
-            least = np.minimum(least, np.minimum(p.max(axis=1) - q.min(axis=1), q.max(axis=1) - p.min(axis=1)))
-    return least
+# ---------------------------------------------------------------------- edges
 
 
 class _Edges(NamedTuple):
@@ -323,8 +259,8 @@ def _through_edge(solid: Solid, owners: _Edges, one: IPoints, two: IPoints, nois
     value = np.zeros(len(one))
     for first, second in ((one, two), (two, one)):
         plane, t = solid.triangles[first], solid.triangles[second]
-        normal, wide = _planes(plane)
-        h = _heights(t, plane, normal, noise)
+        normal, wide = planes_of(plane)
+        h = heights(t, plane, normal, noise)
         rows = np.flatnonzero(((h == 0.0).sum(axis=1) == 2) & wide)
         if len(rows) == 0:
             continue
@@ -335,7 +271,7 @@ def _through_edge(solid: Solid, owners: _Edges, one: IPoints, two: IPoints, nois
         real = beyond >= 0
         rows, tip, side, beyond = rows[real], tip[real], side[real], beyond[real]
         rise = h[rows, tip]
-        far = _heights(solid.triangles[beyond], plane[rows], normal[rows], noise)
+        far = heights(solid.triangles[beyond], plane[rows], normal[rows], noise)
         drop = np.where(rise > 0.0, -far.min(axis=1), far.max(axis=1))
         here = np.arange(len(rows))
         ends = t[rows][here, side], t[rows][here, (side + 1) % 3]

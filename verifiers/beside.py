@@ -20,6 +20,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
+from ..execution import seldom_collected
 from ..worlds.built import load_built
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EngineError, EvidenceError, InputError, RefusedError, WorldAgentError
@@ -148,6 +149,7 @@ def _end_with(parent: int) -> None:
     os._exit(1)
 
 
+@seldom_collected()
 def main() -> None:
     """Load the modules named, then judge what the request asks for whose path comes on the standard input, and print the rows as JSON."""
     parent, *modules = sys.argv[1:]

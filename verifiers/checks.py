@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import dataclass
 
-from ..execution import Part, Tell
+from ..execution import Part, Tell, seldom_collected
 from ..worlds.ablation import ablation, switched_off
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Check, Row, fail_closed
@@ -164,7 +164,7 @@ def run_checks(
         second: process that may judge some of them, from `second_ahead`; default one of its own where that is worth while.
     """
     chosen = _chosen(candidate.stage, only, reruns, seen.taken(candidate) if plates is None else plates)
-    with _asked(candidate, chosen, second) as helper:
+    with seldom_collected() if candidate.stage == "static" else nullcontext(), _asked(candidate, chosen, second) as helper:
         return _judged(candidate, chosen, helper, progress, seconds)
 
 

@@ -119,3 +119,21 @@ def test_mutual_crossings_are_those_that_edges_pierce_and_touching_is_none() -> 
     assert len(mutual_crossings(flat, standing - [0, 0, 1e-3], noise=1e-9).pairs) == 1
     assert len(mutual_crossings(flat, aside, noise=1e-9).pairs) == 1  # coplanar, facing the same way
     assert len(mutual_crossings(flat, aside[:, ::-1], noise=1e-9).pairs) == 0  # face to face
+
+
+def test_many_small_surfaces_searched_as_groups_cross_where_they_do_by_the_grid() -> None:
+    """Choice: a sweep over each surface finds the pairs that one grid over all does."""
+    rng = np.random.default_rng(3)
+    meshes = []
+    for k in range(30):
+        boxes = [trimesh.creation.box(rng.uniform(0.2, 1.0, 3)) for _ in range(3)]
+        for box in boxes:
+            box.apply_translation(rng.uniform(-0.5, 0.5, 3) + np.array([10.0 * k, 0.0, 0.0]))
+        meshes.append(trimesh.util.concatenate(boxes))
+    solid = merged(*meshes)
+    counts = np.array([len(m.faces) for m in meshes])
+    assert counts.sum() == len(solid.faces)
+    grid, swept = self_crossings(solid, noise=1e-9), self_crossings(solid, noise=1e-9, groups=counts)
+    assert len(grid.pairs) > 30
+    assert np.array_equal(grid.pairs, swept.pairs)
+    assert np.array_equal(grid.reach, swept.reach)

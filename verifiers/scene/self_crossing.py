@@ -34,6 +34,8 @@ LIFT = 1e-4
 """Relative to the size of the triangle: height over it at which the winding number is taken."""
 TOGETHER, SMALL = 20, 2000
 """Own choice: so many unknown surfaces of at most so many triangles are searched at once."""
+COMPILED = 20_000
+"""Own choice: triangles of all together from which on compiled loops find those that come near each other; loading them takes half a second."""
 SPACING = 2.0
 """[1] Of the lattice on which they lie then, each scaled to a diagonal of 1."""
 ALIKE = 0.999
@@ -81,8 +83,10 @@ def search_together(surfaces: Surfaces) -> None:
     first = np.cumsum([0, *(len(s.vertices) for s in own)])
     vertices = np.concatenate([(s.vertices - s.sphere_center) / s.size + at for s, at in zip(own, places, strict=True)])
     faces = np.concatenate([s.faces + k for s, k in zip(own, first[:-1], strict=True)]).astype(np.int32)
-    found = self_crossings(Solid(vertices, faces, True), noise=CROSSING_NOISE * ALIKE)
-    owner = np.repeat(np.arange(len(own)), [len(s.faces) for s in own])
+    count = np.array([len(s.faces) for s in own])
+    groups = count if count.sum() >= COMPILED else None
+    found = self_crossings(Solid(vertices, faces, True), noise=CROSSING_NOISE * ALIKE, groups=groups)
+    owner = np.repeat(np.arange(len(own)), count)
     crossing = {*owner[found.pairs[:, 0]].tolist()}
     _known.update({key: None for k, key in enumerate(fresh) if k not in crossing})
 

@@ -20,6 +20,7 @@ from ..rows.telling import tell
 from .at_start import Gap, nearest_parts, own_distances
 from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
+from .shifted import Shifted, Start, shifted
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
@@ -120,7 +121,7 @@ class Surfaces(Parts):
         """World boxes around the vertices of each part of an entity at a frame [m], shapes (parts, 3); see `boxes`."""
         rows = self.parts_of[entity]
         if frame == 0:
-            return self._tight_at_start[0][list(rows)], self._tight_at_start[1][list(rows)]
+            return self.boxes_at_start[0][list(rows)], self.boxes_at_start[1][list(rows)]
         if self._tight[0] != frame:
             self._tight = (frame, {})
         known = self._tight[1]
@@ -135,7 +136,7 @@ class Surfaces(Parts):
         return low[0], high[0]
 
     @cached_property
-    def _tight_at_start(self) -> tuple[F64, F64]:
+    def boxes_at_start(self) -> tuple[F64, F64]:
         """Boxes around the vertices of all parts at frame 0 [m], shapes (parts, 3); those of many vertices one by one."""
         solids = [self.shapes.solid(i, 0) for i in range(len(self.parts))]
         poses = [self.track_of(i).at(0) for i in range(len(self.parts))]
@@ -319,17 +320,20 @@ class Surfaces(Parts):
     ) -> dict[Pair, F64]:
         """Clearance of pairs (below, above) at some frames with `above` moved by `offset` [m], shape (frames,) each.
 
-        It is compared with a bound [m]: depths that are far beyond it may be any such.
+        It is compared with a bound [m]: what is far beyond it may be any such value.
         """
         found = {pair: np.full(len(frames), np.inf) for pair, frames in asked.items()}
+        parts = {pair: self._near_parts(*pair) for pair in asked}
+        if all(frames.tolist() == [0] for frames in asked.values()):
+            known, parts = self._settled(parts, bound, offset)
+            found |= {pair: np.array([value]) for pair, value in known.items()}
         queries: list[tuple[int, int, NDArray[np.intp]]] = []
         owner: list[Pair] = []
         enough: list[F64] = []
-        for (below, above), frames in asked.items():
-            parts = self._near.get((below, above), set()) | {(j, i) for i, j in self._near.get((above, below), set())}
-            queries += [(j, i, frames) for i, j in sorted(parts)]
-            owner += [(below, above)] * len(parts)
-            enough += [np.maximum(-bound[below, above], 0.0) + gap * SUPPORT_SLOPE] * len(parts)
+        for pair, some in parts.items():
+            queries += [(above, below, asked[pair]) for above, below in some]
+            owner += [pair] * len(some)
+            enough += [np.maximum(-bound[pair], 0.0) + gap * SUPPORT_SLOPE] * len(some)
         if queries:
             tolerance = MOVED_SHARE * SUPPORT_SLOPE * gap
             values = self._clearances(queries, shift=offset, tolerance=tolerance, enough=np.concatenate(enough))
@@ -337,6 +341,20 @@ class Surfaces(Parts):
             for pair, own in zip(owner, np.split(values, ends[:-1]), strict=True):
                 found[pair] = np.minimum(found[pair], own)
         return found
+
+    def _near_parts(self, below: str, above: str) -> list[tuple[int, int]]:
+        """Parts (above, below) of two entities that come near each other at some frame."""
+        return sorted({(j, i) for i, j in self._near.get((below, above), ())} | self._near.get((above, below), set()))
+
+    def _settled(self, parts: Mapping[Pair, Sequence[tuple[int, int]]], bound: Mapping[Pair, F64], offset: F64) -> Shifted:
+        """Answers of bounds about pairs at frame 0."""
+        start = Start(self.at_start, self.boxes_at_start, self.known_gap)
+        return shifted(self, start, parts, {pair: float(bound[pair][0]) for pair in parts}, offset)
+
+    def known_gap(self, a: str, b: str) -> Gap | None:
+        """The gap of two entities at frame 0 as far as it was measured before."""
+        turned = self._gaps.get((b, a))
+        return self._gaps.get((a, b), None if turned is None else turned.turned())
 
     @cached_property
     def neighbours(self) -> Mapping[str, tuple[str, ...]]:

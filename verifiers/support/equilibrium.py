@@ -1,6 +1,6 @@
 """Judges whether bodies that touch can rest: contact forces within friction cones that balance every weight.
 
-One linear program per group of touching free bodies that rest, three where one does not. Friction pyramids enclose the cones, joints and held bodies give
+One linear program per group of touching free bodies that rest, three where one does not, none where weight alone holds them (`support/piles.py`). Friction pyramids enclose the cones, joints and held bodies give
 any force, so that a missing balance is a proof; a balance that exists says only that rest is possible. Rigid contact
 forces with friction as a linear program: Erdmann (1994), doi:10.1177/027836499401300306; Livesley (1978),
 doi:10.1002/nme.1620121207.
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...worlds.arrays import F64, cross
 from ...worlds.errors import EvidenceError
+from .piles import rests_by_weight
 from .touching import Contacts
 
 __all__ = ["Balance", "Group", "solve"]
@@ -97,6 +98,8 @@ def solve(group: Group, *, claimed: Iterable[str] = (), shift: float = 0.0) -> d
         claimed: bodies that are said to be at rest; the others may move if that spares these. Default all.
         shift: error of the centres of mass and contact points that is allowed for [m].
     """
+    if rests_by_weight(group):
+        return {m: Balance(0.0, np.zeros(3), 0.0) for m in group.members}
     said = set(claimed) or set(group.members)
     cost = np.array([1.0 if m in said else OTHERS for m in group.members])
     ways = _around(group.down)

@@ -64,12 +64,15 @@ def _tips(surfaces: Surfaces, concerned: tuple[str, ...], shift: float, way: F64
     # Contact of what is sunk lies at its rim: only out of there it shows where it stands.
     sunk = any(surfaces.first.get((a, b), 0.0) < -surfaces.noise(a, b) for t in touched for a, b in ((entity, t), (t, entity)))
     where = f"{abs(shift) * 1e3:.4g} mm {'outside' if shift > 0 else 'inside'}"
+    ok = shift <= bound
     return Finding(
-        "pass" if shift <= bound else "fail",
+        "pass" if ok else "fail",
         f"the centre of mass of {entity!r} lies {where} of where contact with {', '.join(touched)} can hold it",
         shift,
         bound,
-        hints=(
+        hints=()
+        if ok
+        else (
             move_by(
                 surfaces.candidate,
                 entity,
@@ -104,16 +107,18 @@ def _rougher(surfaces: Surfaces, group: Group, entity: str, claimed: Sequence[st
 
 def _grip(surfaces: Surfaces, concerned: tuple[str, ...], missing: float, enough: float | None) -> Finding:
     """The finding about friction; `enough` of the body's material would hold it [1], None where no friction does."""
-    spec, entity = surfaces.candidate.spec, concerned[0]
+    spec, entity, ok = surfaces.candidate.spec, concerned[0], missing <= MISSING
     materials = dict.fromkeys(spec.entities[n].material for n in concerned)
     place = pointer("materials", spec.entities[entity].material, "friction")
     raised = "or" if enough is None else f"to {enough:g}, or"
     return Finding(
-        "pass" if missing <= MISSING else "fail",
+        "pass" if ok else "fail",
         f"contact and friction lack {missing:.2%} of the weight of {entity!r}",
         missing,
         MISSING,
-        hints=(
+        hints=()
+        if ok
+        else (
             correction(
                 f"{entity!r} slides: its support is too steep or too smooth",
                 "material",

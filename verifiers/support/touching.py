@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,13 +11,12 @@ from numpy.typing import NDArray
 
 from ...geometry import distance_to_surface
 from ...geometry.triangles import nearest_on_triangles, segment_points
-from ...worlds.arrays import F64, cross, length
+from ...worlds.arrays import F64, RigidPose, cross, length
 from ..scene.bounds import ROUNDING
 from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
 if TYPE_CHECKING:
     from ...geometry import Solid
-    from ...worlds.arrays import RigidPose
     from ..scene.shapes import PartSurface
     from ..scene.surfaces import Surfaces
 
@@ -43,6 +43,17 @@ class Contacts(NamedTuple):
     """Unit directions in which the second entity can push the first, shape (n, 3)."""
     friction: F64
     """Coulomb coefficient, shape (n,)."""
+
+
+class _Placed(NamedTuple):
+    """A part in its place."""
+
+    pose: RigidPose
+    points: F64
+    """Its vertices [m], shape (n, 3)."""
+    lower: F64
+    """Corners of the box around them [m], shape (3,)."""
+    upper: F64
 
 
 class _Side(NamedTuple):
@@ -82,8 +93,7 @@ def _contacts(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
         slack = max(nearest.distance, 0.0) + EDGE_SLACK + one.deviation + two.deviation
         if surfaces.farther(i, j, frame, slack):
             continue
-        poses = surfaces.track(a, one.body).at(frame), surfaces.track(b, two.body).at(frame)
-        found, ways = touch(one, two, poses, slack)
+        found, ways = touch(one, two, (_placed(surfaces, i, frame), _placed(surfaces, j, frame)), slack)
         points.append(found)
         normals.append(ways)
         friction.append(np.full(len(found), _friction(surfaces, one, two)))
@@ -100,6 +110,17 @@ def _contacts(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
         )
         return Contacts(0.5 * (nearest.point_a + nearest.point_b)[None], way[None] / length, np.array([pair]))
     return _corners(Contacts(np.concatenate(points), np.concatenate(normals), np.concatenate(friction)))
+
+
+def _placed(surfaces: Surfaces, part: int, frame: int) -> _Placed:
+    """A part in its place, where its shape at frame 0 is at a frame; kept of frame 0, at which many things stand on one."""
+
+    def made() -> _Placed:
+        pose = surfaces.track_of(part).at(frame)
+        points = pose.apply(surfaces.parts[part].solid.vertices)
+        return _Placed(pose, points, points.min(axis=0), points.max(axis=0))
+
+    return made() if frame > 0 else surfaces.candidate.memo(("placed", surfaces, part), made)
 
 
 def _near_parts(surfaces: Surfaces, a: str, b: str, frame: int, slack: float) -> list[tuple[int, int]]:
@@ -124,13 +145,12 @@ def _friction(surfaces: Surfaces, one: PartSurface, two: PartSurface) -> float:
     return max(spec.materials[n].friction_at_rest if n in spec.materials else 0.0 for n in names)
 
 
-def _touch(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose], slack: float) -> tuple[F64, F64]:
-    here, there = (pose.apply(part.solid.vertices) for pose, part in zip(poses, (one, two), strict=True))
-    low = np.maximum(here.min(axis=0), there.min(axis=0)) - slack
-    high = np.minimum(here.max(axis=0), there.max(axis=0)) + slack
+def _touch(one: PartSurface, two: PartSurface, placed: tuple[_Placed, _Placed], slack: float) -> tuple[F64, F64]:
+    (_, here, *box), (_, there, *more) = placed
+    low, high = np.maximum(box[0], more[0]) - slack, np.minimum(box[1], more[1]) + slack
     if (low > high).any():
         return np.zeros((0, 3)), np.zeros((0, 3))
-    points = _points(one, two, poses, (here, there), (low, high), slack)
+    points = _points(one, two, (placed[0].pose, placed[1].pose), (here, there), (low, high), slack)
     if len(points) == 0:
         return np.zeros((0, 3)), np.zeros((0, 3))
     own, other = (_side(placed, part, low, high) for placed, part in ((here, one), (there, two)))
@@ -142,13 +162,12 @@ def _touch(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose
     return np.array(found).reshape(-1, 3), np.array(ways).reshape(-1, 3)
 
 
-def _touch_compiled(one: PartSurface, two: PartSurface, poses: tuple[RigidPose, RigidPose], slack: float) -> tuple[F64, F64]:
+def _touch_compiled(one: PartSurface, two: PartSurface, placed: tuple[_Placed, _Placed], slack: float) -> tuple[F64, F64]:
     """The same by compiled loops."""
     from .touching_kernels import places, pushes
 
-    here, there = (pose.apply(part.solid.vertices) for pose, part in zip(poses, (one, two), strict=True))
-    low = np.maximum(here.min(axis=0), there.min(axis=0)) - slack
-    high = np.minimum(here.max(axis=0), there.max(axis=0)) + slack
+    (_, here, *box), (_, there, *more) = placed
+    low, high = np.maximum(box[0], more[0]) - slack, np.minimum(box[1], more[1]) + slack
     if (low > high).any():
         return np.zeros((0, 3)), np.zeros((0, 3))
     solids = one.solid, two.solid
@@ -194,7 +213,10 @@ def _points(
 
 def _different(points: F64, apart: F64) -> F64:
     """Points of which none is another once more, the first of each; `apart`: how far the surfaces are apart there [m]."""
-    _, kept = np.unique(np.round(points / (0.1 * EDGE_SLACK)), axis=0, return_index=True)
+    places = np.round(points / (0.1 * EDGE_SLACK))
+    if len(points) <= MOST_POINTS:
+        return points[list(_first(places))]
+    _, kept = np.unique(places, axis=0, return_index=True)
     if len(kept) > MOST_POINTS:  # flush faces of many triangles: all are as near, and the corners of the patch must be among them
         kept = _outermost(points, apart, kept)
     return points[np.sort(kept)]
@@ -270,10 +292,15 @@ def _nearest(distance: F64, slack: float) -> NDArray[np.intp]:
 
 def _apart(ways: F64) -> F64:
     """Directions of which none is another once more, shape (n, 3)."""
+    return np.asarray(ways[list(_first(np.round(ways / SAME_NORMAL)))])
+
+
+def _first(keys: F64) -> Iterable[int]:
+    """Indices of the rows that are none before once more, in their order; faster than numpy's for some hundreds."""
     first: dict[tuple[float, ...], int] = {}
-    for index, way in enumerate(np.round(ways / SAME_NORMAL).tolist()):
-        first.setdefault(tuple(way), index)
-    return np.asarray(ways[list(first.values())])
+    for index, key in enumerate(map(tuple, keys.tolist())):
+        first.setdefault(key, index)
+    return first.values()
 
 
 def _directions(triangles: F64) -> F64:
@@ -295,11 +322,12 @@ def _separating(ways: F64, point: F64, mine: F64, theirs: F64, slack: float) -> 
 def _corners(contacts: Contacts) -> Contacts:
     """Leave out points inside flat patches: forces at the corners give every force and moment that they could."""
     groups = np.round(np.column_stack([contacts.normals, contacts.friction]) / SAME_NORMAL)
-    _, member = np.unique(groups, axis=0, return_inverse=True)
-    member = member.reshape(-1)
+    member: dict[tuple[float, ...], list[int]] = {}
+    for row, key in enumerate(map(tuple, groups.tolist())):
+        member.setdefault(key, []).append(row)
     kept: list[NDArray[np.intp]] = []
-    for group in range(int(member.max()) + 1):
-        index = np.flatnonzero(member == group)
+    for rows in member.values():
+        index = np.array(rows, dtype=np.intp)
         normal = contacts.normals[index[0]]
         side = np.linalg.svd(normal[None])[2][1:]
         offset = contacts.points[index] - contacts.points[index[0]]

@@ -167,7 +167,8 @@ def test_reach_is_that_of_plain_steps_on_random_cells() -> None:
     shape = (7, 5, 6)
     values, way = rng.normal(size=shape), rng.uniform(0.0, 4.0, size=shape)
     values[2, 3, 1] = np.nan
-    walls = tuple(rng.random(tuple(n - (a == axis) for a, n in enumerate(shape))) < 0.3 for axis in range(3))
+    x, y, z = (rng.random(tuple(n - (a == axis) for a, n in enumerate(shape))) < 0.3 for axis in range(3))
+    walls = (x, y, z)
     beyond = tuple(rng.normal(size=6))
     expected = values.copy()
     for step in range(1, 5):

@@ -127,7 +127,7 @@ def _beat(pairs: _Pairs, before: WorldSpec, after: WorldSpec, old: str, new: str
 
 
 def _sides(pairs: _Pairs, before: WorldSpec, after: WorldSpec, old: str, new: str) -> None:
-    """What two relations that mean the same hold between under one id in both, where no claim names it."""
+    """Pairs of what two relations that mean the same hold between, where its id is the same in both."""
     one, other = before.graph.relations.get(old), after.graph.relations.get(new)
     if one is None or other is None:
         return

@@ -8,7 +8,7 @@ from typing import Any
 
 from worldagent.construction.build import build_entity
 from worldagent.testing.worlds.by_category import FRAMES, SMALL_WORLDS, hot_tank, spec_of
-from worldagent.testing.worlds.carried_worlds import JET_PROMPT, cloud_spec
+from worldagent.testing.worlds.carried_worlds import JET_PROMPT, cloud_spec, stream_spec
 from worldagent.testing.worlds.small_cloth import CATCH_PROMPT, catch_spec
 from worldagent.testing.worlds.small_gas import KINDLED_PROMPT, SMOKE_PROMPT, followed_spec, kindled_spec, stirred_spec
 from worldagent.testing.worlds.small_grains import SPARK_PROMPT, spark_spec
@@ -28,6 +28,7 @@ WORLDS: dict[str, Callable[[], WorldSpec]] = {
     "steam": lambda: spec_of(quench_spec(frames=FRAMES), QUENCH_PROMPT),
     "stirred gas": lambda: spec_of(stirred_spec(frames=FRAMES), SMOKE_PROMPT),
     "gas that feels": lambda: spec_of(cloud_spec(frames=FRAMES, count=100, resolution=0.1), JET_PROMPT),
+    "lifted": lambda: spec_of(stream_spec(frames=FRAMES, thing="card", resolution=0.1), JET_PROMPT),
     "followed gas": lambda: spec_of(followed_spec(frames=FRAMES), SMOKE_PROMPT),
     "flight": lambda: spec_of(spark_spec(frames=FRAMES), SPARK_PROMPT),
 }

@@ -64,6 +64,11 @@ def test_bodies_that_stand_on_each_other_in_a_ring_prove_nothing() -> None:
     assert not rests_by_weight(group(ring, {"a": (0, 0, 0.1), "b": (0, 0, 0.1)}))
 
 
+def _drawn(rng: np.random.Generator) -> tuple[float, float]:
+    x, y = rng.uniform(-0.06, 0.06, 2)
+    return float(x), float(y)
+
+
 def test_what_is_proven_the_program_finds_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Law: forces that are written down are a solution, so that none is ever told to rest that the program finds wanting."""
     rng = np.random.default_rng(7)
@@ -74,7 +79,7 @@ def test_what_is_proven_the_program_finds_too(monkeypatch: pytest.MonkeyPatch) -
             x, y = rng.uniform(-0.08, 0.08, 2)
             centers[f"b{k}"] = (x, y, 0.1 * k + 0.05)
             for on in ["floor"] if k == 0 else rng.choice([f"b{n}" for n in range(k)], size=min(k, 2), replace=False):
-                contacts.append((f"b{k}", str(on), patch(*rng.uniform(-0.06, 0.06, 2), 0.1 * k, float(rng.uniform(0.02, 0.08)))))
+                contacts.append((f"b{k}", str(on), patch(*_drawn(rng), 0.1 * k, float(rng.uniform(0.02, 0.08)))))
         some = group(contacts, centers, {n: float(rng.uniform(0.2, 5.0)) for n in centers})
         proven = rests_by_weight(some)
         found[proven] += 1

@@ -73,7 +73,7 @@ class GasBox:
         self.combustion = None if fuel is None else Combustion(fuel, own.fuel_share, own.temperature, self.ambient, self.air)
         """Fuel that the gas may burn, with its source and air; None where nothing burns."""
         self.last_reach: Any = None
-        """What `reach_of` found for the last two frames."""
+        """Reach of cells between the last two frames asked for."""
         self._kept: dict[int, GasFrame] = {}
         self._room = KEPT_CELLS
 

@@ -155,7 +155,7 @@ class GasJudge(Loose):
     def beat_corrections(
         self, candidate: Candidate, entity: str, outcome: Outcome, details: Mapping[str, Any]
     ) -> list[Correction]:
-        """What to do where flames that a beat asks for ended with their spark."""
+        """Correction of flames that a beat asks for and that ended with their spark."""
         return hold_the_flame(entity, details)
 
     def lines(self, candidate: Candidate) -> list[dict[str, str]]:

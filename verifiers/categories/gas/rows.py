@@ -69,7 +69,7 @@ def larger_box(box: GasBox, side: int, cause: str, name: str) -> Correction:
 
 
 def hold_the_flame(entity: str, details: Mapping[str, Any]) -> list[Correction]:
-    """What to do where flames ended with the spark that lit them."""
+    """Correction of flames that ended with the spark that lit them."""
     spark = dict(details.get("flames") or {}).get("spark")
     if not spark:
         return []

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Relative", "convex_depth", "edge_distance", "face_separation", "repeats"]
 
+MANY_FACETS = 32
+"""Own choice: facets from which on compiled loops look at them; a box has 6."""
 PARALLEL = 1e-14
 """Determinant of three unit normals below which they are no basis by double precision."""
 PIVOTS = 80
@@ -210,11 +212,21 @@ def _vertex_bounds(side: _Side) -> tuple[F64, F64, F64]:
     k = at_vertex.argmax(axis=1)
     rows = np.arange(len(k))
     point = np.einsum("fij,fj->fi", side.poses.rotation, side.surface.vertices[k]) + side.poses.translation
-    members = side.surface.facets.members
-    bound = np.empty((len(k), len(members)))
+    return at_vertex[rows, k], point, _facet_bounds(side.slack, side.surface.facets.members)
+
+
+def _facet_bounds(slack: F64, members: NDArray[np.bool_]) -> F64:
+    """Least over the planes of the greatest slack of each facet's vertices, shape (f, facets)."""
+    if len(members) >= MANY_FACETS:
+        from .facet_kernels import facet_bounds
+
+        facet, corners = np.nonzero(members)
+        starts = np.searchsorted(facet, np.arange(len(members) + 1))
+        return np.asarray(facet_bounds(np.ascontiguousarray(slack), starts, corners))
+    bound = np.empty((len(slack), len(members)))
     for i, member in enumerate(members):
-        bound[:, i] = side.slack[:, :, member].max(axis=2).min(axis=1)
-    return at_vertex[rows, k], point, bound
+        bound[:, i] = slack[:, :, member].max(axis=2).min(axis=1)
+    return bound
 
 
 def _facet_depth(side: _Side, rows: NDArray[np.intp], facet: NDArray[np.intp]) -> tuple[F64, F64]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..worlds.requirements import Row
     from ..worlds.spec import WorldSpec
 
-__all__ = ["end_of", "owed_to_step", "sketch", "unjudged"]
+__all__ = ["end_of", "not_in_matrix", "owed_to_step", "sketch", "unjudged"]
 
 STEP_TRAVEL = "numerical:step_travel"
 SIMULATING = 0.8
@@ -99,7 +99,7 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
         session.ledger.close_iterations(test, failing, rows, revision=session.revision)
         if failing:  # known before any probe says so: the next edit answers it
             session.ledger.add_look(freeze, "sketch", session.revision, candidate.last_frame)
-        rows = session.cited(rows)
+        rows = [not_in_matrix(r) for r in session.cited(rows)]
     picture = motion_sheet(candidate, session.folder, f"sketch_{freeze[:8]}.jpg")
     owed = [r.id for r in rows if "owed_to_step" in r.evidence]
     silent = unjudged(rows, session.spec, candidate.last_frame)
@@ -114,6 +114,15 @@ def _judged(work: Work, spec: WorldSpec, root: Path, progress: Part) -> dict[str
         **summary([r for r in rows if r.status != "unverified"]),
         "picture": picture,
     }
+
+
+def not_in_matrix(row: Row) -> Row:
+    """The row without advice to look it up: the matrix has no rows of sketches."""
+    told = row.evidence.get("diagnosis")
+    if not told or "cheapest_probe" not in told:
+        return row
+    kept = [p for p in told["cheapest_probe"] if dict(p.get("arguments") or {}).get("part") != "row"]
+    return row.model_copy(update={"evidence": {**row.evidence, "diagnosis": {**told, "cheapest_probe": kept}}})
 
 
 def unjudged(rows: Iterable[Row], spec: WorldSpec, last: int) -> dict[str, str]:

@@ -45,3 +45,15 @@ def test_a_vertex_that_is_deep_enough_ends_the_search_over_facets(monkeypatch: p
         assert 1e-6 <= vertex <= whole
         assert -measure(a, b, poses, care=Care(enough=2.0 * whole))[0] == whole
     assert searched
+
+
+@pytest.mark.parametrize("facets", [polytopes.MANY_FACETS, 3 * polytopes.MANY_FACETS])
+def test_compiled_bounds_of_facets_are_those_of_numpy(facets: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: the same maxima and minima, to the last bit."""
+    rng = np.random.default_rng(facets)
+    slack = rng.normal(size=(4, 20, 50))
+    members = rng.random((facets, 50)) < 0.1
+    members[:, 0] = True  # no facet without a corner
+    compiled = polytopes._facet_bounds(slack, members)
+    monkeypatch.setattr(polytopes, "MANY_FACETS", 10**9)
+    np.testing.assert_array_equal(compiled, polytopes._facet_bounds(slack, members))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from worldagent.testing.worlds.small_worlds import ball, ground, world
-from worldagent.workflow.sketches import owed_to_step, unjudged
+from worldagent.workflow.sketches import not_in_matrix, owed_to_step, unjudged
 from worldagent.worlds.coarsening import sketched
 from worldagent.worlds.predicates import PairEvent
 from worldagent.worlds.requirements import Row
@@ -70,3 +70,19 @@ def test_a_beat_within_a_sketch_that_nothing_can_judge_is_told(check: str, statu
         evidence={"explanation": "no cache has it"},
     )
     assert unjudged([row], spec, last) == ({f"{check}:strike": "no cache has it"} if told else {})
+
+
+def test_no_row_of_a_sketch_is_said_to_be_looked_up_in_the_matrix() -> None:
+    """`inspect_world(part='row')` answered that there is no row."""
+    looks = [
+        {"tool": "inspect_world", "arguments": {"part": "row", "row": "numerical:speed:cloth"}},
+        {"tool": "inspect_world", "arguments": {"part": "records"}},
+        {"tool": "probe_sim"},
+    ]
+    row = Row(
+        id="numerical:speed:cloth", question="numerical:speed", subject=("cloth",), check="numerical", group="physical", predicate="p",
+        status="fail", evidence={"explanation": "87 m/s", "diagnosis": {"symptom": "fast", "cheapest_probe": looks}},
+    )  # fmt: skip
+    assert not_in_matrix(row).evidence["diagnosis"] == {"symptom": "fast", "cheapest_probe": looks[1:]}
+    plain = row.model_copy(update={"evidence": {"explanation": "87 m/s"}})
+    assert not_in_matrix(plain) is plain

@@ -204,8 +204,11 @@ class SupportGraph:
         group = pressed(self.surfaces, group, self.still, frame)
         if without:
             group = group.without(entity, without)
-            # What cannot rest on bodies that give any force cannot on bodies that must rest themselves.
-            return bool(_resting(self.surfaces, group.alone(entity), entity)) and bool(_resting(self.surfaces, group, entity))
+        # What cannot rest on bodies that give any force cannot on bodies that must rest themselves.
+        if (without or frame > 0) and len(group.members) > 1 and not _resting(self.surfaces, group.alone(entity), entity):
+            return False
+        if without:
+            return bool(_resting(self.surfaces, group, entity))
         balances = _resting(self.surfaces, group, entity)
         if set(balances) == set(group.members) and all(b.whole for b in balances.values()) and len(group.members) < LARGEST:
             self._together.setdefault(frame, set()).update(group.members)

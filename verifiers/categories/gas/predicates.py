@@ -81,6 +81,16 @@ def inside(candidate: Candidate, region_id: str | None, box: GasBox, frame: GasF
     region = candidate.spec.graph.regions.get(region_id)
     if region is None:
         raise EvidenceError(f"region {region_id!r} is not in the scene graph")
+    if region.relative_to is not None:
+        return _within(candidate, region_id, box, frame)
+    # A region that stands still holds the same cells at every frame of a box that does.
+    key = ("cells in a region", box.solver, region_id, frame.corner.tobytes())
+    return candidate.memo(key, lambda: _within(candidate, region_id, box, frame))
+
+
+def _within(candidate: Candidate, region_id: str, box: GasBox, frame: GasFrame) -> Mask:
+    """Cells whose middles lie in a region of the scene graph; that next to its middle where it holds none."""
+    region = candidate.spec.graph.regions[region_id]
     points = frame.centers.reshape(-1, 3)
     if region.relative_to is not None:
         at, turn = (t[frame.index] for t in motion.entity_poses(candidate, region.relative_to))

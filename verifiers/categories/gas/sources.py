@@ -79,7 +79,10 @@ class Source:
         """Cells within a margin [m] of where its gas comes out over the time before a frame [s], (nx, ny, nz)."""
         found = np.zeros(frame.room.shape, dtype=bool)
         if self.drivers:
-            found |= ((frame.centers >= self.lower - margin) & (frame.centers <= self.upper + margin)).all(axis=-1)
+            at = frame.centers[:, 0, 0, 0], frame.centers[0, :, 0, 1], frame.centers[0, 0, :, 2]
+            low, high = self.lower - margin, self.upper + margin
+            x, y, z = ((at[a] >= low[a]) & (at[a] <= high[a]) for a in range(3))
+            found |= x[:, None, None] & y[None, :, None] & z[None, None, :]
         end = duration * frame.index
         for puff in self._between(end - duration, end):
             found |= puff.cells(frame, margin)

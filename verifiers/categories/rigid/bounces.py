@@ -1,7 +1,7 @@
 """Bounces of balls, on the ledgers of a rigid instance.
 
 - `restitution`: a ball that hits once in a frame, and nothing else, leaves with the declared share of its closing speed; not where it goes
-  on over ground whose facets turn it.
+  on over ground whose facets turn it, nor from an elastic body.
 
 Velocities just before and after the hit follow from those of the frames before and after by the free flight between. Liquids and
 force fields are known by their impulse over the whole frame, and not by how much of it came before the hit. Where they push, what the
@@ -127,6 +127,8 @@ def _hits(books: Books) -> list[_Hit]:
                 ball in p or (other in p and names[other] in books.row) for j, p in enumerate(pairs) if j != i
             ):
                 continue
+            if books.candidate.spec.entities[names[other]].physics.category == "elastic":
+                continue  # what gives way throws the ball back by its own elasticity, over many frames
             if partners[frame].get(ball, {other}) != {other} or other in partners[frame - 1].get(ball, set()):
                 continue
             event = _Event(frame, ball, other, float(log["event/time"][i]), log["event/point"][i], float(log["event/speed"][i]))

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
 import pytest
 from worldagent.testing.defects import _impact_scenes as scenes
 from worldagent.verifiers.categories.rigid import rebounds
+from worldagent.verifiers.categories.rigid.bounces import restitution
 from worldagent.verifiers.categories.rigid.bounds import BOUNCE, GAIN
 from worldagent.verifiers.categories.rigid.check import category_rows
+from worldagent.verifiers.ledgers.balance import Books
 from worldagent.worlds.candidate import Candidate
 from worldagent.worlds.requirements import Row
 
@@ -25,6 +28,22 @@ def test_impacts_that_lose_energy_or_keep_it_pass(make, number: int, tmp_path: P
     assert (row.status, row.bound, row.mandatory) == ("pass", GAIN, True)
     # A stack that lands stays, and comes out of the skins that it entered at 2 m/s.
     assert row.measured < (0.5 if make is scenes.landing else 0.2) * GAIN
+
+
+@pytest.mark.parametrize(("floor", "status"), [("rigid", "fail"), ("elastic", "not_applicable")])
+def test_a_bounce_off_an_elastic_body_is_not_that_of_the_contact(floor: str, status: str, tmp_path: Path) -> None:
+    """A cushion of rubber throws a ball back by its own elasticity; its material declares no restitution. A hard floor of such a one is accused."""
+    candidate = scenes.bouncing(0).candidate(tmp_path)
+    spec = candidate.spec
+    wood = spec.materials["wood"].model_copy(update={"restitution": 0.0})
+    soft = spec.entities["floor"].physics.model_copy(update={"category": floor})
+    ground = spec.entities["floor"].model_copy(update={"physics": soft})
+    changed = spec.model_copy(
+        update={"materials": {**spec.materials, "wood": wood}, "entities": {**spec.entities, "floor": ground}}
+    )
+    edited = dataclasses.replace(candidate, spec=changed)
+    found = restitution(Books(edited, edited.caches["rigid"]))
+    assert found.status == status, found.text
 
 
 def test_a_cradle_that_gains_energy_is_found_where_it_does(tmp_path: Path) -> None:

@@ -1,9 +1,8 @@
 """Bounds of clearances at frame 0 after a small move, which settle most comparisons without a measurement.
 
 Upper: points of two surfaces stay on them, so that the surfaces are no farther apart than these are after the move, and overlap where one of these
-lies in the other body. Lower: whatever is apart comes
-nearer by no more than the move is long, and bodies whose boxes are apart are at least as far apart. A bound decides where it is farther from what is
-compared than the two measurements of the clearance can be wrong together; all else is measured.
+lies in the other body. Lower: whatever is apart comes nearer by no more than the move is long, and bodies whose boxes are apart are at least as far
+apart. A bound decides where it is farther from what is compared than the two measurements of the clearance can be wrong together; all else is measured.
 """
 
 from __future__ import annotations

@@ -195,8 +195,10 @@ def _idle_force(candidate: Candidate, beat_id: str, beat: Beat) -> str | None:
 
 
 def _comes(candidate: Candidate, beat_id: str, *, seen: bool = False) -> int:
-    """Frame at which a beat comes true; where it does not, the last of its interval, or with `seen` the last of these that is there: in a run
-    that still goes on it may come true before what acts later."""
+    """Frame at which a beat comes true; where it does not, the last of its interval.
+
+    `seen`: no later than the last frame that is simulated. In a run that goes on the beat may yet come true before what acts later.
+    """
     first = beat_times(candidate).outcome(beat_id).first_true_frame
     if first is not None:
         return first

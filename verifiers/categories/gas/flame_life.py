@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -24,8 +25,9 @@ class Life(NamedTuple):
     """Flames of a gas over a run."""
 
     first: int
-    """First frame of more than `FIRE_OUT` of their greatest power, and the last one."""
+    """First frame of more than `FIRE_OUT` of their greatest power."""
     last: int
+    """Last such frame."""
     most: float
     """Greatest power [W]."""
     brightest: int
@@ -48,8 +50,6 @@ class Life(NamedTuple):
 
 def with_life(outcome: Outcome, candidate: Candidate, entity: str, fire: Fire) -> Outcome:
     """An outcome that is missed, with when and where the flames of a gas burnt, in words and as `details["flames"]`."""
-    from dataclasses import replace
-
     if outcome.status != "fail" or isinstance(fire, SolidFire):
         return outcome
     found = _life(candidate, entity, fire)

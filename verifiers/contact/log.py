@@ -26,7 +26,13 @@ class Fault(NamedTuple):
 
 
 def log_fault(
-    frames: Sequence[Mapping[str, Any]], duration: float, asleep: Sequence[frozenset[int]], step: float, friction: F64
+    frames: Sequence[Mapping[str, Any]],
+    duration: float,
+    asleep: Sequence[frozenset[int]],
+    step: float,
+    friction: F64,
+    *,
+    let_go: Mapping[int, frozenset[int]] | None = None,
 ) -> Fault | None:
     """The first frame at which the log of contacts and events is none that any motion gives.
 
@@ -37,7 +43,9 @@ def log_fault(
         asleep: colliders that sleep at each frame, or have within the frame before it; their contacts are not all listed.
         step: longest step [s].
         friction: greatest coefficient between any two colliders, shape (n, n).
+        let_go: by frame, colliders that a driver lets go within it: what they touch already then makes no event.
     """
+    let_go = let_go or {}
     known: dict[tuple[int, int], float] | None = None
     for k, log in enumerate(frames):
         pairs = [(int(a), int(b)) for a, b in log["contact/pair"].tolist()]
@@ -49,7 +57,8 @@ def log_fault(
             forces = dict(zip(pairs, log["contact/max_force"].tolist(), strict=True))
             found = _impossible(k, impulse, forces, begun, duration) or _outside_cone(k, log, friction)
             if found is None and known is not None and k > 1 and duration > PAUSE + 2.0 * step:
-                fresh = {p for p in impulse if p not in known and not {*p} & (asleep[k - 1] | asleep[k])}
+                quiet = asleep[k - 1] | asleep[k] | let_go.get(k, frozenset())
+                fresh = {p for p in impulse if p not in known and not {*p} & quiet}
                 found = _begins(k, impulse, begun, fresh)
             if found is not None:
                 return found

@@ -10,7 +10,7 @@ import numpy as np
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
 from ...contact.log import log_fault
-from ...ledgers.balance import Books, books_of, frictions
+from ...ledgers.balance import books_of, frictions
 from ...ledgers.exchanged import exchange_steps
 from ...rows.corrections import bake_again, halve_step, separate
 from ...rows.findings import Finding
@@ -20,6 +20,7 @@ from .bounds import ASLEEP_CREEP, ASLEEP_SPEED, SPIKE, STILL, TIME
 if TYPE_CHECKING:
     from ....worlds.cache import Cache
     from ....worlds.candidate import Candidate
+    from ...ledgers.balance import Books
 
 __all__ = ["counters", "events", "frozen", "resting", "spike"]
 
@@ -103,7 +104,8 @@ def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             )
     step = candidate.spec.simulation.rigid[solver].settings.step
     rough = frictions(candidate, cache.index.colliders)[1]
-    wrong_log = log_fault(cache.ragged(*contact, *event), h, _sleepers(cache), step, rough)
+    let_go = _let_go(books_of(candidate, cache), cache)
+    wrong_log = log_fault(cache.ragged(*contact, *event), h, _sleepers(cache), step, rough, let_go=let_go)
     if wrong_log is not None:
         colliders = [cache.index.colliders[i] for i in wrong_log.pair]
         moving = [n for n in colliders if any(b.startswith(f"{n}/") for b in cache.index.bodies)]
@@ -120,6 +122,16 @@ def _sleepers(cache: Cache) -> list[frozenset[int]]:
     owners = [rank.get(b.split("/", 1)[0], -1) for b in cache.index.bodies]
     # A row too many or too few is told by `numerical:finite`.
     return [frozenset(o for o, s in zip(owners, row, strict=False) if s) for row in np.asarray(cache.series("asleep"))]
+
+
+def _let_go(books: Books, cache: Cache) -> dict[int, frozenset[int]]:
+    """By frame, colliders of the entities that a release lets go within it; at a frame's own time it acts in the next."""
+    found: dict[int, frozenset[int]] = {}
+    for name, time in zip(books.entities, books.released.tolist(), strict=True):
+        if 0.0 < time < math.inf and name in cache.index.colliders:
+            frame = math.floor(time * cache.index.fps + TIME) + 1
+            found[frame] = found.get(frame, frozenset()) | {cache.index.colliders.index(name)}
+    return found
 
 
 def frozen(candidate: Candidate, solver: str, cache: Cache) -> Finding:

@@ -401,3 +401,31 @@ def test_ground_below_zero_is_as_thick_as_its_base() -> None:
     pose = RigidPose(np.zeros(3), np.array([1.0, 0, 0, 0]))
     for low in (-7.0, 0.0, 3.0):
         assert thickness(Convex("heightfield", (5.0, 5.0, 1.0), pose, np.array([[low, low + 2], [low + 1, low]]))) == 1.0
+
+
+def _let_go(*, sleep: bool) -> Any:
+    """A cube that lies on the ground and is let go between two frames, and a ball that falls on the ground later.
+
+    Without `sleep`, or beside an elastic body, nothing tells a held body from one that is free.
+    """
+    entities = {
+        "floor": ground(),
+        "cube": box(0.2, 0.2, 0.2, motion="dynamic", at=(0, 0, 0.1)),
+        "ball": ball(0.1, motion="dynamic", at=(0, 2, 1.0)),
+    }
+    drivers = {"latch": ReleaseDriver(entity="cube", time=3.4 / FPS)}
+    return film_of(world(entities, frames=N, drivers=drivers, settings=RigidSettings(sleep=sleep)))
+
+
+@pytest.mark.parametrize("sleep", [True, False])
+def test_a_release_between_two_frames_makes_no_contact_begin_unheard(tmp_path: Path, *, sleep: bool) -> None:
+    film = _let_go(sleep=sleep)
+    pair = sorted(film.index.colliders.index(n) for n in ("floor", "cube"))
+    assert pair in film.frames[4]["contact/pair"].tolist()
+    assert pair not in film.frames[3]["contact/pair"].tolist()
+    assert rows_of(film.candidate(tmp_path / "real"))["events"].status == "pass"
+    struck = next(k for k, f in enumerate(film.frames) if len(f["event/pair"]))
+    for name in [n for n in film.frames[struck] if n.startswith("event/")]:
+        film.frames[struck][name] = film.frames[struck][name][:0]
+    row = rows_of(film.candidate(tmp_path / "edited"))["events"]
+    assert (row.status, row.first_failing_entity, row.first_failing_frame) == ("fail", "ball", struck)

@@ -28,7 +28,7 @@ class Repair(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
     row: Annotated[str, Field(description="failing row that it answers")]
-    group: Annotated[str, Field(description="parameter group that it changes")]
+    group: Annotated[str, Field(description="parameter group, or field, that it changes")]
     expect: Annotated[Literal["higher", "lower"], Field(description="where the row's measured value should go")]
     hypothesis: Annotated[str, Field(min_length=10, max_length=2000)]
 

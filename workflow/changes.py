@@ -19,7 +19,7 @@ from ..worlds.weakened import told_by_motion
 from .additions import only_builds_on
 from .answers import call
 from .earlier import has_motion
-from .joint_repairs import Joint, grouped, joint_objections
+from .joint_repairs import Joint, grouped, joint_objections, resolved
 from .opened import OpenedWorld
 from .repair_rules import CAUSAL_CLASSES, causal_groups, cut_grounds, failed, judged_on, same_causes
 
@@ -75,6 +75,8 @@ class Change:
         along = {*follows, *_relations_of_new(world.spec, after)}
         self.causal = [] if derived else causal_groups(_own(self.places, along), cut_grounds(world.spec, after))
         """Names of the groups of scene and solver among them."""
+        if joint is not None:
+            self.joint = joint._replace(repairs=resolved(joint.repairs, grouped(self.places, self.causal)))
         self.stale = stale_artifacts(world.spec, after)
         """Artifacts that the edit makes stale."""
         self.undone: list[dict[str, Any]] = []
@@ -173,7 +175,7 @@ class Change:
             )
         if len(causal) > 1:
             told.append(
-                f"this edit changes {len(causal)} causal parameter groups at once ({', '.join(causal)}); after a failure change one, "
+                f"this edit changes {len(causal)} causal parameter groups at once ({_with_places(grouped(self.places, causal))}); after a failure change one, "
                 "test it with place_object / run_checks / probe_sim, then the next; or say with repairs=[{row, group, expect, hypothesis}] "
                 "which failing row each answers, where these rows have nothing to do with each other: nothing links what moves in them by "
                 "contact, joint, relation or exchange up to their first failing frames, or one is about what is drawn or said; or make all "
@@ -216,6 +218,11 @@ class Change:
             "stale": _shorten(self.stale),
             **({"undoes_revisions": [i["revision"] for i in self.undone]} if self.undone else {}),
         }
+
+
+def _with_places(groups: Mapping[str, Sequence[str]]) -> str:
+    """Groups in words, each with the first place that it changes."""
+    return ", ".join(f"{name}: {places[0]}" if places else name for name, places in groups.items())
 
 
 def _relations_of_new(before: WorldSpec, after: WorldSpec) -> set[str]:

@@ -16,7 +16,7 @@ import numpy as np
 from ..worlds.arrays import F64
 from ..worlds.drivers import acts_from
 from ..worlds.errors import EvidenceError
-from ..worlds.groups import GROUPS, group_of
+from ..worlds.groups import group_of
 from ..worlds.hints import did_you_mean
 from ..worlds.instances import coupled_groups
 from .arguments import Repair
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..worlds.requirements import Row
     from ..worlds.spec import WorldSpec
 
-__all__ = ["Joint", "Linked", "grouped", "joint_objections", "said_by", "said_of"]
+__all__ = ["Joint", "Linked", "grouped", "joint_objections", "resolved", "said_by", "said_of"]
 
 ALONE = frozenset({"step", "contact", "interval", "terrain"})
 """Groups that act on everything."""
@@ -148,6 +148,23 @@ def joint_objections(
     return [*told, *_dependent(joint, rows, places, after)]
 
 
+def resolved(repairs: Iterable[Repair], places: Mapping[str, Sequence[str]]) -> tuple[Repair, ...]:
+    """Repairs by their groups, where some name a field or its JSON pointer instead (`damping`, `motion`): what holds it among the changed places.
+
+    Args:
+        repairs: as they were written.
+        places: JSON pointers that the edit changes, by causal group.
+    """
+    return tuple(r if r.group in places else r.model_copy(update={"group": _group_with(r.group, places)}) for r in repairs)
+
+
+def _group_with(named: str, places: Mapping[str, Sequence[str]]) -> str:
+    """The one group among whose changed places is the field or pointer of that name; the name itself where none or several are."""
+    token = named.strip("/")
+    found = [g for g, changed in places.items() if any(f"/{token}/" in f"{p}/" for p in changed)]
+    return found[0] if token and len(found) == 1 else named
+
+
 def _dependent(joint: Joint, rows: Mapping[str, Row], places: Mapping[str, Sequence[str]], after: WorldSpec) -> Iterator[str]:
     """Objections to repairs of rows that have to do with each other, or by changes that reach further than their rows."""
     repairs, candidate = joint
@@ -192,15 +209,11 @@ def _unpaired(rows: Mapping[str, Row], places: Mapping[str, Sequence[str]], repa
             known = f"these do: {', '.join(sorted(rows)[:8])}" if rows else NONE_FAILS
             told.append(f"repairs name row {repair.row!r}, which does not fail{hint} {known}")
         if repair.group not in places:
-            known = (
-                f"the edit changes {', '.join(sorted(places))}"
-                if repair.group in GROUPS
-                else f"groups are {', '.join(sorted(GROUPS))}"
-            )
-            told.append(f"repairs name group {repair.group!r}, which this edit does not change: {known}")
+            known = "; ".join(f"{g} ({', '.join(changed[:2])})" for g, changed in sorted(places.items()))
+            told.append(f"repairs name group {repair.group!r}, which this edit does not change; it changes {known}")
     named = [r.group for r in repairs]
     told += [
-        f"the change of {g} answers no row: add {{'row', 'group': {g!r}, 'expect', 'hypothesis'}} to repairs"
+        f"the change of {g} ({', '.join(places[g][:2])}) answers no row: add {{'row', 'group': {g!r}, 'expect', 'hypothesis'}} to repairs"
         for g in sorted(set(places) - set(named))
     ]
     twice = {n for n in named if named.count(n) > 1} | {r.row for r in repairs if [s.row for s in repairs].count(r.row) > 1}

@@ -85,6 +85,14 @@ def test_independent_faults_are_mended_at_once_and_each_hears_of_its_own(yard: A
     assert {i["said"]["row"] for i in kept} == {"beat:hit", "beat:slide"}
 
 
+def test_a_repair_may_name_the_field_that_it_changes(yard: Agent) -> None:
+    """Two agents of trials wrote the field's name, and read the list of groups in a refusal."""
+    fields = [{**HIT, "group": "linear_velocity"}, {**SLIDE, "group": "/materials/ice/friction"}]
+    yard.call("edit_spec", world="w", patch=[FASTER, SMOOTHER], repairs=fields)
+    kept = Session.open(yard.workspace, "w").ledger.open_iterations()
+    assert {i["grp"] for i in kept} == {"initial_state", "material"}
+
+
 def test_a_repair_may_answer_a_row_that_is_not_mandatory(yard: Agent) -> None:
     session = Session.open(yard.workspace, "w")
     slide = next(r for r in session.ledger.rows() if r.id == "beat:slide")
@@ -109,9 +117,9 @@ def test_a_repair_that_does_not_what_it_promised_is_refuted_beside_one_that_does
          [HIT, SLIDE, {**SLIDE, "group": "step", "row": "beat:slid"}], "repairs name row 'beat:slid', which does not fail"),
         ([FASTER, {"op": "add", "path": "/simulation/solvers/rigid/settings/step", "value": 0.0004}],
          [HIT, {**SLIDE, "group": "step"}], "step acts on the whole world, so that it is changed alone"),
-        ([FASTER, SMOOTHER], [HIT, {**SLIDE, "group": "mass"}], "group 'mass', which this edit does not change"),
+        ([FASTER, SMOOTHER], [HIT, {**SLIDE, "group": "mass"}], "group 'mass', which this edit does not change; it changes initial_state (/entities/ball/physics/linear_velocity); material (/materials/ice/friction)"),
         ([FASTER, SMOOTHER], [HIT, {**HIT, "group": "material"}], "repairs name 'beat:hit' twice"),
-        ([FASTER, SMOOTHER, {"op": "add", "path": "/entities/block/physics/mass", "value": 3.0}], [HIT, SLIDE], "the change of mass answers no row"),
+        ([FASTER, SMOOTHER, {"op": "add", "path": "/entities/block/physics/mass", "value": 3.0}], [HIT, SLIDE], "the change of mass (/entities/block/physics/mass) answers no row"),
     ],
 )  # fmt: skip
 def test_what_has_to_do_with_each_other_or_reaches_further_is_refused(

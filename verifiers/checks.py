@@ -80,6 +80,7 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("support", support.check, ("static", "probe", "full")),
     CheckBinding("navigability", navigability.check, ("static", "full"), beside=True),
     CheckBinding("navigability", joints.check, ("static", "full")),
+    CheckBinding("category", category.check_declared, ("static",)),
     CheckBinding("shots", shots.check, ("static", "probe", "full")),
     CheckBinding("shots", seen.check, ("full",), plates=True),
     CheckBinding("numerical", category.check_numerical, ("probe", "full")),

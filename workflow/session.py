@@ -213,7 +213,9 @@ class Session(OpenedWorld):
             stages = self.ledger.stages()
             # A verdict over motion outranks the same row judged at frame 0 only, while it is not stale.
             judged = {r.id for r in self.ledger.rows() if stages.get(r.id) in ("probe", "full") and not r.evidence.get("stale")}
-            static_only = [c for c in names_of("static") if c not in ("support", "navigability", "relations", "shots")]
+            static_only = [
+                c for c in names_of("static") if c not in ("support", "navigability", "relations", "category", "shots")
+            ]
             fresh_rows = [r for r in rows if r.id not in judged or r.check in static_only]
             changed = self.record(fresh_rows, stage="static", checks=static_only)
             failing = [r.id for r in rows if r.status == "fail" and r.mandatory]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Row
     from ...worlds.spec import Entity, SolverInstance
 
-__all__ = ["check", "check_numerical"]
+__all__ = ["check", "check_declared", "check_numerical"]
 
 
 def _moves(instance: SolverInstance, entity: Entity | None) -> bool:
@@ -41,6 +41,11 @@ def check(candidate: Candidate) -> list[Row]:
         found = Finding("unverified", text, hints=(hint,), evidence=evidence, predicate=words)
         rows.append(row_of(candidate, SIMULATED, (name,), found, entities=(name,)))
     return rows
+
+
+def check_declared(candidate: Candidate) -> list[Row]:
+    """Rows of every solver instance that need no motion: what fails there fails before minutes of it."""
+    return [r for judge, solver in judged_instances(candidate.spec) for r in judge.declared_rows(candidate, solver)]
 
 
 def check_numerical(candidate: Candidate) -> list[Row]:

@@ -130,6 +130,10 @@ class Judge:
         """Rows of the category check of one instance."""
         return ()
 
+    def declared_rows(self, candidate: Candidate, solver: str) -> Iterable[Row]:
+        """Those of them that what is declared decides at frame 0, before anything is simulated."""
+        return ()
+
     def numerical_rows(self, candidate: Candidate, solver: str) -> Iterable[Row]:
         """Rows of the numerical check of one instance."""
         return ()

@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...rows.findings import judged
+from ...rows.instance_rows import instance_answer
 from ...rows.watches import Watch, Watching
 from ..container import rows_about
-from .across import Across
+from .across import Across, across_finding
 from .blown import Blown
 from .coupling import Coupling
+from .declared import Declared
 from .density import Density
 from .energy import Energy, Momentum
 from .flight import Flight
@@ -22,6 +25,8 @@ from .leaks import Leaks
 from .ledger import Books, Identity
 from .motion import Motion, Trapped
 from .numerical import Numbers
+from .obstacles import obstacles_finding
+from .questions import ACROSS, RESOLVED
 from .resolved import Resolved
 from .start import STARTS
 from .sticking import Sticking
@@ -34,7 +39,7 @@ if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Row
 
-__all__ = ["WATCHES", "category_rows", "findings_of", "numerical_rows"]
+__all__ = ["WATCHES", "category_rows", "declared_rows", "findings_of", "numerical_rows"]
 
 WATCHES: tuple[type[Watch], ...] = (
     *(
@@ -65,6 +70,15 @@ WATCHES: tuple[type[Watch], ...] = (
 _WATCHING = Watching(WATCHES, Numbers, liquid_of, lambda liquid: ((step,) for step in liquid.steps()))
 findings_of = _WATCHING.findings_of
 category_rows = _WATCHING.category_rows
+
+
+def declared_rows(candidate: Candidate, solver: str) -> list[Row]:
+    """Rows of one instance that what is declared decides, before anything is simulated."""
+    asked = ((ACROSS["across"], across_finding), (RESOLVED["obstacles"], obstacles_finding))
+    return [
+        instance_answer(candidate, question, solver, judged(ask, Declared(candidate, solver)), members=True)
+        for question, ask in asked
+    ]
 
 
 def numerical_rows(candidate: Candidate, solver: str) -> list[Row]:

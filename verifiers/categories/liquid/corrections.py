@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -10,18 +11,27 @@ from ...rows.corrections import correction, pointer, set_value
 if TYPE_CHECKING:
     from ....worlds.requirements import Correction
     from ....worlds.spec import WavesDriver
+    from .declared import Declared
     from .frames import Liquid
 
-__all__ = ["ease", "give_room", "hold_all", "let_pass", "lower_waves", "move_opening", "refine", "widen_opening"]
+__all__ = ["ease", "give_room", "hold_all", "let_pass", "lower_waves", "move_opening", "refine", "rounded_down", "widen_opening"]
 
 
-def refine(liquid: Liquid, cause: str, wanted: float | None = None) -> Correction:
+def refine(liquid: Liquid | Declared, cause: str, wanted: float | None = None) -> Correction:
     """Resolve the liquid more finely: with half the spacing, or with a wanted one [m]."""
-    value = 0.5 * liquid.spacing if wanted is None else wanted
+    value = rounded_down(0.5 * liquid.spacing if wanted is None else wanted)
     places = [pointer("entities", m, "physics", "resolution") for m in liquid.members]
-    patch = tuple(step for place in places for step in set_value(place, float(f"{value:.3g}")))
+    patch = tuple(step for place in places for step in set_value(place, value))
     action = f"lower resolution from {liquid.spacing:g} m to {value:.3g} m"
     return correction(cause, "resolution", action, pointers=places[:1], patch=patch)
+
+
+def rounded_down(value: float) -> float:
+    """The value with three digits, never more than it is: a spacing that a rule asks for satisfies that rule."""
+    if value <= 0.0:
+        return value
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return float(f"{math.floor(value / unit * (1.0 + 1e-9)) * unit:.3g}")
 
 
 def let_pass(entities: Iterable[str], cause: str, where: list[float], least: float) -> Correction:

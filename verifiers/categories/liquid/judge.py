@@ -13,7 +13,7 @@ from ..judge import Push, record_of
 from ..loose import Loose, Sample
 from ..pushes import pressed_by, pushes_of
 from .across import thin_lines
-from .check import category_rows, numerical_rows
+from .check import category_rows, declared_rows, numerical_rows
 from .links import shares
 from .outline import filled_cells
 from .register import liquid_lines
@@ -46,6 +46,10 @@ class LiquidJudge(Loose):
     def category_rows(self, candidate: Candidate, solver: str) -> list[Row]:
         """Rows of one instance."""
         return category_rows(candidate, solver)
+
+    def declared_rows(self, candidate: Candidate, solver: str) -> list[Row]:
+        """Rows of one instance that what is declared decides."""
+        return declared_rows(candidate, solver)
 
     def numerical_rows(self, candidate: Candidate, solver: str) -> list[Row]:
         """Rows of one instance."""

@@ -22,10 +22,10 @@ from ...rows.corrections import halve_step
 from ...rows.findings import Finding
 from ..cloth.sides import PassedSheets
 from ..soft_solids import soft_walls
-from .across import production_spacing
 from .barriers import Barrier, barriers_of, still_barrier
 from .bounds import LEAKED
 from .corrections import let_pass, refine
+from .declared import production_spacing
 from .questions import LEAKS
 from .rows import place
 from .slots import slots, touching
@@ -192,7 +192,7 @@ class Leaks:
             return None
         number, least = (self.barriers or []).index(still), touching(self.liquid.candidate.spec)
         near = slots(self.visited, still, self.liquid.spacing, least, lambda a, b: self._connected(number, still, a, b))
-        s = production_spacing(self.liquid)
+        s = production_spacing(self.liquid.candidate, self.liquid.solver)
         found = [x for x in near if x.width < s]
         if not found:
             return None

@@ -14,7 +14,8 @@ receiver through a link of a frame:
 A live entity that comes to rest for longer than `PAUSE` is live no more; if it moves again by itself, that motion is
 another story. Static entities receive but never send: a shared floor connects nothing. Kinematic entities send but never
 receive, because nothing acts on them; nor do those that a release driver holds. What set a source going is no effect of it:
-a hammer that strikes two bells does not link the first with the second.
+a hammer that strikes two bells does not link the first with the second. Where something came to a source that stood still, what it bore
+until then did not set it going: a wall that is struck lets the water go that it held, however that slopped.
 
 Who pushes whom, and what is still, the judges of the categories say (`categories/registry.py`).
 """
@@ -222,15 +223,28 @@ class Chains:
         for source in sources:
             if self._moving[min(onset, last), source] or not self._receives[source]:
                 continue
+            struck = next((k for k in range(onset, min(onset + STARTS, last) + 1) if self._came(source, k)), None)
             for first in range(onset, min(onset + STARTS, last) + 1):
                 for a, b in list(self._pairs[first]):
                     if a != source or b in (*sources, subject) or not self._moving[max(0, first - 1), b]:
+                        continue
+                    if struck is not None and self._borne_before(source, b, struck):
                         continue
                     frame = first
                     while frame <= last and (a, b) in self._pairs[frame]:
                         banned.setdefault(frame, set()).add((a, b))
                         frame += 1
         return banned
+
+    def _borne_before(self, source: int, other: int, first: int) -> bool:
+        """True if a source touched another in every frame of a `PAUSE` before one, and stood still all the same: what a vessel holds."""
+        frames = range(max(1, first - self._pause), first)
+        return len(frames) > 0 and all((source, other) in self._pairs[k] and not self._moving[k - 1, source] for k in frames)
+
+    def _came(self, source: int, first: int) -> bool:
+        """True if something that moved came to a source in a frame."""
+        met = [b for a, b in self._pairs[first] if a == source and self._moving[max(0, first - 1), b]]
+        return first > 0 and any((source, b) not in self._pairs[first - 1] for b in met)
 
     # ---------------------------------------------------------------- spreading
 

@@ -10,7 +10,7 @@ import pytest
 from worldagent.testing.worlds.small_worlds import Event, Touch, ball, box, ground, make_candidate, world
 from worldagent.verifiers.story.causal import check
 from worldagent.worlds.candidate import Candidate
-from worldagent.worlds.predicates import Contact, Displacement, Reaches, Topples
+from worldagent.worlds.predicates import And, Contact, Displacement, Reaches, Speed, Topples
 from worldagent.worlds.requirements import Row
 from worldagent.worlds.spec import Beat, BoxRegion, DetachDriver, ForceDriver, PathDriver, ReleaseDriver, SpringJoint, WeldJoint
 
@@ -258,6 +258,37 @@ def test_what_set_the_cause_going_does_not_link_it_with_what_it_strikes_next(tmp
         events = [Event(0.51, "hammer", "a"), Event(1.01, striker, "b")]
         touches = [Touch(13, "hammer", "a"), Touch(25, striker, "b")]
         assert scene(tmp_path / striker, tracks, touches, events, beats).status == status
+
+
+def _struck(tmp_path: Path, held_from: int) -> Row:
+    """A wall stands still, bears a load that slops from frame `held_from` on, and is struck at 0.5 s: both move."""
+    slop = 0.3 + 0.004 * np.sin(40.0 * TIME)
+    tracks = {
+        "ram": TIME - 0.6,
+        "wall": np.clip(TIME - 0.5, 0, None) * 0.2,
+        "load": slop + np.clip(TIME - 0.5, 0, None) * 0.2,
+        "aside": 2.0,
+    }
+    entities = {"floor": ground()} | {
+        n: ball(0.05, motion="dynamic", at=(float(np.ravel(x)[0]), 0, 0.05)) for n, x in tracks.items()
+    }
+    own = {
+        n: (np.stack([np.broadcast_to(x, N), np.zeros(N), np.full(N, 0.05)], axis=1), (1.0, 0, 0, 0)) for n, x in tracks.items()
+    }
+    both = And(of=[Displacement(entity="load", min=0.05), Speed(entity="load", min=0.05)])
+    beats = {"breaks": moves("wall", 0.02), "runs": beat("load", both, causes=["breaks"])}
+    touches = [Touch(13, "ram", "wall", 0.5), *(Touch(k, "wall", "load", 0.1) for k in range(held_from, N))]
+    spec = world(entities, beats=beats, frames=N)
+    return only(make_candidate(tmp_path, spec, tracks=own, touches=touches, events=[Event(0.51, "ram", "wall", impulse=0.5)]))
+
+
+def test_what_a_struck_wall_bore_until_then_did_not_strike_it(tmp_path: Path) -> None:
+    """Water in a vase slops while a ball comes: the vase that breaks lets it go. What came with the ball struck the wall itself."""
+    held = _struck(tmp_path / "held", 1)
+    assert held.status == "pass", held.evidence["explanation"]
+    came = _struck(tmp_path / "came", 13)
+    assert came.status == "fail", came.evidence["explanation"]
+    assert "tells of load too" in came.evidence["explanation"]
 
 
 @pytest.mark.parametrize(("blow", "status"), [(90.0, "pass"), (110.0, "fail")])

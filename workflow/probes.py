@@ -26,7 +26,7 @@ from .work import Work, first_true_frames, open_work, with_variants
 if TYPE_CHECKING:
     from ..worlds.requirements import Row
 
-__all__ = ["judge_probe", "probe", "probe_candidate", "taken_frames"]
+__all__ = ["judge_probe", "not_carried_over", "probe", "probe_candidate", "taken_frames"]
 
 WORTH_STOPPING_S = 10.0
 """A run that will end sooner goes on, so that all its rows are known at once [s]. Own choice."""
@@ -34,6 +34,8 @@ LAST_LOOK_S = 0.6
 """Own choice: time in which a cancelled run judges its frames yet [s]; a cancel is obeyed within 2 s whatever happens."""
 NAMED = 3
 """Failing rows that progress names."""
+SPACED = ("spacings", "cells")
+"""Units of rows that say what a spacing resolves."""
 _KEPT = ("simulated_s", "judged_s")
 """Durations in the record of a probe that stay true where its frames were there before."""
 
@@ -246,12 +248,19 @@ def judge_probe(
         **taken,
         **(ended if early else {}),
         "phases": _phases(candidate),
-        **({"overrides": settings["overrides"]} if settings.get("overrides") else {}),
+        **({"overrides": settings["overrides"], "not_carried_over": not_carried_over(rows)} if settings.get("overrides") else {}),
         "changed_rows": len(changed),
         **said_by(session.ledger, freeze[:16]),
         **summary(rows),
         "picture": picture,
     }
+
+
+def not_carried_over(rows: Sequence[Row]) -> dict[str, Any]:
+    """Rows of a coarser probe whose numbers are those of its spacing alone, and what that means for the bake."""
+    ids = sorted(r.id for r in rows if r.unit in SPACED and r.status != "not_applicable" and "ran_at_m" not in r.evidence)
+    told = "measured in the coarser spacing of this probe: no promise for production, where the bake judges them anew"
+    return {"rows": ids, "because": told}
 
 
 def taken_frames(run: Path, count: int) -> dict[str, list[str]]:

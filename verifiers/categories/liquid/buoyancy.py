@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64, rotation_matrix
-from ...rows.corrections import halve_step
 from ...rows.findings import Finding
 from .about import COLUMN, Hull, Surroundings, hull_of, others_than
 from .bounds import ADDED, BUOYANCY, DRAG, ROUGH, STREAMS
-from .corrections import refine
+from .corrections import refine, shorter_step
 from .footing import unwetted
 from .samples import shares_under
 from .solids import rows_within
@@ -139,7 +138,7 @@ class Buoyancy:
         narrow, few = "the gap under the body is too narrow for the particles", "too few particles push the body, each too hard"
         hints = (
             refine(self.liquid, narrow if light else few),
-            halve_step(self.liquid.candidate, self.liquid.solver, "the body moves too far in a step"),
+            shorter_step(self.liquid, "the body moves too far in a step"),
         )
         frame = int(np.argmax(np.nan_to_num(lift.excess, nan=0.0) > BUOYANCY))
         entity = self.bodies.entities[lift.row]

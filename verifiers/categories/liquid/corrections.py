@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from ...rows.corrections import correction, pointer, set_value
+import numpy as np
+
+from ....worlds.errors import EvidenceError
+from ...rows.corrections import correction, halve_step, pointer, set_value
 
 if TYPE_CHECKING:
     from ....worlds.requirements import Correction
@@ -14,7 +17,24 @@ if TYPE_CHECKING:
     from .declared import Declared
     from .frames import Liquid
 
-__all__ = ["ease", "give_room", "hold_all", "let_pass", "lower_waves", "move_opening", "refine", "rounded_down", "widen_opening"]
+__all__ = [
+    "ease",
+    "give_room",
+    "hold_all",
+    "let_pass",
+    "lower_waves",
+    "move_opening",
+    "refine",
+    "rounded_down",
+    "shorter_step",
+    "squeezed",
+    "widen_opening",
+]
+
+HELD = 0.9
+"""[1] Own choice: a mean step of at least this share of `max_step` was held by it."""
+LEAST_CFL = {"dfsph": 0.05, "flip": 0.1}
+"""Least `cfl` that settings allow."""
 
 
 def refine(liquid: Liquid | Declared, cause: str, wanted: float | None = None) -> Correction:
@@ -26,12 +46,51 @@ def refine(liquid: Liquid | Declared, cause: str, wanted: float | None = None) -
     return correction(cause, "resolution", action, pointers=places[:1], patch=patch)
 
 
+def shorter_step(liquid: Liquid, cause: str, frame: int | None = None) -> Correction:
+    """Shorten the step that ran: by `max_step` where that held it, else by `cfl`, which did.
+
+    Args:
+        liquid: what was judged.
+        cause: why.
+        frame: at which; default the longest step of all frames.
+    """
+    settings, ran = liquid.plan.settings, _ran(liquid, frame)
+    if ran is None or ran >= HELD * settings.max_step:
+        return halve_step(liquid.candidate, liquid.solver, cause)
+    place, lower = (
+        pointer("simulation", "solvers", liquid.solver, "settings", "cfl"),
+        max(LEAST_CFL[liquid.plan.engine], 0.5 * settings.cfl),
+    )
+    where = "at most" if frame is None else f"at frame {frame}"
+    action = f"lower cfl from {settings.cfl:g} to {lower:g}: steps ran at {ran:.3g} s {where}, which max_step, {settings.max_step:g} s, does not hold"
+    if lower >= settings.cfl:  # cfl is as low as it may be
+        return halve_step(liquid.candidate, liquid.solver, cause, in_force=ran)
+    return correction(cause, "step", action, pointers=(place,), patch=set_value(place, lower))
+
+
+def _ran(liquid: Liquid, frame: int | None) -> float | None:
+    """Mean step of a frame, or the longest of all frames [s]; None where none is recorded."""
+    try:
+        steps = liquid.record("step")
+    except EvidenceError:
+        return None
+    ran = steps[1:] if frame is None else steps[frame : frame + 1]
+    ran = ran[np.isfinite(ran) & (ran > 0.0)]
+    return float(ran.max()) if len(ran) else None
+
+
 def rounded_down(value: float) -> float:
     """The value with three digits, never more than it is: a spacing that a rule asks for satisfies that rule."""
     if value <= 0.0:
         return value
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return float(f"{math.floor(value / unit * (1.0 + 1e-9)) * unit:.3g}")
+
+
+def squeezed(liquid: Liquid, names: Sequence[str], where: list[float]) -> Correction:
+    """Give liquid that two bodies squeeze out from between them more layers to flow in: a finer spacing."""
+    cause = f"{names[0]} and {names[1]} squeeze it out from between them about {where}, less than two spacings apart"
+    return refine(liquid, cause, 0.7 * liquid.spacing)
 
 
 def let_pass(entities: Iterable[str], cause: str, where: list[float], least: float) -> Correction:

@@ -15,11 +15,11 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import bake_again, halve_step, out_of_solids
+from ...rows.corrections import bake_again, out_of_solids
 from ...rows.findings import Finding
 from .bodies import Bodies, exchanged
 from .bounds import CALM, DRIVEN, LAYERS, MOMENTUM, SETTLED, TENSION
-from .corrections import refine
+from .corrections import refine, shorter_step
 from .questions import ENERGY, MOMENTUM_BALANCE
 from .rows import first_over
 
@@ -151,7 +151,7 @@ class Energy:
         thin = min(self.layers) < LAYERS and float(rise.max()) < 0.5 * self.one_spacing
         hints = (
             *((refine(self.liquid, f"the liquid lies in {min(self.layers):.2g} layers of particles, which lift each other as they close up"),) if thin else ()),
-            halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long for the flow"),
+            shorter_step(self.liquid, "the step is too long for the flow"),
             out_of_solids(self.liquid.members, "a solid overlaps the liquid at the start and throws it"),
         )  # fmt: skip
         found = first_over(
@@ -181,7 +181,7 @@ class Energy:
                 f"at no frame has the surface been at rest for {QUIET_SECONDS:g} s without anything that drives it",
             )
         return first_over(ratio, CALM, "1", "kinetic energy of liquid whose surface rests, over weight x height / 2,",
-                          (halve_step(self.liquid.candidate, self.liquid.solver, "the pressure solve does not converge: the liquid boils"),))  # fmt: skip
+                          (shorter_step(self.liquid, "the pressure solve does not converge: the liquid boils"),))  # fmt: skip
 
 
 def _layers(liquid: Liquid, frame: Frame) -> float:
@@ -259,9 +259,7 @@ class Momentum:
         if np.isnan(values).all():
             return {"momentum": Finding("not_applicable", "there is no liquid at two frames in a row")}
         hints = (
-            halve_step(
-                self.liquid.candidate, self.liquid.solver, "forces on boundaries and on the liquid are not of the same step"
-            ),
+            shorter_step(self.liquid, "forces on boundaries and on the liquid are not of the same step"),
             bake_again(),
         )
         found = first_over(values, MOMENTUM, "1", "momentum without a cause, over weight and impulses of a frame,", hints)

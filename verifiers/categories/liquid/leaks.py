@@ -18,13 +18,12 @@ from scipy.spatial import cKDTree
 from ....geometry.launch import warp
 from ....worlds.arrays import F64
 from ....worlds.categories.liquid.facts import LEAST_SPACINGS
-from ...rows.corrections import halve_step
 from ...rows.findings import Finding
 from ..cloth.sides import PassedSheets
 from ..soft_solids import soft_walls
 from .barriers import Barrier, barriers_of, still_barrier
 from .bounds import LEAKED
-from .corrections import let_pass, refine
+from .corrections import let_pass, refine, shorter_step
 from .declared import production_spacing
 from .questions import LEAKS
 from .rows import place
@@ -178,7 +177,7 @@ class Leaks:
         )
         hints = (
             let_pass((piece.entity,), f"{name} has a gap or a hole there", where, LEAST_SPACINGS * self.liquid.spacing),
-            halve_step(self.liquid.candidate, self.liquid.solver, "particles run through the wall in a step"),
+            shorter_step(self.liquid, "particles run through the wall in a step"),
             refine(self.liquid, "the wall is thinner than the liquid resolves"),
         )  # fmt: skip
         evidence: dict[str, Any] = {"place": where, "collider": piece.entity, "part": piece.part, "gap_extent": sizes,
@@ -224,9 +223,7 @@ class Leaks:
             f"{count:.0f} of {self.particles} particles passed through the sheet {entity}/{part}, first at frame "
             f"{self.crossed[0][0]}, most about {where}"
         )
-        hints = (
-            halve_step(self.liquid.candidate, self.liquid.solver, "particles and the sheet run through each other in a step"),
-        )
+        hints = (shorter_step(self.liquid, "particles and the sheet run through each other in a step"),)
         evidence = {"place": where, "collider": entity, "part": part, "share": count / max(self.particles, 1)}
         return Finding("fail", text, count, bound, "1", entity, self.crossed[0][0], hints, evidence)
 

@@ -18,11 +18,11 @@ import numpy as np
 from ....geometry import Solid, contains
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import EACH_OTHER, bake_again, halve_step, out_of_solids
+from ...rows.corrections import EACH_OTHER, bake_again, out_of_solids
 from ...rows.findings import Finding
 from ..soft_solids import soft_depths
 from .bounds import APPEARS, DRIFT, LEDGER, RECORD, SLOW
-from .corrections import hold_all
+from .corrections import hold_all, shorter_step
 from .questions import BOOKS, IDENTITY
 from .rows import first_over, place
 from .samples import spread
@@ -244,7 +244,7 @@ class Identity:
         text = f"{count} particles {what} at frame {index}, about {where} m ({total:.0f} such cases in all)"
         hints = (
             bake_again(),
-            halve_step(self.liquid.candidate, self.liquid.solver, "the engine lost particles"),
+            shorter_step(self.liquid, "the engine lost particles"),
         )
         evidence = {
             "place": where,

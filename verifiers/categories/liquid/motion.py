@@ -13,17 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.errors import EvidenceError
-from ...rows.corrections import bake_again, halve_step, out_of_solids
+from ...rows.corrections import bake_again, out_of_solids
 from ...rows.findings import Finding
 from .bodies import Bodies
 from .bounds import FEW_TRAPPED, JET, JITTER_SECONDS, JITTER_WAY, JUMP, LIMIT, SPIKES, TRAPPED
-from .corrections import give_room
+from .corrections import give_room, shorter_step, squeezed
 from .questions import MOTION, TRAPPED_PARTICLES
 from .rows import first_over, place
+from .solids import pieces_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ....worlds.requirements import Correction
     from ...rows.questions import Question
     from .frames import Frame, Liquid, Rows, Step
 
@@ -39,7 +41,7 @@ class Motion:
         self.liquid, self.bodies = liquid, Bodies(liquid)
         self.allowed = JUMP[liquid.plan.engine]
         self.jump: list[float] = []
-        self.worst_jump: tuple[float, int, list[float], float] | None = None
+        self.worst_jump: tuple[float, int, list[float], float, list[float]] | None = None
         self.over: list[float] = []
         self.count: list[float] = []
         self.top = -np.inf
@@ -76,7 +78,26 @@ class Motion:
                 int((excess > self.allowed).sum()),
                 place(frame.position[step.here[worst]]),
                 float(speeds[worst]),
+                place(before.position[step.there[worst]]),
             )
+
+    def _between(self, frame: int | None, where: list[float]) -> list[str]:
+        """Parts of different bodies within a spacing of where a jump began, one of which moves: they squeeze what is between them."""
+        from ....geometry import distance_to_surface
+
+        before = max((frame or 1) - 1, 0)
+        point, reach = np.array([where]), self.liquid.spacing
+        found: dict[tuple[str, str], tuple[float, str, bool]] = {}
+        for piece in pieces_of(self.liquid.candidate):
+            low, high = piece.box(before)
+            if (low > point[0] + reach).any() or (high < point[0] - reach).any():
+                continue
+            gap = float(distance_to_surface(piece.solid, piece.local(point, before)).distance[0])
+            if gap <= reach:
+                key, told = (piece.entity, piece.body), (gap, f"{piece.entity}/{piece.part}", not piece.still)
+                found[key] = min(told, found.get(key, told))
+        near = sorted(found.values())
+        return [name for _, name, _ in near[:2]] if any(moves for *_, moves in near[:2]) else []
 
     def _pulled(self, frame: Frame) -> float:
         """Largest acceleration of an attracting field at a particle [m/s^2]."""
@@ -125,12 +146,16 @@ class Motion:
         """Jumps and spikes."""
         if not self.over:
             raise EvidenceError("the cache holds no frame")
-        hints = (halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long"), bake_again())
-        found = first_over(np.array(self.jump), self.allowed, "spacings", "displacement beyond what velocities explain", hints)
+        found = first_over(np.array(self.jump), self.allowed, "spacings", "displacement beyond what velocities explain")
+        hints: tuple[Correction, ...] = (shorter_step(self.liquid, "the step is too long", found.frame), bake_again())
         evidence: dict[str, object] = {}
         if self.worst_jump is not None:
-            moved, count, where, speed = self.worst_jump
-            evidence = {"place": where, "particles": count, "displacement_m": moved, "speed_sum": speed}
+            moved, count, where, speed, began = self.worst_jump
+            evidence = {"place": where, "particles": count, "displacement_m": moved, "speed_sum": speed, "began": began}
+            between = self._between(found.frame, began)
+            if len(between) > 1:
+                evidence["between"] = between
+                hints = (hints[0], squeezed(self.liquid, between, began), *hints[1:])
         jumps = Finding(found.status, found.text, found.measured, self.allowed, "spacings", None, found.frame, hints, evidence)
         return {"jumps": jumps, "spikes": self._found_spikes()}
 
@@ -145,7 +170,7 @@ class Motion:
             f"{count} particles are too fast at frame {frame}: {speed:.3g} m/s at {where}, where energy allows {allowed:.3g} m/s"
         )
         hints = (
-            halve_step(self.liquid.candidate, self.liquid.solver, "the step is too long for the flow"),
+            shorter_step(self.liquid, "the step is too long for the flow", frame),
             out_of_solids(self.liquid.members, "a solid overlaps the liquid at the start and throws it"),
         )
         return Finding(
@@ -207,6 +232,6 @@ class Trapped:
         text = f"{count} particles jitter within a spacing at frame {index}, about {where}: moving fluid is caught there"
         hints = (
             give_room(self.liquid, where),
-            halve_step(self.liquid.candidate, self.liquid.solver, "the pressure solve does not converge there"),
+            shorter_step(self.liquid, "the pressure solve does not converge there"),
         )
         return {"trapped": Finding("fail", text, most, TRAPPED, "1", None, index, hints, {"place": where, "particles": count})}

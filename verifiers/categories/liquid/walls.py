@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from ....worlds.arrays import F64
-from ...rows.corrections import bake_again, halve_step, move_by, out_of_solids
+from ...rows.corrections import bake_again, move_by, out_of_solids
 from ...rows.findings import Finding
 from ..soft_solids import soft_depths
 from .bounds import BEYOND, DEPTH_SHARE
-from .corrections import move_opening, refine
+from .corrections import move_opening, refine, shorter_step
 from .questions import WALLS
 from .rows import place
 from .solids import deepest, pieces_of
@@ -116,9 +116,7 @@ class Walls:
             f"{count} particles are inside {entity}/{part} at frame {index}, {depth:.3g} m deep at {where}; "
             f"{self.total} such cases in all frames, deepest {self.depth:.3g} m"
         )
-        hints: tuple[Correction, ...] = (
-            halve_step(self.liquid.candidate, self.liquid.solver, "particles run through the wall in a step"),
-        )
+        hints: tuple[Correction, ...] = (shorter_step(self.liquid, "particles run through the wall in a step"),)
         if index == 0:
             hints = (out_of_solids(self.liquid.members, "the initial volume overlaps a solid", entity),)
         hints += (refine(self.liquid, f"{entity} is thinner than the liquid resolves"),)
@@ -140,7 +138,7 @@ class Walls:
             "m",
             None,
             index,
-            (bake_again(), halve_step(self.liquid.candidate, self.liquid.solver, "particles run through a closed side")),
+            (bake_again(), shorter_step(self.liquid, "particles run through a closed side")),
             {"place": where},
         )
 

@@ -51,8 +51,8 @@ def test_a_full_vase_is_as_wide_as_it_is_and_its_pieces_as_thick_as_its_wall(tmp
     rows = judged(tmp_path, vase(0.02))
     assert (rows["across"].status, rows["obstacles"].status) == ("pass", "pass")
     width = 2.0 * (0.098 + 0.06 - 0.02 - 0.001) * np.cos(np.pi / 14)
-    assert rows["across"].measured == pytest.approx(width / S, abs=0.35)
     assert rows["across"].measured is not None
+    assert width * np.cos(np.arctan2(0.06, 0.18)) / S - 0.1 < rows["across"].measured < width / S  # its walls lean
     assert rows["across"].id == "category:liquid:across:water"
     assert rows["obstacles"].measured == pytest.approx(1.0, abs=0.1)
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Declared", "declared_extent", "production_spacing"]
 
-CELLS = 64
+CELLS = 48
 """Own choice: a body is cut into at most so many cells along each side of its box."""
 PER_SPACING = 8.0
 """Own choice: cells per spacing, where that are no more."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import ModuleType
 
 from worldagent.verifiers.catalogue import TABLES
-from worldagent.verifiers.checks import CHECKS
+from worldagent.verifiers.checks import CHECKS, CheckBinding
 from worldagent.verifiers.rows.questions import Question
 
 PAGE = Path(__file__).with_name("rows.md")
@@ -31,8 +31,12 @@ def _section(table: ModuleType) -> str:
     return "\n".join([f"## `{folder}`", "", *head, *(_line(q) for q in table.QUESTIONS), ""])
 
 
+def _answers(check: CheckBinding, question: Question) -> bool:
+    return check.name == question.check and (not check.only or question.id in check.only)
+
+
 def _line(question: Question) -> str:
-    stages = dict.fromkeys(stage for check in CHECKS if check.name == question.check for stage in check.stages)
+    stages = dict.fromkeys(stage for check in CHECKS if _answers(check, question) for stage in check.stages)
     words = question.predicate.format(*(f"<{name}>" for name in question.subject))
     bound = f"{question.comparison} {question.bound}".strip()
     cells = [f"`{question.pattern}`", words, question.measures, bound, question.unit, ", ".join(stages)]

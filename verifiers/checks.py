@@ -64,6 +64,8 @@ class CheckBinding:
     stages: tuple[Stage, ...]
     reruns: Callable[[WorldSpec], frozenset[str]] | None = None
     """Ids of its rows, where the check simulates the world again: such a one judges at the probe, and in acceptance."""
+    only: frozenset[str] = frozenset()
+    """Ids of the questions that it answers, where those are not all of its check."""
     plates: bool = False
     """True if it reads plates: such a one judges where some were made, and in acceptance."""
     beside: bool = False
@@ -80,7 +82,7 @@ CHECKS: tuple[CheckBinding, ...] = (
     CheckBinding("support", support.check, ("static", "probe", "full")),
     CheckBinding("navigability", navigability.check, ("static", "full"), beside=True),
     CheckBinding("navigability", joints.check, ("static", "full")),
-    CheckBinding("category", category.check_declared, ("static",)),
+    CheckBinding("category", category.check_declared, ("static",), only=category.declared_questions()),
     CheckBinding("shots", shots.check, ("static", "probe", "full")),
     CheckBinding("shots", seen.check, ("full",), plates=True),
     CheckBinding("numerical", category.check_numerical, ("probe", "full")),

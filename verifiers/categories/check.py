@@ -10,14 +10,14 @@ from ..rows.corrections import correction
 from ..rows.findings import Finding
 from ..scene.settled import settled_rows
 from .questions import SIMULATED
-from .registry import judged_instances
+from .registry import JUDGES, judged_instances
 
 if TYPE_CHECKING:
     from ...worlds.candidate import Candidate
     from ...worlds.requirements import Row
     from ...worlds.spec import Entity, SolverInstance
 
-__all__ = ["check", "check_declared", "check_numerical"]
+__all__ = ["check", "check_declared", "check_numerical", "declared_questions"]
 
 
 def _moves(instance: SolverInstance, entity: Entity | None) -> bool:
@@ -41,6 +41,11 @@ def check(candidate: Candidate) -> list[Row]:
         found = Finding("unverified", text, hints=(hint,), evidence=evidence, predicate=words)
         rows.append(row_of(candidate, SIMULATED, (name,), found, entities=(name,)))
     return rows
+
+
+def declared_questions() -> frozenset[str]:
+    """Ids of the questions that `check_declared` answers."""
+    return frozenset(question.id for judge in JUDGES.values() for question in judge.declared)
 
 
 def check_declared(candidate: Candidate) -> list[Row]:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Correction, Row
     from ...worlds.spec import SolverInstance, WorldSpec
     from ..predicates.outcome import Outcome
+    from ..rows.questions import Question
     from .stretch import Stretch
 
 __all__ = ["STILL_SPEED", "STILL_SPIN", "Flags", "Judge", "Push", "Rupture", "Tie", "Touch", "joined", "record_of", "stored"]
@@ -100,6 +101,8 @@ class Judge:
     """True if its surface is a sheet that encloses no volume."""
     grainy: ClassVar[bool] = False
     """True if it is seen as many small things, the errors of whose pixels level out."""
+    declared: ClassVar[tuple[Question, ...]] = ()
+    """Questions that `declared_rows` answers."""
     noun: ClassVar[str] = ""
     """Word for matter of it; empty where its form gives the word."""
     goes_on: ClassVar[str] = "moves on"

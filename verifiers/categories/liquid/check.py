@@ -36,10 +36,14 @@ from .waves import Waves
 from .wet import Wetted
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Row
+    from ...rows.findings import Finding
+    from ...rows.questions import Question
 
-__all__ = ["WATCHES", "category_rows", "declared_rows", "findings_of", "numerical_rows"]
+__all__ = ["DECLARED", "WATCHES", "category_rows", "declared_rows", "findings_of", "numerical_rows"]
 
 WATCHES: tuple[type[Watch], ...] = (
     *(
@@ -65,6 +69,11 @@ WATCHES: tuple[type[Watch], ...] = (
     ),
 )
 """All families, in the order of their rows."""
+DECLARED: Mapping[Question, Callable[[Declared], Finding]] = {
+    ACROSS["across"]: across_finding,
+    RESOLVED["obstacles"]: obstacles_finding,
+}
+"""Questions that what is declared decides at frame 0, by the functions that answer them."""
 
 
 _WATCHING = Watching(WATCHES, Numbers, liquid_of, lambda liquid: ((step,) for step in liquid.steps()))
@@ -74,10 +83,9 @@ category_rows = _WATCHING.category_rows
 
 def declared_rows(candidate: Candidate, solver: str) -> list[Row]:
     """Rows of one instance that what is declared decides, before anything is simulated."""
-    asked = ((ACROSS["across"], across_finding), (RESOLVED["obstacles"], obstacles_finding))
     return [
         instance_answer(candidate, question, solver, judged(ask, Declared(candidate, solver)), members=True)
-        for question, ask in asked
+        for question, ask in DECLARED.items()
     ]
 
 

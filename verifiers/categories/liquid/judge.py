@@ -13,7 +13,7 @@ from ..judge import Push, record_of
 from ..loose import Loose, Sample
 from ..pushes import pressed_by, pushes_of
 from .across import thin_lines
-from .check import category_rows, declared_rows, numerical_rows
+from .check import DECLARED, category_rows, declared_rows, numerical_rows
 from .links import shares
 from .outline import filled_cells
 from .register import liquid_lines
@@ -21,6 +21,7 @@ from .register import liquid_lines
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
     from ....worlds.requirements import Row
+    from ...rows.questions import Question
 
 __all__ = ["LiquidJudge"]
 
@@ -34,6 +35,7 @@ class LiquidJudge(Loose):
 
     name: ClassVar[str] = "liquid"
     bears: ClassVar[bool] = True
+    declared: ClassVar[tuple[Question, ...]] = tuple(DECLARED)
     noun: ClassVar[str] = "liquid"
     goes_on: ClassVar[str] = "flows or splashes on"
     in_fields: ClassVar[tuple[str, str] | None] = (

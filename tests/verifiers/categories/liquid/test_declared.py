@@ -26,10 +26,15 @@ def _turned(profile: list[tuple[float, float]]) -> Part:
     return Part(shape=Revolution(profile=profile, segments=14))
 
 
-def vase(wall: float, *, neck: float = 0.098, breaks: bool = True, spacing: float = S) -> dict[str, Entity]:
-    """A vase 27 cm wide inside that is full of water, with walls of so many metres, on a floor."""
-    outer = [(0.0, 0.0), (neck + 0.02, 0.0), (neck + 0.06, 0.22), (neck + 0.02, 0.4), (neck + 0.02, 0.5)]
-    inner = [(neck + 0.02 - wall, 0.5), (neck + 0.02 - wall, 0.4), (neck + 0.06 - wall, 0.22), (neck + 0.02 - wall, 0.035)]
+def vase(wall: float, *, neck: float = 0.098, bulge: float = 0.04, breaks: bool = True, spacing: float = S) -> dict[str, Entity]:
+    """A vase that is full of water, 27 cm wide inside if nothing is said, with walls of so many metres, on a floor."""
+    outer = [(0.0, 0.0), (neck + 0.02, 0.0), (neck + 0.02 + bulge, 0.22), (neck + 0.02, 0.4), (neck + 0.02, 0.5)]
+    inner = [
+        (neck + 0.02 - wall, 0.5),
+        (neck + 0.02 - wall, 0.4),
+        (neck + 0.02 + bulge - wall, 0.22),
+        (neck + 0.02 - wall, 0.035),
+    ]
     vessel = sw.entity(_turned([*outer, *inner, (0.0, 0.035)]), motion="dynamic", size=(0.32, 0.32, 0.5))
     if breaks:
         pattern = VoronoiPattern(pieces=8, seed=7)
@@ -58,11 +63,11 @@ def test_a_full_vase_is_as_wide_as_it_is_and_its_pieces_as_thick_as_its_wall(tmp
 
 
 def test_a_bottle_of_three_spacings_is_too_thin_and_the_patch_cures_it(tmp_path: Path) -> None:
-    row = judged(tmp_path, vase(0.02, neck=-0.007))["across"]
+    row = judged(tmp_path, vase(0.02, neck=0.012, bulge=0.02))["across"]
     assert (row.status, row.bound) == ("unverified", 5.0)
     assert row.measured == pytest.approx(3.1, abs=0.4)
     finer = float(row.corrections[0].patch[0]["value"])  # type: ignore[arg-type]
-    assert judged(tmp_path, vase(0.02, neck=-0.007, spacing=finer), finer)["across"].status == "pass"
+    assert judged(tmp_path, vase(0.02, neck=0.012, bulge=0.02, spacing=finer), finer)["across"].status == "pass"
 
 
 @pytest.mark.parametrize("breaks", [True, False])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from ....worlds.arrays import F64
 from ....worlds.categories.liquid.facts import spacing_of
 from ....worlds.predicates import atoms_of
 from ...rows.findings import Finding
@@ -39,34 +40,39 @@ class Across:
     questions: ClassVar[Mapping[str, Question]] = ACROSS
 
     def __init__(self, liquid: Liquid) -> None:
-        self.candidate, self.solver = liquid.candidate, liquid.solver
-        self.there: set[int] = set()
+        self.liquid = Declared(liquid.candidate, liquid.solver)
+        self.there: dict[str, float] = {}
 
     def see(self, step: Step) -> None:
-        """Note which members are there at frame 0."""
-        if step.now.index == 0:
-            self.there = {int(k) for k in np.unique(step.now.fluid)}
+        """Note which members are there at frame 0, and how thick those are whose volume does not tell."""
+        for number, member in enumerate(step.liquid.members if step.now.index == 0 else ()):
+            points = step.now.position[step.now.fluid == number]
+            if len(points):
+                extent = self.liquid.across(member)
+                self.there[member] = _measured(points, self.liquid.spacing) if extent is None else extent
 
     def findings(self) -> dict[str, Finding]:
         """The finding of `across_finding`."""
-        return {"across": across_finding(Declared(self.candidate, self.solver), self.there)}
+        return {"across": across_finding(self.liquid, self.there)}
 
 
-def across_finding(liquid: Declared, there: set[int] | None = None) -> Finding:
+def across_finding(liquid: Declared, there: Mapping[str, float] | None = None) -> Finding:
     """The thinnest member of which something is asked that its thickness decides; else the thinnest of all.
 
     Args:
         liquid: as it is declared.
-        there: numbers of the members that have particles at frame 0; default all that are declared to have some.
+        there: thickness of the members that have particles at frame 0 [m]; default as their volumes tell.
     """
-    thick = {}
     s = production_spacing(liquid.candidate, liquid.solver)
-    for number, member in enumerate(liquid.members):
-        extent = liquid.across(member) if there is None or number in there else None
-        if extent is not None:
-            thick[member] = extent / s
+    known = {m: liquid.across(m) for m in liquid.members} if there is None else there
+    thick = {member: extent / s for member, extent in known.items() if extent is not None}
     if not thick:
-        return Finding("not_applicable", "no liquid is there at frame 0")
+        text = (
+            "no liquid is there at frame 0"
+            if there is not None
+            else "no volume is declared that tells before its particles are there"
+        )
+        return Finding("not_applicable", text)
     asked = {m: why for m in thick if (why := _asked(liquid.candidate.spec, liquid.solver, m))}
     name = min(thick, key=lambda m: (not (m in asked and _thin(thick[m])), thick[m]))
     value = thick[name]
@@ -106,6 +112,16 @@ def thin_lines(spec: WorldSpec) -> list[dict[str, str]]:
 
 def _thin(value: float) -> bool:
     return value < LEAST_ACROSS * (1.0 - ROUNDED)
+
+
+def _measured(points: F64, spacing: float) -> float:
+    """Widest ball of cubes with particles, across [m], within about a spacing; cubes that lie between others count as full."""
+    from scipy.ndimage import binary_closing, distance_transform_edt
+
+    cell = np.floor((points - points.min(axis=0)) / spacing + 0.5).astype(np.intp)
+    grid = np.zeros(cell.max(axis=0) + 3, dtype=bool)
+    grid[tuple((cell + 1).T)] = True
+    return spacing * (2.0 * float(distance_transform_edt(binary_closing(grid) | grid).max()) - 1.0)
 
 
 def _asked(spec: WorldSpec, solver: str, member: str) -> list[str]:

@@ -26,10 +26,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Declared", "declared_extent", "production_spacing"]
 
-CELLS = 48
-"""Own choice: a body is cut into at most so many cells along each side of its box."""
+MOST_CELLS = 300_000
+"""Own choice: the box of a body is cut into about so many cells at most."""
 PER_SPACING = 8.0
 """Own choice: cells per spacing, where that are no more."""
+COARSE = 0.5
+"""[spacings] Own choice: cells of at most this size tell how thick a body is."""
 
 
 class Declared:
@@ -66,9 +68,10 @@ class Declared:
         return found
 
     def across(self, member: str) -> float | None:
-        """Diameter of the widest ball in a member's volume, less the solids in it [m]; None where nothing closed is declared.
+        """Diameter of the widest ball in a member's volume, less the solids in it [m].
 
-        Of one simple shape it is exact; of any other it is found on cells, at most one cell more.
+        Of one simple shape it is exact; of any other it is found on cells, at most one cell more. None where nothing closed is declared, and of
+        what is so large that a cell would be more than `COARSE`: its particles tell.
         """
         known = declared_extent(self.candidate.spec, member)
         return self.candidate.memo(("across", self.solver, member), lambda: self._widest(member)) if known is None else known
@@ -81,7 +84,10 @@ class Declared:
             return None
         corners = np.concatenate([pose.apply(s.vertices) for s, pose in closed])
         low, size = corners.min(axis=0), np.ptp(corners, axis=0)
-        counts = np.clip(np.ceil(size * PER_SPACING / self.spacing), 1, CELLS).astype(int)
+        wanted = max(self.spacing / PER_SPACING, float(np.cbrt(np.prod(size) / MOST_CELLS)))
+        counts = np.maximum(np.ceil(size / wanted), 1).astype(int)
+        if wanted > COARSE * self.spacing:
+            return None
         cell = size / counts
         points = low + (np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, 3) + 0.5) * cell
         inside = self._inside(member, points)

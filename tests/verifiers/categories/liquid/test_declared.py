@@ -11,8 +11,10 @@ from worldagent.testing.defects import _liquid_scenes as scenes
 from worldagent.testing.worlds import small_worlds as sw
 from worldagent.testing.worlds.liquid_worlds import Flow, liquid_world, water
 from worldagent.verifiers.categories.check import check_declared
-from worldagent.verifiers.categories.liquid import check as liquid
 from worldagent.verifiers.categories.liquid.corrections import rounded_down
+from worldagent.verifiers.categories.liquid.declared import Declared
+from worldagent.verifiers.categories.liquid.frames import liquid_of
+from worldagent.verifiers.categories.liquid.obstacles import obstacles_finding
 from worldagent.verifiers.categories.liquid.resolved import Resolved
 from worldagent.verifiers.rows.findings import Finding
 from worldagent.worlds.candidate import Candidate
@@ -103,19 +105,22 @@ def _coming(wet_from: int) -> Flow:
     return Flow(spec, places, [np.zeros_like(points)] * FRAMES, [np.arange(len(points))] * FRAMES, S**3, names)
 
 
-def _obstacles(monkeypatch: pytest.MonkeyPatch, candidate: Candidate) -> Finding:
-    monkeypatch.setattr(liquid, "WATCHES", (Resolved,))
-    return next(f for watch in liquid.findings_of(candidate, "water").values() for n, (_, f) in watch.items() if n == "obstacles")
+def _obstacles(candidate: Candidate) -> Finding:
+    liquid = liquid_of(candidate, "water")
+    watch = Resolved(liquid)
+    for step in liquid.steps():
+        watch.see(step)
+    return obstacles_finding(Declared(candidate, "water"), watch.visited)
 
 
-def test_what_gets_wet_later_stops_no_probe_and_fails_the_whole_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_what_gets_wet_later_stops_no_probe_and_fails_the_whole_run(tmp_path: Path) -> None:
     whole = _coming(REACHES).candidate(tmp_path)
-    dry = _obstacles(monkeypatch, whole.until(REACHES - 2))
+    dry = _obstacles(whole.until(REACHES - 2))
     assert dry.status == "pass", dry.text
-    begun = _obstacles(monkeypatch, whole.until(REACHES + 1))
+    begun = _obstacles(whole.until(REACHES + 1))
     assert (begun.status, begun.frames) == ("unverified", (0, FRAMES - 1)), begun.text
     assert "later frames decide" in begun.text
-    ended = _obstacles(monkeypatch, whole)
+    ended = _obstacles(whole)
     assert (ended.status, ended.entity) == ("fail", "sheet"), ended.text
-    never = _obstacles(monkeypatch, _coming(FRAMES).candidate(tmp_path / "never"))
+    never = _obstacles(_coming(FRAMES).candidate(tmp_path / "never"))
     assert never.status == "pass", never.text

@@ -81,6 +81,7 @@ class IdCaster:
         only: Sequence[int] | None = None,
         window: tuple[int, int, int, int] | None = None,
         until: float = np.inf,
+        normals: bool = True,
     ) -> IdImage:
         """Look at the instances at `poses`.
 
@@ -90,6 +91,7 @@ class IdCaster:
             only: indices of the instances to look at, as if the others were not there; default all.
             window: first and last (exclusive) column, first and last row of the part of the picture to cast; default all.
             until: triangles that lie whole beyond this depth [m] may be left out.
+            normals: whether to work normals out; without, they are 0.
 
         Raises:
             InputError: the number of poses differs from the number of instances, or the window is empty or beyond the picture.
@@ -111,7 +113,7 @@ class IdCaster:
         index, rectangle = _rectangles(camera, local, self._faces, faces, (x0, x1, y0, y1))
         buffer = _Buffer(camera, (x0, x1, y0, y1))
         buffer.draw(local[self._faces[index]], index, rectangle)
-        return self._image(camera, local, buffer)
+        return self._image(camera, local, buffer, normals=normals)
 
     def _camera_vertices(self, camera: Camera, poses: Sequence[RigidPose], chosen: NDArray[np.bool_]) -> F64:
         """Vertices of the chosen instances in camera coordinates with the viewing axis as +z: (right, down, forward)."""
@@ -125,20 +127,21 @@ class IdCaster:
             local[part] = self._vertices[part] @ turn.T + flip @ (pose.position - camera.position)
         return local
 
-    def _image(self, camera: Camera, local: F64, buffer: _Buffer) -> IdImage:
+    def _image(self, camera: Camera, local: F64, buffer: _Buffer, *, normals: bool) -> IdImage:
         face = buffer.face.reshape(buffer.height, buffer.width)
         hit = face >= 0
         ids = np.full(face.shape, -1, dtype=np.int32)
         ids[hit] = self._owner[face[hit]]
-        seen, inverse = np.unique(face[hit], return_inverse=True)
-        corner = local[self._faces[seen]]
-        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
-        normals = np.zeros((*face.shape, 3), dtype=np.float32)
-        flip = np.array([1.0, -1.0, -1.0])[:, None] * camera.axes
-        normals[hit] = (normal @ flip)[inverse]
+        facing = np.zeros((*face.shape, 3), dtype=np.float32)
+        if normals:
+            seen, inverse = np.unique(face[hit], return_inverse=True)
+            corner = local[self._faces[seen]]
+            normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+            normal /= np.linalg.norm(normal, axis=1)[:, None]
+            flip = np.array([1.0, -1.0, -1.0])[:, None] * camera.axes
+            facing[hit] = (normal @ flip)[inverse]
         depth = np.where(hit, buffer.depth.reshape(face.shape), np.inf).astype(np.float32)
-        return IdImage(ids, depth, normals)
+        return IdImage(ids, depth, facing)
 
 
 def _rectangles(

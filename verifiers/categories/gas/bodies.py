@@ -13,6 +13,7 @@ import numpy as np
 from ....worlds.arrays import F64
 from ..liquid.solids import pieces_of, rows_within
 from .cells import neighbours
+from .outflow import layer
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -73,6 +74,16 @@ class Bodies:
             return found
 
         return self._made("apart", frame, look) > 0.0
+
+    def beyond(self, frame: GasFrame, side: int, reach: float) -> F64:
+        """Depth as `depth_in` of points so far beyond a side [cells], one for each cell along it."""
+
+        def look(frame: GasFrame) -> F64:
+            points = layer(frame.centers, side)
+            points[..., side // 2] += (0.5 + reach) * (1.0 if side % 2 else -1.0) * frame.cell
+            return self._points(points, frame, 0.0)
+
+        return self._made(f"beyond {side} {reach}", frame, look)
 
     def blocked(self, frame: GasFrame) -> tuple[Mask, Mask, Mask]:
         """Faces between neighbours along each axis whose middles are in a body, (nx - 1, ny, nz), (nx, ny - 1, nz), (nx, ny, nz - 1)."""

@@ -72,12 +72,9 @@ class Places:
     def _thickness(self, now: GasFrame, side: int) -> float:
         """Largest optical depth along a side; along a closed one, of what is against no body."""
         box = self.box
-        soot = layer(now.soot * now.room, side)
+        soot = layer(now.held, side)
         if box.sides[side] == "closed":
-            points = layer(now.centers, side)
-            points[..., side // 2] += (0.5 + BEYOND) * (1.0 if side % 2 else -1.0) * box.cell
-            beyond = depth_in(box.bodies.pieces, points.reshape(-1, 3), now.index, 0.0).reshape(soot.shape)
-            soot = np.where(beyond == -np.inf, soot, 0.0)
+            soot = np.where(box.bodies.beyond(now, side, BEYOND) == -np.inf, soot, 0.0)
         return box.extinction * box.cell * max(float(soot.sum(axis=a).max(initial=0.0)) for a in range(2))
 
     def findings(self) -> dict[str, Finding]:

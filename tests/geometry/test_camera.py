@@ -144,6 +144,16 @@ def test_a_window_shows_what_the_whole_picture_shows_there() -> None:
         caster.cast(view, poses, window=(5, 5, 0, 1))
 
 
+def test_a_picture_without_normals_shows_the_same() -> None:
+    caster = IdCaster([mesh_of(trimesh.creation.box((1, 1, 1))), mesh_of(trimesh.creation.icosphere(4, 0.3))])
+    view, poses = camera((2.0, -3.0, 1.0)), [at(), at(0.2, -1, 0.1)]
+    whole, bare = caster.cast(view, poses), caster.cast(view, poses, normals=False)
+    np.testing.assert_array_equal(whole.ids, bare.ids)
+    np.testing.assert_array_equal(whole.depth, bare.depth)
+    assert np.abs(whole.normals).max() > 0.5
+    assert not bare.normals.any()
+
+
 def test_a_turned_camera_shows_the_same_turned() -> None:
     """A quarter turn: right becomes up."""
     view = camera((0, -4.0, 0), size=(64, 64))

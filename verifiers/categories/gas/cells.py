@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 
-__all__ = ["WHOLE", "Cells", "FireCells", "Fields", "GasFrame", "Grid", "Mask", "most_near", "neighbours", "squares"]
+__all__ = ["WHOLE", "Cells", "Fields", "FireCells", "GasFrame", "Grid", "Mask", "most_near", "neighbours", "squares"]
 
 WHOLE = 0.999
 """[1] Room of a cell that no body cuts; the rest is rounding of bodies whose sides are those of cells."""
@@ -83,6 +83,10 @@ class Grid:
     def arms(self) -> F64:
         """Ways from that middle to those of cells [m], shape (nx, ny, nz, 3)."""
         return np.asarray(self.centers - self.middle)
+
+    def faces(self, axis: int) -> F64:
+        """Middles of the faces between neighbours along an axis [m], one fewer along it than cells."""
+        return np.asarray(neighbours(self.centers, axis)[0] + 0.5 * self.cell * np.eye(3)[axis])
 
 
 class Fields:

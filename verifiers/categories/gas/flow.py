@@ -15,7 +15,7 @@ from ....worlds.arrays import F64
 from ....worlds.fields import fields_of
 from ...rows.findings import Finding
 from .bounds import DIVERGENT, EMITTED, ENERGY, PROJECTED
-from .cells import WHOLE, most_near, squares
+from .cells import WHOLE, most_near
 from .outflow import outflow
 from .questions import FLOW
 from .rows import kept_within, recomputed
@@ -140,13 +140,15 @@ class Flow:
         return abs(float(net[about].sum()) * box.volume - rate) / rate
 
     def _work(self, now: GasFrame, before: GasFrame | None) -> None:
+        from .flow_kernels import driven, moving
+
         box = self.box
-        motion = 0.5 * box.volume * box.density(now) * now.room * squares(box.velocity(now))
+        motion = moving(0.5 * box.volume, box.density(now), now.room, box.velocity(now))
         whole = box.bodies.depth(now) == -np.inf
-        self.kinetic.append((float(motion[whole].sum()), float(motion.sum())))
-        known = 0.0 if before is None else float(motion[before.active].sum())
-        self.taken_in.append(0.0 if before is None else float(motion.sum()) - known)
-        heavier = (now.soot - box.air * box.lightness(now)) * now.room * box.volume
+        total = float(motion.sum())
+        self.kinetic.append((float(motion[whole].sum()), total))
+        self.taken_in.append(0.0 if before is None else total - float(motion[before.active].sum()))
+        heavier = driven(now.soot, box.lightness(now), box.air, now.room, box.volume)
         power = float(np.sum(heavier * (box.velocity(now) @ box.gravity)))
         time = box.duration * now.index
         self.struck.append(any(s.changes(time - box.duration, time) for s in box.sources))

@@ -6,7 +6,7 @@ Sums and products are taken in the order of the formulas that `flow.py` and `tra
 import numpy as np
 from numba import njit
 
-__all__ = ["blurred", "mirrored", "netted", "through"]
+__all__ = ["blurred", "driven", "mirrored", "moving", "netted", "through"]
 
 
 @njit(cache=True, nogil=True)
@@ -86,6 +86,29 @@ def blurred(values):
         for j in range(ny):
             for k in range(nz):
                 out[i, j, k] = _mean(two[j, max(k - 1, 0)], two[j, k], two[j, min(k + 1, nz - 1)])
+    return out
+
+
+@njit(cache=True, nogil=True)
+def moving(half, density, room, velocity):
+    """Energy of motion of cells; `half`: half of their volume."""
+    out = np.empty(density.shape)
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            for k in range(out.shape[2]):
+                x, y, z = velocity[i, j, k, 0], velocity[i, j, k, 1], velocity[i, j, k, 2]
+                out[i, j, k] = half * density[i, j, k] * room[i, j, k] * (x * x + y * y + z * z)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def driven(soot, light, air, room, volume):
+    """Mass of cells beyond that of ambient air [kg]; `air`: its density."""
+    out = np.empty(light.shape)
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            for k in range(out.shape[2]):
+                out[i, j, k] = (soot[i, j, k] - air * light[i, j, k]) * room[i, j, k] * volume
     return out
 
 

@@ -176,9 +176,7 @@ class GasBox:
         """Amount that neither flow nor burning raises: soot [kg/m^3], or the mass of fuel, burnt or not, in a mass of gas."""
         if self.combustion is None:
             return self.tracer(frame)
-        return self.fields.of(
-            frame, "concentration", lambda: np.where(frame.open, self.tracer(frame) / self.density(frame), 0.0)
-        )
+        return self.fields.of(frame, "concentration", lambda: np.where(frame.open, self.tracer(frame) / self.density(frame), 0.0))
 
     def source_tracer(self, member: str) -> float:
         """`tracer` of what a source lets out [kg/m^3]."""
@@ -251,7 +249,9 @@ class GasBox:
         corner = np.asarray(data["gas_corner"], dtype=np.float64)
         soot, temperature, velocity, room = (data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room"))
         part = self._part(index, data)
-        return GasFrame(index, self.cell, corner, soot, temperature, velocity, room, fire, part, self._places(corner), self.fields)
+        return GasFrame(
+            index, self.cell, corner, soot, temperature, velocity, room, fire, part, self._places(corner), self.fields
+        )
 
     def _places(self, corner: F64) -> Grid:
         """Places of the cells of a box at a corner."""

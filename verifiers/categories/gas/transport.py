@@ -59,6 +59,8 @@ class Transport:
         self.flow = flow
 
     def _reached(self, now: GasFrame, before: GasFrame) -> None:
+        from .extreme_kernels import out_of_reach
+
         box, (way, walls) = self.box, reach_of(self.box, now, before)
         lit = _emitting(box, now)
         most = max([0.0, *(box.source_concentration(s.entity) for s in box.sources), *(source for _, source in lit)])
@@ -67,18 +69,20 @@ class Transport:
         for cells, source in lit:
             upper, lower = (np.where(cells, np.maximum(a, s), a) for a, s in ((upper, source), (lower, -source)))
         highest = within_reach(upper, way, walls, (0.0,) * 6)
-        lowest = -within_reach(lower, way, walls, tuple(0.0 if s == "open" else -np.inf for s in box.sides))
-        soot = np.where(now.room > SLIVER, box.concentration(now), np.nan)
-        for name, kept, excess in (("continuity", self.over, soot - highest), ("gaps", self.under, lowest - soot)):
-            excess = np.where(np.isfinite(excess), excess, 0.0)
-            kept.append(max(0.0, float(excess.max())) / scale)
+        lowest = within_reach(lower, way, walls, tuple(0.0 if s == "open" else -np.inf for s in box.sides))
+        held, room = (np.ascontiguousarray(a) for a in (box.concentration(now), now.room))
+        over, first, under, second = out_of_reach(held, room, np.float32(SLIVER), highest, lowest)
+        for name, kept, excess, at in (("continuity", self.over, over, first), ("gaps", self.under, under, second)):
+            kept.append(float(excess) / scale)
             if kept[-1] > SEEP:
-                self.where[name, now.index] = now.place(np.unravel_index(int(excess.argmax()), excess.shape))
+                self.where[name, now.index] = now.place(np.unravel_index(int(at), room.shape))
 
     def _carried(self, n: int, now: GasFrame, before: GasFrame, flow: Outflow, last: Outflow) -> float:
         """Difference of the way of the middle over that of the velocities."""
         box, step, middle = self.box, self.box.duration, now.places.middle
-        (new, new_rate, new_path, new_doubt), (old, old_rate, old_path, old_doubt) = (_moments_of(box, f, n) for f in (now, before))
+        (new, new_rate, new_path, new_doubt), (old, old_rate, old_path, old_doubt) = (
+            _moments_of(box, f, n) for f in (now, before)
+        )
         came, loose = np.zeros(3), 0.0
         for source in box.sources:
             physics = box.physics(source.entity)

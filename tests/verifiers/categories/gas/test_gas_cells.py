@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.ndimage import maximum_filter, minimum_filter
 from worldagent.verifiers.categories.gas.cells import Fields, GasFrame, Grid, most_near, squares
+from worldagent.verifiers.categories.gas.extreme_kernels import extremes, hottest_beyond, out_of_reach, sootiest_beyond
 from worldagent.verifiers.categories.gas.flow import mirrored, net_outflow
-from worldagent.verifiers.categories.gas.flow_kernels import blurred, through
+from worldagent.verifiers.categories.gas.flow_kernels import blurred, driven, moving, through
 
 SHAPE = (13, 9, 17)
 
@@ -95,3 +96,39 @@ def test_frames_of_a_box_that_stands_still_share_their_places() -> None:
     assert one.centers[2, 3, 4] == pytest.approx([1.25, 2.35, 3.45])
     assert (one.places.arms == one.centers - grid.middle).all()
     assert grid.middle == pytest.approx([1.65, 2.45, 3.85])
+
+
+def test_energies_and_weights_of_cells_are_products_in_their_order() -> None:
+    density, room, velocity = np.abs(draw()), np.abs(draw()).astype(np.float32), draw(3)
+    assert moving(0.37, density, room, velocity).tobytes() == (0.37 * density * room * squares(velocity)).tobytes()
+    soot, light = draw().astype(np.float32), 0.3 * draw()
+    assert driven(soot, light, 1.2, room, 0.37).tobytes() == ((soot - 1.2 * light) * room * 0.37).tobytes()
+
+
+def test_what_is_out_of_reach_is_the_greatest_excess_of_cells_with_room() -> None:
+    rng = np.random.default_rng(9)
+    held, highest, lowest = draw(), draw() + rng.random(SHAPE), -draw() - rng.random(SHAPE)
+    room = rng.choice(np.array([0.0, 0.3, 0.31, 1.0], dtype=np.float32), size=SHAPE)
+    held[3, 4, 5], highest[1, 2, 3], lowest[2, 3, 4] = np.nan, -np.inf, np.inf
+    soot = np.where(room > 0.3, held, np.nan)
+    expected: list[float] = []
+    for excess in (soot - highest, -lowest - soot):
+        excess = np.where(np.isfinite(excess), excess, 0.0)
+        expected += [float(excess.max()), int(excess.argmax())]
+    assert (room == np.float32(0.3)).any()
+    assert min(expected[::2]) > 0.0
+    assert [*out_of_reach(held, room, np.float32(0.3), highest, lowest)] == expected
+
+
+def test_extremes_are_those_of_open_cells_and_none_is_beyond_within_the_bounds() -> None:
+    room = np.random.default_rng(2).choice(np.array([0.0, 0.5, 1.0], dtype=np.float32), size=SHAPE)
+    light, soot = draw(), draw().astype(np.float32)
+    assert extremes(soot, room) == (soot[room > 0.0].min(), soot[room > 0.0].max())
+    assert extremes(soot, np.zeros_like(room)) == (np.inf, -np.inf)
+    off = np.maximum(-0.5 - light, light - 0.7) * (room > 0.0) / 0.3
+    assert hottest_beyond(light, room, -0.5, 0.7, 0.3) == (off.max(), off.argmax())
+    thick = np.maximum(-soot, soot - 0.7) * (room > 0.0) / 0.3
+    assert thick.dtype == np.float32
+    assert sootiest_beyond(soot, room, np.float32(0.7), np.float32(0.3)) == (thick.max(), thick.argmax())
+    assert hottest_beyond(light, room, -9.0, 9.0, 0.3)[0] == 0.0
+    assert sootiest_beyond(np.abs(soot), room, np.float32(9.0), np.float32(0.3))[0] == 0.0

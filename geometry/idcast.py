@@ -207,51 +207,33 @@ class _Buffer:
         wide, high = rectangle[:, 1] - rectangle[:, 0], rectangle[:, 3] - rectangle[:, 2]
         area = wide.astype(np.int64) * high
         large = np.flatnonzero(area > LARGE)
-        for k in large[_reaching(edge[large], rectangle[large])]:
-            self._draw_large(edge[k], int(index[k]), rectangle[k])
+        large = large[_reaching(edge[large], rectangle[large])]
+        self._draw_large(edge[large], index[large], rectangle[large])
         small = np.flatnonzero(area <= LARGE)
-        total = np.cumsum(area[small])
-        start = 0
-        while start < len(small):
-            stop = max(start + 1, int(np.searchsorted(total, (total[start - 1] if start else 0) + CHUNK, side="right")))
-            part = small[start:stop]
-            self._draw_small(edge[part], index[part], rectangle[part], wide[part], area[part])
-            start = stop
+        self._draw_small(edge[small], index[small], rectangle[small], _chunks(area[small]))
 
-    def _draw_large(self, edge: F64, index: int, rectangle: I32) -> None:
-        x0, x1, y0, y1 = (int(v) for v in rectangle)
-        column, row = np.arange(x0, x1), np.arange(y0, y1)[:, None]
-        inverse = np.zeros((y1 - y0, x1 - x0))
-        least = np.full(inverse.shape, np.inf)
-        for k in range(3):
-            value = (edge[k, 0] * column + edge[k, 2]) + edge[k, 1] * row
-            np.minimum(least, value, out=least)
-            inverse += value
-        part = (slice(y0 - self.top, y1 - self.top), slice(x0 - self.left, x1 - self.left))
-        depth, face = (values.reshape(self.height, self.width)[part] for values in (self.depth, self.face))
-        inside = (least >= -SEAM * inverse) & (inverse > 0.0)
-        hit = np.where(inside, 1.0 / np.where(inside, inverse, 1.0), np.inf)
-        hit[hit < NEAR] = np.inf
-        closer = hit < depth
-        depth[closer] = hit[closer]
-        face[closer] = index
+    def _draw_large(self, edge: F64, index: NDArray[np.intp], rectangle: I32) -> None:
+        from .draw_kernels import draw_large
 
-    def _draw_small(self, edge: F64, index: NDArray[np.intp], rectangle: I32, wide: I32, area: NDArray[np.int64]) -> None:
-        owner = np.repeat(np.arange(len(index)), area)
-        offset = np.arange(len(owner)) - np.repeat(np.cumsum(area) - area, area)
-        row, column = np.divmod(offset, wide[owner])
-        row += rectangle[owner, 2]
-        column += rectangle[owner, 0]
-        inverse = np.zeros(len(owner))
-        least = np.full(len(owner), np.inf)
-        for k in range(3):
-            value = edge[owner, k, 0] * column + edge[owner, k, 1] * row + edge[owner, k, 2]
-            np.minimum(least, value, out=least)
-            inverse += value
-        hit = np.flatnonzero((least >= -SEAM * inverse) & (inverse > 0.0))
-        depth = 1.0 / inverse[hit]
-        pixel = (row[hit] - self.top) * self.width + column[hit] - self.left
-        np.minimum.at(self.depth, pixel, np.where(depth >= NEAR, depth, np.inf))
-        front = depth == self.depth[pixel]
-        # The first triangle of equals wins, whatever the chunking.
-        self.face[pixel[front][::-1]] = index[owner[hit[front]]][::-1]
+        draw_large(edge, index, rectangle, (self.left, self.top), (SEAM, NEAR), *self._pictures)
+
+    def _draw_small(self, edge: F64, index: NDArray[np.intp], rectangle: I32, chunk: NDArray[np.int64]) -> None:
+        from .draw_kernels import draw_small
+
+        draw_small(edge, index, rectangle, chunk, (self.left, self.top), (SEAM, NEAR), *self._pictures)
+
+    @property
+    def _pictures(self) -> tuple[F64, NDArray[np.int64]]:
+        """Depths and triangles by row and column."""
+        return self.depth.reshape(self.height, self.width), self.face.reshape(self.height, self.width)
+
+
+def _chunks(area: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number of the chunk of each triangle, of as many as have `CHUNK` pixels together."""
+    total, found = np.cumsum(area), np.zeros(len(area), dtype=np.int64)
+    start = number = 0
+    while start < len(area):
+        stop = max(start + 1, int(np.searchsorted(total, (total[start - 1] if start else 0) + CHUNK, side="right")))
+        found[start:stop] = number
+        start, number = stop, number + 1
+    return found

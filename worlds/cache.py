@@ -372,3 +372,10 @@ class Cache:
     def frame_digest(self, frame: int) -> str:
         """Digest of one frame's arrays, whatever they are."""
         return digest_arrays(read_container(self.path(frame)))
+
+    def seen_digest(self, frame: int) -> str:
+        """The same of a small cache by what `seen` gives of it: the arrays that are judged."""
+        try:
+            return digest_arrays(self._whole(frame)) if self._small else self.frame_digest(frame)
+        except EvidenceError:
+            return self.frame_digest(frame)

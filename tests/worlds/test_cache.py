@@ -234,6 +234,7 @@ def test_a_frame_that_is_kept_is_seen_as_it_was_read(tmp_path: Path) -> None:
     cache = _cache(tmp_path)
     first = cache.seen(0, ("position",))["position"]
     assert first is cache.seen(0, ("position",))["position"]
+    assert [cache.seen_digest(k) for k in range(2)] == [cache.frame_digest(k) for k in range(2)] == cache.digests()
     assert (first == cache.read(0, ("position",))["position"]).all()
     with pytest.raises(EvidenceError, match="lacks a channel"):
         cache.seen(0, ("velocity",))

@@ -120,7 +120,7 @@ def digest_of(candidate: Candidate, cache: Cache, frame: int) -> str:
     Raises:
         EvidenceError: it is missing or damaged.
     """
-    return candidate.memo(("digest", cache.folder, frame), lambda: cache.frame_digest(frame))
+    return candidate.memo(("digest", cache.folder, frame), lambda: cache.seen_digest(frame))
 
 
 FUNCTIONS: Mapping[Question, Function] = {FRAMES: frames, DIGEST: digest}

@@ -71,7 +71,7 @@ def test_blurred_values_are_means_along_each_axis_and_sides_go_on() -> None:
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_faces_take_what_the_cell_has_that_gas_comes_from(axis: int) -> None:
     amount, velocity = draw(), draw(3).astype(np.float32)
-    (a, b), (u, v) = ((part(x, axis, k, SHAPE[axis] - 1) for k in (0, 1)) for x in (amount, velocity[..., axis]))
+    (a, b), (u, v) = ([part(x, axis, k, SHAPE[axis] - 1) for k in (0, 1)] for x in (amount, velocity[..., axis]))
     middle = 0.5 * (u.astype(np.float64) + v.astype(np.float64))
     assert through(amount, velocity, axis).tobytes() == (np.where(middle > 0.0, a, b) * middle).tobytes()
 
@@ -107,7 +107,7 @@ def test_energies_and_weights_of_cells_are_products_in_their_order() -> None:
 
 def test_what_is_out_of_reach_is_the_greatest_excess_of_cells_with_room() -> None:
     rng = np.random.default_rng(9)
-    held, highest, lowest = draw(), draw() + rng.random(SHAPE), -draw() - rng.random(SHAPE)
+    held, highest, lowest = draw(), draw() + rng.random(SHAPE) - 0.5, -draw() - rng.random(SHAPE) + 0.5
     room = rng.choice(np.array([0.0, 0.3, 0.31, 1.0], dtype=np.float32), size=SHAPE)
     held[3, 4, 5], highest[1, 2, 3], lowest[2, 3, 4] = np.nan, -np.inf, np.inf
     soot = np.where(room > 0.3, held, np.nan)

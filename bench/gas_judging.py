@@ -34,8 +34,8 @@ from ..worlds.spec import WorldSpec
 __all__ = ["SMALL", "Judged", "judged_world", "run"]
 
 T = TypeVar("T")
-SMALL = ("bowl", "candle", "chimney", "kettle", "rockfall")
-"""Recorded worlds that a core simulates within a few minutes."""
+SMALL = ("blower", "bowl", "candle", "chimney", "kettle")
+"""Recorded worlds that a core simulates within a minute."""
 WARM = 3
 """Frames of the run that compiles."""
 
@@ -45,9 +45,9 @@ class Judged(NamedTuple):
 
     simulated: float
     static: dict[str, float]
-    """Of each check at the static stage."""
+    """Seconds of each check at the static stage."""
     full: dict[str, float]
-    """Of opening the bake, and of each check of it."""
+    """Seconds of opening the bake, and of each check of it."""
     open_rows: tuple[str, ...]
     """Rows of the bake that neither pass nor have no case."""
 
@@ -108,7 +108,7 @@ def judged_world(spec: WorldSpec, root: Path) -> Judged:
 
 
 def _timed(work: Callable[[], T]) -> tuple[T, float]:
-    """What a call gives, and its processor seconds."""
+    """Result of a call, and its processor seconds."""
     began = worked()
     found = work()
     return found, worked() - began

@@ -47,7 +47,7 @@ PAIRS = ("contact/pair", "event/pair", "impact/pair")
 KEPT_BYTES = 256_000_000
 """Caches up to this size are kept in memory while a verification reads them."""
 LITTLE_BYTES = 4096
-"""Of larger ones, the members of this size at most: records, of which a verification reads dozens, and opening a container takes longest."""
+"""The members of larger ones that are kept, of this size at most: records, of which a verification reads dozens, and opening a container takes longest."""
 
 
 @dataclass(frozen=True)

@@ -117,11 +117,11 @@ class Bodies:
         return frame.fields.of(frame, ("bodies", name), lambda: of(self._movers, still)) if self.moving else still
 
     def _made(self, name: str, frame: GasFrame, make: Callable[[], T]) -> T:
-        """What is worked out of bodies, made anew where they or the box have moved."""
+        """A field that follows from bodies, made anew where they or the box have moved."""
         return frame.fields.of(frame, ("of bodies", name), make) if self.moving else self._standing(("of", name), frame, make)
 
     def _standing(self, name: Hashable, frame: GasFrame, make: Callable[[], T]) -> T:
-        """What is the same while the box stands."""
+        """A field that is the same while the box stands, made once for each place of it."""
         kept = self._kept.get(name)
         if kept is None or not bool((kept[0] == frame.corner).all()):
             kept = self._kept[name] = (frame.corner, make())

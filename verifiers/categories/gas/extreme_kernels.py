@@ -11,7 +11,7 @@ __all__ = ["extremes", "hottest_beyond", "out_of_reach", "sootiest_beyond"]
 
 @njit(cache=True, nogil=True)
 def out_of_reach(held, room, sliver, highest, lowest):
-    """Of cells with more room than a sliver: above the highest and below the lowest, which is given with its sign turned."""
+    """Excess above the highest and below the lowest, given with its sign turned, of cells with more room than a sliver."""
     held, room, highest, lowest = held.ravel(), room.ravel(), highest.ravel(), lowest.ravel()
     over, under, first, second = 0.0, 0.0, 0, 0
     for n in range(held.size):
@@ -37,7 +37,7 @@ def extremes(values, room):
 
 @njit(cache=True, nogil=True)
 def hottest_beyond(light, room, low, high, span):
-    """Of open cells: lightness below the low or above the high, over a span."""
+    """Lightness of open cells below the low or above the high, over a span."""
     light, room = light.ravel(), room.ravel()
     most, first = 0.0, 0
     for n in range(light.size):
@@ -50,7 +50,7 @@ def hottest_beyond(light, room, low, high, span):
 
 @njit(cache=True, nogil=True)
 def sootiest_beyond(soot, room, high, span):
-    """Of open cells: soot below none or above the high, over a span, all in single precision."""
+    """Soot of open cells below none or above the high, over a span, all in single precision."""
     soot, room = soot.ravel(), room.ravel()
     most, first = np.float32(0.0), 0
     for n in range(soot.size):

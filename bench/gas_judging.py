@@ -15,6 +15,7 @@ import statistics
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -119,7 +120,7 @@ def _rows(candidate: Candidate) -> tuple[dict[str, str], dict[str, float]]:
     statuses: dict[str, str] = {}
     seconds: dict[str, float] = {}
     for name in names_of(candidate.stage):
-        rows, seconds[name] = _timed(lambda n=name: run_checks(candidate, only=(n,), reruns=False, plates=False))
+        rows, seconds[name] = _timed(partial(run_checks, candidate, only=(name,), reruns=False, plates=False))
         statuses |= {r.id: r.status for r in rows}
     return statuses, seconds
 

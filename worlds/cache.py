@@ -20,7 +20,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -94,7 +94,7 @@ def digest_arrays(channels: Mapping[str, Any]) -> str:
     for name in sorted(channels):
         array = np.ascontiguousarray(channels[name])
         state.update(f"{name}|{array.dtype.str}|{array.shape}|".encode())
-        state.update(array.reshape(-1).view(np.uint8))
+        state.update(array.reshape(-1).view(np.uint8).data)
     return state.hexdigest()
 
 
@@ -118,7 +118,7 @@ def _plain(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
     return info
 
 
-def _member(stream: BinaryIO, info: zipfile.ZipInfo) -> bytearray:
+def _member(stream: io.BufferedReader, info: zipfile.ZipInfo) -> bytearray:
     """Bytes of a stored member of an archive; members are many and small, and `zipfile` takes long over each."""
     stream.seek(info.header_offset)
     signature, names, more = _LOCAL.unpack(stream.read(_LOCAL.size))
@@ -161,8 +161,8 @@ def _parsed(header: bytes) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     return found
 
 
-def read_container(path: Path, names: Iterable[str] | None = None, *, largest: float = math.inf) -> dict[str, Any]:
-    """Read all channels of a container, or just `names`; none whose member is larger than `largest` [bytes].
+def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, Any]:
+    """Read all channels of a container, or just `names`.
 
     Raises:
         EvidenceError: the container is missing or damaged, or a channel is not in it.
@@ -173,7 +173,7 @@ def read_container(path: Path, names: Iterable[str] | None = None, *, largest: f
             found = {n: _plain(archive, n + ".npy") for n in wanted}
             if sum(i.file_size for i in found.values()) > path.stat().st_size:
                 raise ValueError("its members promise more than the file holds")
-            return {n: _array(_member(stream, i), n) for n, i in found.items() if i.file_size <= largest}
+            return {n: _array(_member(stream, i), n) for n, i in found.items()}
     except DAMAGE as error:
         raise EvidenceError(f"cache container {path.name!r} is missing, damaged or lacks a channel: {error}") from error
 
@@ -272,14 +272,14 @@ class Cache:
         """True if every frame is there."""
         return all(self.path(k).exists() for k in range(self.index.frames))
 
-    def read(self, frame: int, names: Iterable[str] | None = None, *, largest: float = math.inf) -> dict[str, Any]:
-        """Channels of one frame, all or just `names`; none of more than `largest` bytes.
+    def read(self, frame: int, names: Iterable[str] | None = None) -> dict[str, Any]:
+        """Channels of one frame, all or just `names`.
 
         Raises:
             EvidenceError: the frame is missing or damaged, a channel is not in it, or is not as declared in `channels.py`; how many
                 rows there are is for checks to judge.
         """
-        data = read_container(self.path(frame), names, largest=largest)
+        data = read_container(self.path(frame), names)
         if wrong := mismatch(data, None):
             raise EvidenceError(f"frame {frame} of cache {self.folder.name!r}: {wrong}; bake again")
         return data
@@ -316,10 +316,12 @@ class Cache:
 
     def _channel(self, frame: int, name: str) -> Any:
         """One channel of one frame; small caches, and the records of large ones, are opened once and kept, for opening costs more than reading."""
-        try:
-            return (self._whole if self._small else self._little)(frame)[name]
-        except (EvidenceError, KeyError):
-            pass  # this channel may still be readable, and else says what is wrong with it
+        kept = self._whole if self._small else self._little if name in self._records else None
+        if kept is not None:
+            try:
+                return kept(frame)[name]
+            except (EvidenceError, KeyError):
+                pass  # this channel may still be readable, and else says what is wrong with it
         return self.read(frame, (name,))[name]
 
     @cached_property
@@ -333,7 +335,17 @@ class Cache:
 
     @kept()
     def _little(self, frame: int) -> dict[str, Any]:
-        return self.read(frame, largest=LITTLE_BYTES)
+        return self.read(frame, self._records)
+
+    @cached_property
+    def _records(self) -> tuple[str, ...]:
+        """Names of the records that are little at the first frame."""
+        try:
+            with zipfile.ZipFile(self.path(0)) as archive:
+                little = (i.filename.removesuffix(".npy") for i in archive.infolist() if i.file_size <= LITTLE_BYTES)
+                return tuple(n for n in little if n.startswith("record/"))
+        except DAMAGE:
+            return ()
 
     @kept(8)
     def ragged(self, *names: str, raw: bool = False) -> list[dict[str, Any]]:

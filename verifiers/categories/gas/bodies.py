@@ -6,6 +6,7 @@ The room of cells, which the frames hold, is the solver's word; this is another 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -80,7 +81,7 @@ class Bodies:
                 at: list[slice | int] = [slice(None)] * 3
                 at[axis] = -1 if side % 2 else 0
                 margin = (0.5 - TOUCH) * frame.cell
-                found[tuple(at)] &= self._depths(f"beyond {side}", frame, lambda b=beyond: b, margin) == -np.inf
+                found[tuple(at)] &= self._depths(f"beyond {side}", frame, partial(np.asarray, beyond), margin) == -np.inf
             return found
 
         return self._made("apart", frame, look)
@@ -102,7 +103,7 @@ class Bodies:
             depth = self._depths(f"face {axis}", frame, lambda: frame.places.faces(axis), 0.0)
             return np.asarray(depth > 0.0)
 
-        x, y, z = (self._made(f"blocked {axis}", frame, lambda a=axis: look(a)) for axis in range(3))
+        x, y, z = (self._made(f"blocked {axis}", frame, partial(look, axis)) for axis in range(3))
         return x, y, z
 
     def _depths(self, name: str, frame: GasFrame, points: Callable[[], F64], margin: float) -> F64:

@@ -7,6 +7,7 @@ sum over frames of its mean velocity.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,7 +39,7 @@ def _carried(box: GasBox, scope: Scope) -> tuple[F64, F64]:
         if index == 0:
             continue
         for k in (index - 1, index):
-            moment, length, total = box.candidate.memo(("carried soot", box.solver, k), lambda k=k: _moving(box, k))
+            moment, length, total = box.candidate.memo(("carried soot", box.solver, k), partial(_moving, box, k))
             ways[i] += 0.5 * box.duration * moment / total
             lengths[i] += 0.5 * box.duration * length / total
     return ways, lengths

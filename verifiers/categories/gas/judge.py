@@ -100,8 +100,8 @@ class GasJudge(Loose):
         amount = box.air * np.abs(box.lightness(now)) if clear else now.soot.astype(np.float64)
         held = np.flatnonzero((amount > 0.0) & now.open)
         mass = box.volume * (amount * now.room).reshape(-1)[held]
-        places, velocity = (np.take(a.reshape(-1, 3), held, axis=0) for a in (now.centers, now.velocity))
-        return Sample(places, velocity.astype(np.float64), mass)
+        velocity = np.take(now.velocity.reshape(-1, 3), held, axis=0)
+        return Sample(np.take(now.centers.reshape(-1, 3), held, axis=0), velocity.astype(np.float64), mass)
 
     def centers(self, candidate: Candidate, entity: str) -> F64:
         """Middle of the soot [m], shape (frames, 3); of its source before any came."""

@@ -8,6 +8,7 @@ identity of fluxes, which the frames at both ends bound.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -115,7 +116,7 @@ class Transport:
     def _heated(self, now: GasFrame, before: GasFrame) -> tuple[F64, float]:
         """Moment of the heat that fire gave over a frame by its power at both ends [J m], and how far that may be off."""
         box, arm = self.box, now.places.arms
-        new, old = (box.fields.of(f, "heated", lambda f=f: box.heating(f) * f.room * box.volume) for f in (now, before))
+        new, old = (box.fields.of(f, "heated", partial(_heat, box, f)) for f in (now, before))
         gave = 0.5 * box.duration * np.tensordot(new + old, arm, axes=3)
         doubt = 0.5 * box.duration * float(np.linalg.norm(np.tensordot(new - old, arm, axes=3)))
         if box.combustion is not None:
@@ -168,6 +169,11 @@ def _emitting(box: GasBox, now: GasFrame) -> list[tuple[Mask, float]]:
 def _about(flow: Outflow, n: int, middle: F64) -> F64:
     """Moment of what leaves about a place [kg m/s or W m]."""
     return np.asarray(flow.moment[n] - flow.rate[n] * middle)
+
+
+def _heat(box: GasBox, frame: GasFrame) -> F64:
+    """Power of fire that stays in each cell [W]."""
+    return np.asarray(box.heating(frame) * frame.room * box.volume)
 
 
 def _moments_of(box: GasBox, frame: GasFrame, n: int) -> tuple[F64, F64, float, float]:

@@ -93,7 +93,7 @@ def _pieces(surfaces: Surfaces, parts: Sequence[int]) -> list[list[int]]:
     label = {i: i for i in parts}
     for a, b in own_touches(surfaces, parts, joined=lambda i, j: label[i] == label[j]):
         old, new = label[b], label[a]
-        label |= {i: new for i, at in label.items() if at == old}
+        label.update({i: new for i, at in label.items() if at == old})
     groups: dict[int, list[int]] = {}
     for i, at in label.items():
         groups.setdefault(at, []).append(i)

@@ -161,7 +161,8 @@ def main() -> None:
         return
     request = json.loads(Path(path).read_text(encoding="utf-8"))
     try:
-        built = {name: load_built(Path(path)).known(digest) for name, (path, digest) in request["files"].items()}
+        kept: dict[bytes, Any] = {}
+        built = {n: load_built(Path(path), kept=kept, digest=digest) for n, (path, digest) in request["files"].items()}
         candidate = Candidate(Path(request["folder"]), WorldSpec.model_validate_json(request["spec"]), built, "static")
         judges = [getattr(importlib.import_module(module), name) for module, name in request["checks"]]
         rows = [[r.model_dump_json() for r in judge(candidate)] for judge in judges]

@@ -210,12 +210,13 @@ def save_built(built: BuiltEntity, path: Path) -> None:
     write_atomically(path, stored_zip(files))
 
 
-def load_built(path: Path, *, kept: dict[bytes, Any] | None = None) -> BuiltEntity:
+def load_built(path: Path, *, kept: dict[bytes, Any] | None = None, digest: str | None = None) -> BuiltEntity:
     """Read what `save_built` wrote.
 
     Args:
         path: of the file.
         kept: small arrays of entities read before, by content, which equal ones share; those of this one are added.
+        digest: of its content, as whoever asks knows it; else it is worked out.
 
     Raises:
         EvidenceError: the file is missing or damaged.
@@ -224,19 +225,20 @@ def load_built(path: Path, *, kept: dict[bytes, Any] | None = None) -> BuiltEnti
         if path.stat().st_size <= READ_AT_ONCE:
             members = stored_members(path.read_bytes())
             if members is not None:
-                return _read_at_once(members, {} if kept is None else kept)
+                return _read_at_once(members, {} if kept is None else kept, digest)
         with zipfile.ZipFile(path) as archive:
             if archive.getinfo("meta.json").compress_type != zipfile.ZIP_STORED:
                 raise ValueError("it is compressed, which no built entity is")
             meta = json.loads(archive.read("meta.json"))
-            return _entity_from(meta, archive.namelist(), partial(read_array, archive))
+            found = _entity_from(meta, archive.namelist(), partial(read_array, archive))
+            return found if digest is None else found.known(digest)
     except DAMAGE as error:
         raise EvidenceError(
             f"built entity {path.name!r} is missing or damaged ({error}); run build_terrain or place_object again"
         ) from error
 
 
-def _read_at_once(members: dict[str, bytes], kept: dict[bytes, Any]) -> BuiltEntity:
+def _read_at_once(members: dict[str, bytes], kept: dict[bytes, Any], digest: str | None) -> BuiltEntity:
     """The entity of an archive whose files are all at hand, its digest worked out from them where they lie as `save_built` lays them."""
 
     def array(name: str) -> Any:
@@ -250,6 +252,8 @@ def _read_at_once(members: dict[str, bytes], kept: dict[bytes, Any]) -> BuiltEnt
     raw = members["meta.json"]
     meta = json.loads(raw)
     found = _entity_from(meta, list(members), array)
+    if digest is not None:
+        return found.known(digest)
     told = f'"recipe": {json.dumps(found.recipe)}}}'.encode()
     names = list(members)
     if raw.endswith(told) and names == ["meta.json", *sorted(names[1:])]:

@@ -20,7 +20,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
-from ..execution import seldom_collected
+from ..execution import ONE_THREAD, seldom_collected
 from ..worlds.built import load_built
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EngineError, EvidenceError, InputError, RefusedError, WorldAgentError
@@ -72,7 +72,8 @@ class Beside:
         self._request: Path | None = None
         command = [sys.executable, "-P", "-m", "worldagent.verifiers.beside", str(os.getpid()), *sorted(set(modules))]
         said, errors = self._files
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=said, stderr=errors)
+        place = {**ONE_THREAD, **os.environ}
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=said, stderr=errors, env=place)
 
     def ask(self, candidate: Candidate, checks: Mapping[int, Callable[..., list[Row]]]) -> Beside:
         """Let it judge checks, given by their places in the list of checks; returns itself."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry.inside import GRID_FACES, GRID_PAIRS, contains, distance_to_surface
+from ..geometry.inside import contains, distance_to_surface
 from ..geometry.solids import Solid
 from ..worlds.arrays import F64, I32, RigidPose, compose, pose_of, rotation_matrix
 from ..worlds.built import BuiltBody, BuiltEntity, BuiltPart, Convex, TriangleMesh
@@ -29,8 +29,6 @@ EXACT_KINDS = ("box", "wedge", "extrusion", "revolution", "hull")
 """Shapes whose collision pieces tile the visible mesh exactly."""
 VOLUMES = (1e-24, 1e24)
 """Volumes of bodies [m^3]: from a cube of 10 nm to beyond the Moon. Further out, products of sizes leave double precision."""
-TOGETHER = 512
-"""Own choice: samples whose distance from a surface of many triangles is measured at once."""
 IDENTITY = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
 
 
@@ -82,15 +80,11 @@ def _deviation(shape_kind: str, geometry: ShapeGeometry) -> tuple[float, float]:
     hulls = [ConvexHull(piece.points) for piece in geometry.collision]
     owns = [_samples(piece.points, h.simplices.astype(np.int32)) for piece, h in zip(geometry.collision, hulls, strict=True)]
     # No point is further from the surface than from a sample of it: those that are nearer than the furthest so far need no look.
-    own = np.concatenate([np.empty((0, 3)), *owns])
-    bound, count = tree.query(own)[0], len(visible.faces)
-    most = TOGETHER if count > GRID_FACES else GRID_PAIRS // count  # all are told inside or outside by one way
-    order = np.argsort(-bound, kind="stable")
-    for start in range(0, len(order), most):
-        some = order[start : start + most]
-        some = some[bound[some] > outside]
-        some = some[~contains(visible, own[some])]
-        outside = max(outside, float(distance_to_surface(visible, own[some]).distance.max(initial=0.0)))
+    bounds = [tree.query(own)[0] for own in owns]
+    for k in sorted(range(len(owns)), key=lambda k: -float(bounds[k].max())):
+        own = owns[k][bounds[k] > outside]
+        own = own[~contains(visible, own)]
+        outside = max(outside, float(distance_to_surface(visible, own).distance.max(initial=0.0)))
     for hull in hulls:
         planes = hull.equations
         reach = np.minimum(reach, (samples @ planes[:, :3].T + planes[:, 3]).max(1))

@@ -18,7 +18,7 @@ ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "VECLIB_MAXIM
 
 _lock = threading.Lock()
 _within: list[Any] = []
-"""What puts the numbers of threads back, and one entry more for each further one who is within."""
+"""Limits that put the numbers of threads back, one entry for each who is within."""
 
 
 @contextmanager

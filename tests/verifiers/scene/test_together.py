@@ -1,4 +1,4 @@
-"""What is worked out for all pairs of a large world at once is what each pair alone would give."""
+"""Answers that are worked out for all pairs of a large world at once are those of each pair alone."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ from .errors import EngineError, EvidenceError
 from .folder import write_atomically
 from .kept import kept
 
-__all__ = ["DAMAGE", "Cache", "CacheIndex", "digest_arrays", "read_array", "read_container", "write_container"]
+__all__ = ["DAMAGE", "Cache", "CacheIndex", "array_of", "digest_arrays", "read_array", "read_container", "write_container"]
 
 
 DAMAGE = (
@@ -106,7 +106,7 @@ def read_array(archive: zipfile.ZipFile, name: str) -> Any:
         ValueError: it is compressed, encrypted, no plain array, or its header promises another size than it has.
     """
     info = _plain(archive, name)
-    return _array(bytearray(archive.read(info)), name)
+    return array_of(bytearray(archive.read(info)), name)
 
 
 def _plain(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
@@ -132,8 +132,12 @@ def _member(stream: io.BufferedReader, info: zipfile.ZipInfo) -> bytearray:
     return held
 
 
-def _array(raw: bytearray, name: str) -> Any:
-    """The array of an `.npy` file, which lies in its bytes."""
+def array_of(raw: bytes | bytearray, name: str) -> Any:
+    """The array of an `.npy` file, which lies in its bytes: read-only where these are.
+
+    Raises:
+        ValueError: it is no plain array, or its header promises another size than it has.
+    """
     shape, fortran, dtype, start = _header(bytes(raw[:HEADER_BYTES]))
     count = math.prod(shape)
     if dtype.hasobject or min(shape, default=0) < 0 or count * dtype.itemsize != len(raw) - start:
@@ -173,7 +177,7 @@ def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, 
             found = {n: _plain(archive, n + ".npy") for n in wanted}
             if sum(i.file_size for i in found.values()) > path.stat().st_size:
                 raise ValueError("its members promise more than the file holds")
-            return {n: _array(_member(stream, i), n) for n, i in found.items()}
+            return {n: array_of(_member(stream, i), n) for n, i in found.items()}
     except DAMAGE as error:
         raise EvidenceError(f"cache container {path.name!r} is missing, damaged or lacks a channel: {error}") from error
 

@@ -16,15 +16,18 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..construction import build_world
 from ..construction.interiors.build import build_interior
+from ..geometry import Solid, self_crossings
 from ..geometry.launch import chosen_device, load
 from ..verifiers.checks import run_checks
 from ..workflow.creation import create
 from ..workflow.interiors import interior_operations
 from ..workflow.session import Session
 from ..worlds.arrays import pose_of
-from ..worlds.built import BuiltEntity
+from ..worlds.built import BuiltEntity, TriangleMesh
 from ..worlds.candidate import Candidate
 from ..worlds.patch import apply_patch
 from ..worlds.spec import Interior, WorldSpec
@@ -53,6 +56,7 @@ def run(*, flats: int = FLATS) -> dict[str, Any]:
     from ..geometry.clearance_kernels import nearest
 
     load(nearest, chosen_device())
+    _load_loops()
     with tempfile.TemporaryDirectory() as root:
         session = _furnished(Path(root), flats)
         built, _ = build_world(session.folder, session.spec)
@@ -82,6 +86,31 @@ def run(*, flats: int = FLATS) -> dict[str, Any]:
     }
 
 
+def _load_loops() -> None:
+    """Load the compiled loops of the checks: they are kept on disk, and each process loads them once."""
+    from scipy.spatial import ConvexHull
+
+    from ..geometry.convex_batch import convex_clearances, convex_of
+    from ..geometry.point_kernels import to_triangles
+    from ..geometry.polytopes import Relative
+    from ..verifiers.support.touching_kernels import places, pushes
+
+    corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+    faces = ConvexHull(corners).simplices.astype(np.int32)
+    inward = np.linalg.det(corners[faces]) < 0.0
+    faces[inward] = faces[inward, ::-1]
+    box = Solid.from_mesh(TriangleMesh(corners, faces), closed=True)
+    one, far = np.eye(3)[None], np.full(1, np.inf)
+    convex_clearances(
+        convex_of([box]), np.zeros((1, 2), dtype=np.int32), Relative(one, 2.0 * one[:, 0]), skip_above=far, enough=far
+    )
+    self_crossings(box, noise=1e-9, groups=np.array([len(box.faces)]))
+    to_triangles(corners[0], box.triangles)
+    span, sides, both = np.array([[-2.0] * 3, [2.0] * 3]), ((box.closed, 1.0), (box.closed, 1.0)), (box.faces, box.faces)
+    points, _ = places(box.vertices, box.vertices, *both, box.edges, box.edges, *span, 1e-3, 1)
+    pushes(points, box.vertices, box.vertices, *both, span, sides, (1e-3, 1e-3, 1e-3, 1.0), 1)
+
+
 def _furnished(root: Path, flats: int) -> Session:
     session, _ = create(root, "flats", "Furnished flats.", {"simulation": {"frames": 2}})
     for number in range(flats):
@@ -95,7 +124,6 @@ def _furnished(root: Path, flats: int) -> Session:
 
 def _trimesh(spec: WorldSpec, built: dict[str, BuiltEntity]) -> tuple[float, int]:
     """Seconds that the collision manager takes from meshes to the pairs that touch, and the number of pairs of different entities."""
-    import numpy as np
     import trimesh
 
     meshes = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 from ..worlds.built import BuiltEntity, load_built, save_built
 from ..worlds.errors import EvidenceError
@@ -25,11 +26,12 @@ def build_world(
     built: dict[str, BuiltEntity] = {}
     fresh: list[str] = []
     made: dict[str, BuiltEntity] = {}
+    kept: dict[bytes, Any] = {}
     for name in spec.entities if only is None else only:
         recipe = entity_recipe(spec, name, folder.assets)
         path = folder.built(name, recipe)
         try:
-            built[name] = load_built(path)
+            built[name] = load_built(path, kept=kept)
             continue
         except EvidenceError:
             # Twenty plates are one: entities of one recipe differ in their name alone.

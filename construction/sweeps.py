@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry.booleans import union_volume
-from ..worlds.arrays import F64, RigidPose
+from ..worlds.arrays import F64, RigidPose, cross, length
 from ..worlds.built import Convex, TriangleMesh
 from ..worlds.errors import InputError
 from ..worlds.spec import Sweep
@@ -19,6 +19,8 @@ SMOOTH_SIDES = 8
 """Own choice: profiles of as many sides are drawn round."""
 CROSSING = 1e-6
 """Own choice: share of the volume that pieces may have in common by rounding."""
+LEVEL = 1e-12
+"""[1] Own choice: share of its size by which a sweep may stand over the plane of a ring and still be on one side of it: rounding, far below `CROSSING`."""
 
 
 def swept(shape: Sweep) -> tuple[TriangleMesh, tuple[Convex, ...], bool]:
@@ -43,13 +45,31 @@ def swept(shape: Sweep) -> tuple[TriangleMesh, tuple[Convex, ...], bool]:
         faces += [caps, caps[:, ::-1] + (count - 1) * corners]
     mesh = TriangleMesh(rings.reshape(-1, 3), np.ascontiguousarray(np.concatenate(faces), dtype=np.int32))
     ahead = np.concatenate([rings, rings[:1]]) if shape.closed else rings
+    partition = convex_partition(shape.profile)
     pieces = tuple(
         Convex("hull", (), IDENTITY, np.ascontiguousarray(np.concatenate([ahead[k, own], ahead[k + 1, own]])))
-        for own in convex_partition(shape.profile)
+        for own in partition
         for k in range(len(ahead) - 1)
     )
-    _require_apart([p.points for p in pieces])
+    if len(partition) > 1 or not _apart_by_rings(ahead):
+        _require_apart([p.points for p in pieces])
     return mesh, pieces, corners >= SMOOTH_SIDES
+
+
+def _apart_by_rings(rings: F64) -> bool:
+    """True if no two segments between neighbouring rings, shape (n, corners, 3), pass through each other: the plane of some ring is between them."""
+    arms = rings - rings.mean(axis=1, keepdims=True)
+    normals = cross(arms, np.roll(arms, -1, axis=1)).sum(axis=1)
+    normals /= np.maximum(length(normals), np.finfo(float).tiny)[:, None]
+    heights = np.einsum("rk,nck->rnc", normals, rings) - np.einsum("rk,rk->r", normals, rings.mean(axis=1))[:, None, None]
+    slack = LEVEL * float(np.linalg.norm(np.ptp(rings.reshape(-1, 3), axis=0)))
+    if np.abs(heights[np.arange(len(rings)), np.arange(len(rings))]).max() > slack:
+        return False
+    low, high = heights.min(axis=2), heights.max(axis=2)
+    under = (np.maximum(high[:, :-1], high[:, 1:]) <= slack).astype(np.float64)
+    over = (np.minimum(low[:, :-1], low[:, 1:]) >= -slack).astype(np.float64)
+    between = under.T @ over
+    return bool(((between + between.T > 0.0) | np.eye(len(between), dtype=bool)).all())
 
 
 def _require_apart(pieces: list[F64]) -> None:

@@ -11,6 +11,7 @@ from .context import JobContext
 from .inline import run_inline
 from .job import BULK, ENDED_STATES, INTERACTIVE, JOB_STATES, NORMAL, Cancelled, Job, JobState, Progress, result_of
 from .jobs import JobStore
+from .one_core import ONE_THREAD, one_core
 from .parts import Part, Tell
 from .processes import core_count, die_with_parent, in_task
 from .queue import Standing
@@ -23,6 +24,7 @@ __all__ = [
     "INTERACTIVE",
     "JOB_STATES",
     "NORMAL",
+    "ONE_THREAD",
     "Cancelled",
     "Job",
     "JobContext",
@@ -38,6 +40,7 @@ __all__ = [
     "in_task",
     "machine_memory",
     "memory_cap",
+    "one_core",
     "result_of",
     "run_inline",
     "seldom_collected",

@@ -5,6 +5,7 @@ from .batch import BatchClearance, ConvexGaps, clearance_batch, convex_gaps
 from .broadphase import Meetings, aabb_of, candidate_pairs, meetings, turned_boxes
 from .camera import Camera, camera_at
 from .clearance import Care, Clearance, clearance_series, query_noise, signed_clearance
+from .clearance_list import signed_clearances
 from .convex_union import is_convex_union
 from .forest import Forest
 from .heightfields import ground_solid, is_height_field
@@ -59,6 +60,7 @@ __all__ = [
     "relative_travel",
     "self_crossings",
     "signed_clearance",
+    "signed_clearances",
     "turned_boxes",
     "wall_thickness",
     "winding_number",

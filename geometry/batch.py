@@ -211,9 +211,10 @@ def _by_pair(pairs: I32, rows: NDArray[np.intp]) -> list[tuple[tuple[int, int], 
 
 
 def _convex(forest: Forest, asked: _Queries, tolerance: float) -> tuple[NDArray[np.intp], F64]:
-    """Queries of convex pairs answered by compiled loops, and their values [m]; none of a list of few pairs."""
+    """Queries of convex pairs answered by compiled loops, and their values [m]; none of a list of few pairs, unless a longer one came before."""
     del tolerance  # depths of these are exact
-    if len(asked.pairs) < MANY or len(np.unique(asked.pairs, axis=0)) < MANY:
+    few = len(asked.pairs) < MANY or len(np.unique(asked.pairs, axis=0)) < MANY
+    if few and "convex" not in vars(forest):
         return np.empty(0, dtype=np.intp), np.empty(0)
     convex = forest.convex
     rows = np.flatnonzero(convex.fit[asked.pairs].all(axis=1))

@@ -24,7 +24,7 @@ from .triangles import triangle_pair
 if TYPE_CHECKING:
     from .solids import Solid
 
-__all__ = ["Clearance", "clearance_series", "measure", "query_noise", "relative_poses", "signed_clearance"]
+__all__ = ["Clearance", "clearance_series", "examine", "measure", "query_noise", "relative_poses", "signed_clearance"]
 
 NOISE = 1e-12
 """Rounding of one query relative to the size of the bodies (see `query_noise`)."""
@@ -86,11 +86,11 @@ def _box_gap(a: Solid, b: Solid, poses: Relative) -> F64:
 class _Mesh:
     """fcl objects of one pair; a moves in the frame of b."""
 
-    def __init__(self, a: Solid, b: Solid, *, witness: bool) -> None:
+    def __init__(self, a: Solid, b: Solid, *, witness: bool, named: list[tuple[int, int]] | None = None) -> None:
         import fcl
 
         self.fcl = fcl
-        self.a, self.b, self.witness = a, b, witness
+        self.a, self.b, self.witness, self.named = a, b, witness, named
         self.request = fcl.DistanceRequest()
 
     @cached_property
@@ -108,8 +108,10 @@ class _Mesh:
         return float(value), result.b1, result.b2
 
     def nearest(self, one: Relative, i: int, j: int) -> tuple[F64, F64]:
-        """Nearest points of triangle i of a and triangle j of b, in the frame of b; zeros where nobody asks."""
-        if not self.witness:
+        """Nearest points of triangle i of a and triangle j of b, in the frame of b; zeros where nobody asks, or who asks gets their names."""
+        if self.named is not None:
+            self.named.append((i, j))
+        if not self.witness or self.named is not None:
             return np.zeros(3), np.zeros(3)
         return triangle_pair(one.forward(self.a.triangles[i])[0], self.b.triangles[j])
 
@@ -157,10 +159,19 @@ class _Found:
         self.value[index], self.point_a[index], self.point_b[index], self.method[index] = value, point_a, point_b, method
 
 
-def _measure(a: Solid, b: Solid, poses: Relative, *, witness: bool, cares: Sequence[_Care] | None = None) -> _Found:
+def examine(
+    a: Solid,
+    b: Solid,
+    poses: Relative,
+    *,
+    witness: bool,
+    cares: Sequence[_Care] | None = None,
+    named: list[tuple[int, int]] | None = None,
+) -> _Found:
+    """Clearance at each relative pose, with its points if `witness`; with `named`, the triangles that those are on are told instead."""
     count = len(poses.translation)
     found = _Found(np.empty(count), np.empty((count, 3)), np.empty((count, 3)), np.full(count, "", dtype="<U10"))
-    mesh = _Mesh(a, b, witness=witness)
+    mesh = _Mesh(a, b, witness=witness, named=named)
     if not (a.convex and b.convex):
         for k in range(count):
             _general(mesh, poses, k, found, _Care() if cares is None else cares[k])
@@ -344,7 +355,7 @@ def signed_clearance(a: Solid, pose_a: RigidPose, b: Solid, pose_b: RigidPose) -
         pose_b: its pose in the world.
     """
     relative = relative_poses((pose_a[0][None], pose_a[1][None]), (pose_b[0][None], pose_b[1][None]))
-    found = _measure(a, b, relative, witness=True)
+    found = examine(a, b, relative, witness=True)
     points = pose_b.apply(np.stack([found.point_a[0], found.point_b[0]]))
     return Clearance(float(found.value[0]), points[0], points[1], str(found.method[0]))
 
@@ -370,7 +381,7 @@ def clearance_series(a: Solid, poses_a: tuple[F64, F64], b: Solid, poses_b: tupl
     anchor = repeats(poses.take(near))
     compute = np.flatnonzero(anchor == np.arange(len(near)))
     values = np.empty(len(near))
-    values[compute] = _measure(a, b, poses.take(near[compute]), witness=False).value
+    values[compute] = examine(a, b, poses.take(near[compute]), witness=False).value
     result[near] = values[anchor]
     return result
 
@@ -382,5 +393,5 @@ def measure(a: Solid, b: Solid, poses: Relative, *, skip_above: float | F64 = np
     if len(near):
         deep, shallow = (np.broadcast_to(v, result.shape)[near] for v in (care.enough, care.idle))
         cares = [_Care(care.tolerance, *map(float, pair)) for pair in zip(deep, shallow, strict=True)]
-        result[near] = _measure(a, b, poses.take(near), witness=False, cares=cares).value
+        result[near] = examine(a, b, poses.take(near), witness=False, cares=cares).value
     return result

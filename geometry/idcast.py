@@ -81,6 +81,7 @@ class IdCaster:
         only: Sequence[int] | None = None,
         window: tuple[int, int, int, int] | None = None,
         until: float = np.inf,
+        normals: bool = True,
     ) -> IdImage:
         """Look at the instances at `poses`.
 
@@ -90,6 +91,7 @@ class IdCaster:
             only: indices of the instances to look at, as if the others were not there; default all.
             window: first and last (exclusive) column, first and last row of the part of the picture to cast; default all.
             until: triangles that lie whole beyond this depth [m] may be left out.
+            normals: whether to work normals out; without, they are 0.
 
         Raises:
             InputError: the number of poses differs from the number of instances, or the window is empty or beyond the picture.
@@ -111,7 +113,7 @@ class IdCaster:
         index, rectangle = _rectangles(camera, local, self._faces, faces, (x0, x1, y0, y1))
         buffer = _Buffer(camera, (x0, x1, y0, y1))
         buffer.draw(local[self._faces[index]], index, rectangle)
-        return self._image(camera, local, buffer)
+        return self._image(camera, local, buffer, normals=normals)
 
     def _camera_vertices(self, camera: Camera, poses: Sequence[RigidPose], chosen: NDArray[np.bool_]) -> F64:
         """Vertices of the chosen instances in camera coordinates with the viewing axis as +z: (right, down, forward)."""
@@ -125,20 +127,21 @@ class IdCaster:
             local[part] = self._vertices[part] @ turn.T + flip @ (pose.position - camera.position)
         return local
 
-    def _image(self, camera: Camera, local: F64, buffer: _Buffer) -> IdImage:
+    def _image(self, camera: Camera, local: F64, buffer: _Buffer, *, normals: bool) -> IdImage:
         face = buffer.face.reshape(buffer.height, buffer.width)
         hit = face >= 0
         ids = np.full(face.shape, -1, dtype=np.int32)
         ids[hit] = self._owner[face[hit]]
-        seen, inverse = np.unique(face[hit], return_inverse=True)
-        corner = local[self._faces[seen]]
-        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
-        normals = np.zeros((*face.shape, 3), dtype=np.float32)
-        flip = np.array([1.0, -1.0, -1.0])[:, None] * camera.axes
-        normals[hit] = (normal @ flip)[inverse]
+        facing = np.zeros((*face.shape, 3), dtype=np.float32)
+        if normals:
+            seen, inverse = np.unique(face[hit], return_inverse=True)
+            corner = local[self._faces[seen]]
+            normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+            normal /= np.linalg.norm(normal, axis=1)[:, None]
+            flip = np.array([1.0, -1.0, -1.0])[:, None] * camera.axes
+            facing[hit] = (normal @ flip)[inverse]
         depth = np.where(hit, buffer.depth.reshape(face.shape), np.inf).astype(np.float32)
-        return IdImage(ids, depth, normals)
+        return IdImage(ids, depth, facing)
 
 
 def _rectangles(
@@ -204,51 +207,33 @@ class _Buffer:
         wide, high = rectangle[:, 1] - rectangle[:, 0], rectangle[:, 3] - rectangle[:, 2]
         area = wide.astype(np.int64) * high
         large = np.flatnonzero(area > LARGE)
-        for k in large[_reaching(edge[large], rectangle[large])]:
-            self._draw_large(edge[k], int(index[k]), rectangle[k])
+        large = large[_reaching(edge[large], rectangle[large])]
+        self._draw_large(edge[large], index[large], rectangle[large])
         small = np.flatnonzero(area <= LARGE)
-        total = np.cumsum(area[small])
-        start = 0
-        while start < len(small):
-            stop = max(start + 1, int(np.searchsorted(total, (total[start - 1] if start else 0) + CHUNK, side="right")))
-            part = small[start:stop]
-            self._draw_small(edge[part], index[part], rectangle[part], wide[part], area[part])
-            start = stop
+        self._draw_small(edge[small], index[small], rectangle[small], _chunks(area[small]))
 
-    def _draw_large(self, edge: F64, index: int, rectangle: I32) -> None:
-        x0, x1, y0, y1 = (int(v) for v in rectangle)
-        column, row = np.arange(x0, x1), np.arange(y0, y1)[:, None]
-        inverse = np.zeros((y1 - y0, x1 - x0))
-        least = np.full(inverse.shape, np.inf)
-        for k in range(3):
-            value = (edge[k, 0] * column + edge[k, 2]) + edge[k, 1] * row
-            np.minimum(least, value, out=least)
-            inverse += value
-        part = (slice(y0 - self.top, y1 - self.top), slice(x0 - self.left, x1 - self.left))
-        depth, face = (values.reshape(self.height, self.width)[part] for values in (self.depth, self.face))
-        inside = (least >= -SEAM * inverse) & (inverse > 0.0)
-        hit = np.where(inside, 1.0 / np.where(inside, inverse, 1.0), np.inf)
-        hit[hit < NEAR] = np.inf
-        closer = hit < depth
-        depth[closer] = hit[closer]
-        face[closer] = index
+    def _draw_large(self, edge: F64, index: NDArray[np.intp], rectangle: I32) -> None:
+        from .draw_kernels import draw_large
 
-    def _draw_small(self, edge: F64, index: NDArray[np.intp], rectangle: I32, wide: I32, area: NDArray[np.int64]) -> None:
-        owner = np.repeat(np.arange(len(index)), area)
-        offset = np.arange(len(owner)) - np.repeat(np.cumsum(area) - area, area)
-        row, column = np.divmod(offset, wide[owner])
-        row += rectangle[owner, 2]
-        column += rectangle[owner, 0]
-        inverse = np.zeros(len(owner))
-        least = np.full(len(owner), np.inf)
-        for k in range(3):
-            value = edge[owner, k, 0] * column + edge[owner, k, 1] * row + edge[owner, k, 2]
-            np.minimum(least, value, out=least)
-            inverse += value
-        hit = np.flatnonzero((least >= -SEAM * inverse) & (inverse > 0.0))
-        depth = 1.0 / inverse[hit]
-        pixel = (row[hit] - self.top) * self.width + column[hit] - self.left
-        np.minimum.at(self.depth, pixel, np.where(depth >= NEAR, depth, np.inf))
-        front = depth == self.depth[pixel]
-        # The first triangle of equals wins, whatever the chunking.
-        self.face[pixel[front][::-1]] = index[owner[hit[front]]][::-1]
+        draw_large(edge, index, rectangle, (self.left, self.top), (SEAM, NEAR), *self._pictures)
+
+    def _draw_small(self, edge: F64, index: NDArray[np.intp], rectangle: I32, chunk: NDArray[np.int64]) -> None:
+        from .draw_kernels import draw_small
+
+        draw_small(edge, index, rectangle, chunk, (self.left, self.top), (SEAM, NEAR), *self._pictures)
+
+    @property
+    def _pictures(self) -> tuple[F64, NDArray[np.int64]]:
+        """Depths and triangles by row and column."""
+        return self.depth.reshape(self.height, self.width), self.face.reshape(self.height, self.width)
+
+
+def _chunks(area: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number of the chunk of each triangle, of as many as have `CHUNK` pixels together."""
+    total, found = np.cumsum(area), np.zeros(len(area), dtype=np.int64)
+    start = number = 0
+    while start < len(area):
+        stop = max(start + 1, int(np.searchsorted(total, (total[start - 1] if start else 0) + CHUNK, side="right")))
+        found[start:stop] = number
+        start, number = stop, number + 1
+    return found

@@ -8,7 +8,15 @@ import numpy as np
 
 from ..worlds.arrays import F64, cross, dot
 
-__all__ = ["Nearest", "nearest_on_triangles", "ray_hits", "segment_points", "triangle_pair", "triangle_pair_segments"]
+__all__ = [
+    "Nearest",
+    "nearest_on_triangles",
+    "ray_hits",
+    "segment_points",
+    "triangle_pair",
+    "triangle_pair_segments",
+    "triangle_pairs",
+]
 
 
 class Nearest(NamedTuple):
@@ -70,16 +78,21 @@ def segment_points(p: F64, u: F64, q: F64, v: F64) -> tuple[F64, F64]:
 
 def triangle_pair(a: F64, b: F64) -> tuple[F64, F64]:
     """Nearest points of two triangles that do not cross, corners of shape (3, 3) each."""
-    on_b = nearest_on_triangles(a, b[None])
-    on_a = nearest_on_triangles(b, a[None])
-    u, v = np.roll(a, -1, axis=0) - a, np.roll(b, -1, axis=0) - b
-    s, t = segment_points(a[:, None], u[:, None], b[None], v[None])
-    edge_a = (a[:, None] + s[..., None] * u[:, None]).reshape(-1, 3)
-    edge_b = (b[None] + t[..., None] * v[None]).reshape(-1, 3)
-    first = np.concatenate([a, on_a.point, edge_a])
-    second = np.concatenate([on_b.point, b, edge_b])
-    k = int(np.linalg.norm(first - second, axis=1).argmin())
-    return first[k], second[k]
+    first, second = triangle_pairs(a[None], b[None])
+    return first[0], second[0]
+
+
+def triangle_pairs(a: F64, b: F64) -> tuple[F64, F64]:
+    """The same of many pairs, shape (n, 3, 3) each: points of either, shape (n, 3)."""
+    on_b, on_a = nearest_on_triangles(a, b[:, None]), nearest_on_triangles(b, a[:, None])
+    u, v = np.roll(a, -1, axis=1) - a, np.roll(b, -1, axis=1) - b
+    s, t = segment_points(a[:, :, None], u[:, :, None], b[:, None], v[:, None])
+    edge_a = (a[:, :, None] + s[..., None] * u[:, :, None]).reshape(len(a), -1, 3)
+    edge_b = (b[:, None] + t[..., None] * v[:, None]).reshape(len(b), -1, 3)
+    first = np.concatenate([a, on_a.point, edge_a], axis=1)
+    second = np.concatenate([on_b.point, b, edge_b], axis=1)
+    rows, k = np.arange(len(a)), np.linalg.norm(first - second, axis=2).argmin(axis=1)
+    return first[rows, k], second[rows, k]
 
 
 def triangle_pair_segments(a: F64, b: F64, *, slack: float = 0.0) -> F64:

@@ -44,6 +44,7 @@ BENCHMARKS: dict[str, str] = {
     "gas": "worldagent.bench.gas:run",
     "gas-fire": "worldagent.bench.gas_fire:run",
     "gas-peer": "worldagent.bench.gas_peer:run",
+    "gas-judging": "worldagent.bench.gas_judging:run",
     "pen": "worldagent.bench.pen:run",
     "eval-smoke": "worldagent.bench.evaluation.smoke:run",
 }
@@ -65,7 +66,7 @@ def add_bench_commands(add: Add) -> None:
         metavar="CHECK",
         action="append",
         help="defects: only this check, or `accepted` for the accepted worlds; corrections: only worlds of this suite, `flaws` or `edits`; "
-        "skills: only this skill; prompts --dishonest: only this mechanism (repeatable)",
+        "skills: only this skill; gas-judging: only this world, or `all`; prompts --dishonest: only this mechanism (repeatable)",
     )
     bench.add_argument("--dishonest", action="store_true", help="prompts: tricks on honest worlds; 1 where one gets through")
     bench.add_argument(
@@ -114,10 +115,11 @@ def _bench(arguments: argparse.Namespace) -> int:
         options["accepted"] = "accepted" in arguments.only
         options["checks"] = tuple(c for c in arguments.only if c != "accepted")
     given = {k: v for k, v in options.items() if v is not None}
-    allowed = {"defects": given.keys(), "skills": given.keys(), "corrections": {"checks"}}.get(arguments.name, set())
+    takes = {"defects": given.keys(), "skills": given.keys(), "corrections": {"checks"}, "gas-judging": {"checks"}}
+    allowed = takes.get(arguments.name, set())
     if given.keys() - allowed:
         raise InputError(
-            f"--only, --variants and --seed belong to the benchmarks 'defects' and 'skills', --only to 'corrections', not to {arguments.name!r}"
+            f"--only, --variants and --seed belong to the benchmarks 'defects' and 'skills', --only to 'corrections' and 'gas-judging', not to {arguments.name!r}"
         )
     print(json.dumps(run_benchmark(arguments.name, BENCHMARKS[arguments.name], **given)))
     return 0

@@ -52,7 +52,7 @@ def edit_spec(
     hypothesis: Annotated[
         str,
         Field(
-            description="After a failed row: what causes the failure and why this change cures it. Then change one parameter group."
+            description="After a failed row: what causes the failure and why this change cures it. Then change one parameter group; while static rows alone fail, any of the scene."
         ),
     ] = "",
     repairs: Annotated[

@@ -158,7 +158,11 @@ def _told(context: ToolContext | None, world: str, data: dict[str, Any], entity:
     restless, complete, fresh = (data.pop(k) for k in ("restless", "audit_passed", "built_total"))
     passed = data["static_passed"]
     verdict = "the static checks pass" if passed else f"{data['counts']['fail']} static rows fail"
-    then = call("probe_sim", world=world) if passed else "edit_spec or place_object: mend the first open row, one group at a time"
+    then = (
+        call("probe_sim", world=world)
+        if passed
+        else "edit_spec or place_object: mend the open rows, all of the scene in one edit with a hypothesis"
+    )
     if passed and not complete:
         then = "place_object for more; edit_spec: beats and claims, which the audit still asks for"
     if not passed and restless:

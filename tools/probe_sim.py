@@ -93,7 +93,8 @@ def _probe(context: ToolContext, session: Session, payload: dict[str, Any], wait
     payload |= {"usual_s": usual.whole} | ({"coarser": coarser} if overrides else {})
     data = start_and_wait(context, session, "probe", payload, wait_s=wait_s, key=key, reuse=whole)
     if "state" in data:
-        data["estimate_s"], data["estimate_of"] = round(pace_seen(context.jobs) * usual.whole, 1), usual.told
+        usual = usual.at(pace_seen(context.jobs, session.folder))
+        data["estimate_s"], data["estimate_of"] = usual.whole, usual.told
     return data
 
 

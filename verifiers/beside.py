@@ -20,7 +20,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
-from ..execution import seldom_collected
+from ..execution import ONE_THREAD, seldom_collected
 from ..worlds.built import load_built
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EngineError, EvidenceError, InputError, RefusedError, WorldAgentError
@@ -72,7 +72,8 @@ class Beside:
         self._request: Path | None = None
         command = [sys.executable, "-P", "-m", "worldagent.verifiers.beside", str(os.getpid()), *sorted(set(modules))]
         said, errors = self._files
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=said, stderr=errors)
+        place = {**ONE_THREAD, **os.environ}
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=said, stderr=errors, env=place)
 
     def ask(self, candidate: Candidate, checks: Mapping[int, Callable[..., list[Row]]]) -> Beside:
         """Let it judge checks, given by their places in the list of checks; returns itself."""
@@ -161,7 +162,8 @@ def main() -> None:
         return
     request = json.loads(Path(path).read_text(encoding="utf-8"))
     try:
-        built = {name: load_built(Path(path)).known(digest) for name, (path, digest) in request["files"].items()}
+        kept: dict[bytes, Any] = {}
+        built = {n: load_built(Path(path), kept=kept, digest=digest) for n, (path, digest) in request["files"].items()}
         candidate = Candidate(Path(request["folder"]), WorldSpec.model_validate_json(request["spec"]), built, "static")
         judges = [getattr(importlib.import_module(module), name) for module, name in request["checks"]]
         rows = [[r.model_dump_json() for r in judge(candidate)] for judge in judges]

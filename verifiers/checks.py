@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
-from contextlib import nullcontext
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 
-from ..execution import Part, Tell, seldom_collected
+from ..execution import Part, Tell, one_core, seldom_collected
 from ..worlds.ablation import ablation, switched_off
 from ..worlds.candidate import Candidate, Stage
 from ..worlds.requirements import Check, Row, fail_closed
@@ -167,7 +167,11 @@ def run_checks(
         second: process that may judge some of them, from `second_ahead`; default one of its own where that is worth while.
     """
     chosen = _chosen(candidate.stage, only, reruns, seen.taken(candidate) if plates is None else plates)
-    with seldom_collected() if candidate.stage == "static" else nullcontext(), _asked(candidate, chosen, second) as helper:
+    at_once = (seldom_collected(), one_core()) if candidate.stage == "static" else ()
+    with ExitStack() as held:
+        for one in at_once:
+            held.enter_context(one)
+        helper = held.enter_context(_asked(candidate, chosen, second))
         return _judged(candidate, chosen, helper, progress, seconds)
 
 

@@ -89,6 +89,8 @@ class Thing(BaseModel):
     at: tuple[float, float] | None = Field(default=None, description="x, y [m]; with surface from its middle")
     height: float | None = Field(default=None, ge=-1e4, le=1e4, description="Instead of on [m]")
     yaw_deg: float | None = Field(default=None, ge=-360, le=360, description="About z [degrees]")
+    tilt: bool = Field(default=False, description="As in the call")
     lay: bool = Field(default=False, description="Onto a side on which it stays")
+    afloat: str | None = Field(default=None, description="As in the call")
     beside: Beside | None = Field(default=None, description="Instead of at")
     array: Array | None = Field(default=None, description="Many of it")

@@ -118,11 +118,24 @@ class Change:
             told += self._causal_objections()
         return told
 
+    def _sets_up(self, unseen: str) -> bool:
+        """True if static rows alone fail, and no motion was seen that nobody judged: a scene that is being set up."""
+        stages = self.world.ledger.stages()
+        return not unseen and all(stages.get(r.id) == "static" for r in self.failing)
+
     def _builds_on(self, unseen: str) -> bool:
-        """True if the edit only adds entities while static rows alone fail: a scene that is being set up, and no repair."""
-        ledger, stages = self.world.ledger, self.world.ledger.stages()
-        static = all(stages.get(r.id) == "static" for r in self.failing) and not unseen
-        return static and all(is_static(ledger, i) for i in ledger.open_iterations()) and only_builds_on(*self._documents)
+        """True if the edit only adds entities to a scene that is being set up: no repair."""
+        ledger = self.world.ledger
+        return (
+            self._sets_up(unseen)
+            and all(is_static(ledger, i) for i in ledger.open_iterations())
+            and only_builds_on(*self._documents)
+        )
+
+    def _is_one_scene(self) -> bool:
+        """True if the edit answers static rows alone, by groups of the scene: geometry, which place_object judges whole within seconds."""
+        scene = all(GROUPS[name].edit_class == "scene" for name in self.causal)
+        return scene and bool(self.failing) and self._sets_up(unjudged(self.world.ledger))
 
     def _version_objections(self) -> list[str]:
         """Objections to new clauses, and to the way back to them."""
@@ -162,6 +175,8 @@ class Change:
                 f"Call {test} before the next change; or take it back: setting everything causal to what it was in revision "
                 f"{untested[0]['revision'] - 1} is allowed at once"
             )
+        if self._is_one_scene():
+            self.joint = None
         if self.joint is not None:
             return told + joint_objections(self.joint, self.answerable, grouped(self.places, causal), ledger.stages(), self.after)
         unseen = "" if failing else unjudged(ledger, untested=True)
@@ -173,7 +188,7 @@ class Change:
                 f"{why}; an edit must now name its hypothesis: "
                 "what you believe causes the failure and why this change cures it (>= 10 characters)"
             )
-        if len(causal) > 1:
+        if len(causal) > 1 and not self._is_one_scene():
             told.append(
                 f"this edit changes {len(causal)} causal parameter groups at once ({_with_places(grouped(self.places, causal))}); after a failure change one, "
                 "test it with place_object / run_checks / probe_sim, then the next; or say with repairs=[{row, group, expect, hypothesis}] "
@@ -197,7 +212,8 @@ class Change:
     def attempts(self) -> list[Attempted]:
         """Hypotheses that the edit tests, each with its group, the failing rows that it answers, and its first places."""
         if self.joint is None:
-            return [Attempted(self.hypothesis, self.causal[0], self.failing, self._values(self.places), "")]
+            groups = grouped(self.places, self.causal) if len(self.causal) > 1 else {self.causal[0]: self.places}
+            return [Attempted(self.hypothesis, name, self.failing, self._values(places), "") for name, places in groups.items()]
         rows, places = {r.id: r for r in self.answerable}, grouped(self.places, self.causal)
         return [
             Attempted(r.hypothesis, r.group, [rows[r.row]], self._values(places[r.group]), r.expect) for r in self.joint.repairs

@@ -23,6 +23,7 @@ __all__ = [
     "bake_estimate",
     "film_estimate",
     "pace_seen",
+    "probe_took",
     "spared_seconds",
     "still_estimate",
     "still_took",
@@ -31,7 +32,7 @@ __all__ = [
 
 SEEN_JOBS = 200
 PACE = "pace.json"
-"""Beside the pictures of a world: how fast its stills were rendered."""
+"""Beside the pictures of a world: how fast its stills were rendered, and its probes simulated."""
 START_S = 5.0
 """Start of a job's process, kernels from their cache, and geometry [s]. Own measurement."""
 MANY_PIECES, HEAVIEST = 300, 3
@@ -118,6 +119,10 @@ class Usual(NamedTuple):
         """All of it, with the start of its process and the building of its geometry [s]."""
         return round(START_S + self.simulation + self.checks + self.reruns, 1)
 
+    def at(self, pace: float) -> Usual:
+        """The same where work takes `pace` times as long as by the usual rates."""
+        return self._replace(simulation=self.simulation * pace, checks=self.checks * pace, reruns=self.reruns * pace)
+
     @property
     def told(self) -> str:
         """Parts in words, for a reply."""
@@ -149,14 +154,25 @@ def _heaviest(spec: WorldSpec) -> tuple[str, ...]:
     return tuple(f"{n} {pieces[n]}" for n in sorted(pieces, key=lambda n: -pieces[n])[:HEAVIEST])
 
 
-def pace_seen(jobs: JobStore) -> float:
-    """Time that probes of this workspace took over what was estimated of them: the median of the last ones that ran to their end; 1 before any."""
+def pace_seen(jobs: JobStore, folder: WorldFolder | None = None) -> float:
+    """Time that probes take over what is usual for them: of the world in `folder` by its last simulation, else of this workspace.
+
+    Of a workspace it is the median of the last ones that ran to their end and passed; 1 before any.
+    """
+    own = None if folder is None else _kept(folder).get("over_usual")
+    if own is not None:
+        return own
     ratios = []
     for job in jobs.list(limit=SEEN_JOBS):
         usual, whole = job.payload.get("usual_s"), (job.finished or 0.0) - (job.started or 0.0)
         if job.kind == "probe" and job.state == "done" and usual and (job.result or {}).get("passed") and whole > 0:
             ratios.append(whole / float(usual))
     return statistics.median(ratios[:LAST_PROBES]) if ratios else 1.0
+
+
+def probe_took(folder: WorldFolder, seconds: float, usual: float) -> None:
+    """Keep how long a part of a probe's simulation took [s], over what is usual for it [s]: for the estimate of the world's next one."""
+    _keep(folder, over_usual=seconds / max(usual, 1e-9))
 
 
 def film_estimate(
@@ -181,16 +197,25 @@ def still_estimate(folder: WorldFolder, paths: int) -> float | None:
 
 def still_took(folder: WorldFolder, seconds: float, paths: int) -> None:
     """Keep the pace of a still for the estimate of the film: time for each path [s], the least so far, which has least of loading."""
-    from ..worlds.folder import write_atomically
-
     before = _pace_of_stills(folder)
     rate = seconds / max(paths, 1)
     if before is None or rate < before:
-        write_atomically(folder.pictures / PACE, json.dumps({"seconds_per_path": rate}).encode())
+        _keep(folder, seconds_per_path=rate)
 
 
 def _pace_of_stills(folder: WorldFolder) -> float | None:
+    return _kept(folder).get("seconds_per_path")
+
+
+def _kept(folder: WorldFolder) -> dict[str, float]:
+    """What is known of the pace of a world; empty where nothing is, or no numbers are."""
     try:
-        return float(json.loads((folder.pictures / PACE).read_bytes())["seconds_per_path"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+        return {str(k): float(v) for k, v in json.loads((folder.pictures / PACE).read_bytes()).items()}
+    except (OSError, ValueError, AttributeError, TypeError):
+        return {}
+
+
+def _keep(folder: WorldFolder, **known: float) -> None:
+    from ..worlds.folder import write_atomically
+
+    write_atomically(folder.pictures / PACE, json.dumps({**_kept(folder), **known}).encode())

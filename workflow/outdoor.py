@@ -77,7 +77,7 @@ def after_building(session: Session, ground: str, audit_open: list[str], static_
         call_them = call("place_object", world=world, entity=lying[0], on=ground)
         return f"{call_them} lowers it onto the ground" + (f", then {', '.join(lying[1:5])} likewise" if lying[1:] else "")
     if static_open:
-        return f"edit_spec or place_object: mend {static_open[0]}, one group at a time; {look} shows the land"
+        return f"edit_spec or place_object: mend {static_open[0]}; {look} shows the land"
     return f"{call('place_object', world=world)} for what is not in place, else {call('probe_sim', world=world)}; {look} shows the land"
 
 

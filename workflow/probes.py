@@ -14,7 +14,7 @@ from ..worlds.cache import Cache
 from ..worlds.candidate import Candidate
 from ..worlds.errors import EngineError, EvidenceError
 from ..worlds.gave_up import GaveUp, forget, note
-from .estimates import Pace
+from .estimates import Pace, probe_took, usual_seconds
 from .gates import stored_rows
 from .joint_repairs import said_by
 from .live_judge import DECISIVE, LiveJudge, judge_begun
@@ -36,6 +36,8 @@ NAMED = 3
 """Failing rows that progress names."""
 SPACED = ("spacings", "cells")
 """Units of rows that say what a spacing resolves."""
+LEAST_FRAMES = 3
+"""Own choice: simulated frames from which on a run tells the pace of the world's next one."""
 _KEPT = ("simulated_s", "judged_s")
 """Durations in the record of a probe that stay true where its frames were there before."""
 
@@ -179,6 +181,7 @@ def probe(payload: dict[str, Any], context: JobContext) -> dict[str, Any]:
         raise
     finally:
         judge.close()
+        _note_pace(work, pace, time.monotonic() - started, overrides)
     told = Part(context.progress, split, 1.0)
     settings = {"coarser": coarser, "overrides": overrides} if overrides else {}
     return judge_probe(
@@ -261,6 +264,19 @@ def not_carried_over(rows: Sequence[Row]) -> dict[str, Any]:
     ids = sorted(r.id for r in rows if r.unit in SPACED and r.status != "not_applicable" and "ran_at_m" not in r.evidence)
     told = "measured in the coarser spacing of this probe: no promise for production, where the bake judges them anew"
     return {"rows": ids, "because": told}
+
+
+def _note_pace(work: Work, pace: Pace, seconds: float, overrides: Mapping[str, Any]) -> None:
+    """Keep how long the simulation of a probe took, however it ended, over what is usual for as many of its frames."""
+    from ..worlds.bake_plan import groups_of
+    from ..worlds.coarsening import coarsened
+    from ..worlds.probe_length import probe_frames
+
+    spec = work.session.spec
+    total = probe_frames(spec)
+    usual = usual_seconds(coarsened(spec, overrides), total).simulation
+    if pace.reports >= LEAST_FRAMES and usual > 0.0:
+        probe_took(work.session.folder, seconds, usual * min(1.0, pace.reports / (total * len(groups_of(spec)))))
 
 
 def taken_frames(run: Path, count: int) -> dict[str, list[str]]:

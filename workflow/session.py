@@ -6,7 +6,7 @@ import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..execution import seldom_collected
+from ..execution import one_core, seldom_collected
 from ..worlds.audits.audit import AuditReport, audit
 from ..worlds.canonical import spec_digest
 from ..worlds.coarsening import read_factors
@@ -191,6 +191,7 @@ class Session(OpenedWorld):
         return all(r.status in ("pass", "not_applicable") or later.get(r.id, False) for r in report.rows if r.mandatory)
 
     @seldom_collected()
+    @one_core()
     def check_static(self, progress: Tell | None = None) -> tuple[list[Row], list[Row], list[str]]:
         """Build what is missing and run the static checks; returns (rows, changed rows, entities newly built).
 

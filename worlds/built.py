@@ -11,8 +11,9 @@ import hashlib
 import io
 import json
 import zipfile
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +21,19 @@ import numpy as np
 
 from .arrays import F64, I32, RigidPose
 from .bonds import Bonds, bond_arrays, bonds_from
-from .cache import DAMAGE, read_array
+from .cache import DAMAGE, array_of, read_array
 from .errors import EvidenceError
 from .folder import write_atomically
 from .simulation_mesh import SimulationMesh, mesh_arrays, mesh_from
-from .stored_zip import stored_zip
+from .stored_zip import stored_members, stored_zip
 
 __all__ = ["BuiltBody", "BuiltEntity", "BuiltPart", "Convex", "TriangleMesh", "load_built", "save_built"]
 
 
 KEPT_BYTES = 200_000
 """Own choice: parts of more bytes are written anew each time, so that no landscape is held twice."""
+READ_AT_ONCE = 20_000_000
+"""[bytes] Own choice: larger files are read array by array, so that no landscape is held twice."""
 
 
 @dataclass(frozen=True)
@@ -207,46 +210,81 @@ def save_built(built: BuiltEntity, path: Path) -> None:
     write_atomically(path, stored_zip(files))
 
 
-def load_built(path: Path) -> BuiltEntity:
+def load_built(path: Path, *, kept: dict[bytes, Any] | None = None, digest: str | None = None) -> BuiltEntity:
     """Read what `save_built` wrote.
+
+    Args:
+        path: of the file.
+        kept: small arrays of entities read before, by content, which equal ones share; those of this one are added.
+        digest: of its content, as whoever asks knows it; else it is worked out.
 
     Raises:
         EvidenceError: the file is missing or damaged.
     """
     try:
+        if path.stat().st_size <= READ_AT_ONCE:
+            members = stored_members(path.read_bytes())
+            if members is not None:
+                return _read_at_once(members, {} if kept is None else kept, digest)
         with zipfile.ZipFile(path) as archive:
             if archive.getinfo("meta.json").compress_type != zipfile.ZIP_STORED:
                 raise ValueError("it is compressed, which no built entity is")
             meta = json.loads(archive.read("meta.json"))
-
-            def array(name: str) -> Any:
-                return read_array(archive, name)
-
-            parts = tuple(
-                BuiltPart(
-                    part=p["part"],
-                    body=p["body"],
-                    material=p["material"],
-                    render=TriangleMesh(array(f"p{i}/v"), array(f"p{i}/f")),
-                    collision=tuple(
-                        Convex(c["kind"], tuple(c["params"]), _pose_from(c["pose"]), array(f"p{i}/c{j}"))
-                        for j, c in enumerate(p["collision"])
-                    ),
-                    closed=p["closed"],
-                    deviation=(p["deviation"][0], p["deviation"][1]),
-                    smooth=p["smooth"],
-                    simulation=mesh_from(array, f"p{i}/s") if p.get("deforms") else None,
-                )
-                for i, p in enumerate(meta["parts"])
-            )
-            bodies = tuple(
-                BuiltBody(b["name"], _pose_from(b["pose"]), b["mass"], np.array(b["center"]), np.array(b["inertia"]), b["volume"])
-                for b in meta["bodies"]
-            )
-            own = [n for n in archive.namelist() if n.startswith("bonds/")]
-            bonds = bonds_from({n.removeprefix("bonds/"): array(n) for n in own}) if own else None
-            return BuiltEntity(meta["entity"], bodies, parts, meta["recipe"], bonds)
+            found = _entity_from(meta, archive.namelist(), partial(read_array, archive))
+            return found if digest is None else found.known(digest)
     except DAMAGE as error:
         raise EvidenceError(
             f"built entity {path.name!r} is missing or damaged ({error}); run build_terrain or place_object again"
         ) from error
+
+
+def _read_at_once(members: dict[str, bytes], kept: dict[bytes, Any], digest: str | None) -> BuiltEntity:
+    """The entity of an archive whose files are all at hand, its digest worked out from them where they lie as `save_built` lays them."""
+
+    def array(name: str) -> Any:
+        raw = members[name]
+        if len(raw) > KEPT_BYTES:
+            return array_of(raw, name)
+        if raw not in kept:
+            kept[raw] = array_of(raw, name)
+        return kept[raw]
+
+    raw = members["meta.json"]
+    meta = json.loads(raw)
+    found = _entity_from(meta, list(members), array)
+    if digest is not None:
+        return found.known(digest)
+    told = f'"recipe": {json.dumps(found.recipe)}}}'.encode()
+    names = list(members)
+    if raw.endswith(told) and names == ["meta.json", *sorted(names[1:])]:
+        blank = {**members, "meta.json": raw.removesuffix(told) + _NO_RECIPE}
+        found.known(hashlib.sha256(stored_zip(blank)).hexdigest())
+    return found
+
+
+def _entity_from(meta: dict[str, Any], names: list[str], array: Callable[[str], Any]) -> BuiltEntity:
+    """An entity of its description, the names of its files, and what reads one of them."""
+    parts = tuple(
+        BuiltPart(
+            part=p["part"],
+            body=p["body"],
+            material=p["material"],
+            render=TriangleMesh(array(f"p{i}/v"), array(f"p{i}/f")),
+            collision=tuple(
+                Convex(c["kind"], tuple(c["params"]), _pose_from(c["pose"]), array(f"p{i}/c{j}"))
+                for j, c in enumerate(p["collision"])
+            ),
+            closed=p["closed"],
+            deviation=(p["deviation"][0], p["deviation"][1]),
+            smooth=p["smooth"],
+            simulation=mesh_from(array, f"p{i}/s") if p.get("deforms") else None,
+        )
+        for i, p in enumerate(meta["parts"])
+    )
+    bodies = tuple(
+        BuiltBody(b["name"], _pose_from(b["pose"]), b["mass"], np.array(b["center"]), np.array(b["inertia"]), b["volume"])
+        for b in meta["bodies"]
+    )
+    own = [n for n in names if n.startswith("bonds/")]
+    bonds = bonds_from({n.removeprefix("bonds/"): array(n) for n in own}) if own else None
+    return BuiltEntity(meta["entity"], bodies, parts, meta["recipe"], bonds)

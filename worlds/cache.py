@@ -20,7 +20,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from .errors import EngineError, EvidenceError
 from .folder import write_atomically
 from .kept import kept
 
-__all__ = ["DAMAGE", "Cache", "CacheIndex", "digest_arrays", "read_array", "read_container", "write_container"]
+__all__ = ["DAMAGE", "Cache", "CacheIndex", "array_of", "digest_arrays", "read_array", "read_container", "write_container"]
 
 
 DAMAGE = (
@@ -46,6 +46,8 @@ PAIRS = ("contact/pair", "event/pair", "impact/pair")
 """Channels of indices into `CacheIndex.colliders`."""
 KEPT_BYTES = 256_000_000
 """Caches up to this size are kept in memory while a verification reads them."""
+LITTLE_BYTES = 4096
+"""The members of larger ones that are kept, of this size at most: records, of which a verification reads dozens, and opening a container takes longest."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ def digest_arrays(channels: Mapping[str, Any]) -> str:
     for name in sorted(channels):
         array = np.ascontiguousarray(channels[name])
         state.update(f"{name}|{array.dtype.str}|{array.shape}|".encode())
-        state.update(array.tobytes())
+        state.update(array.reshape(-1).view(np.uint8).data)
     return state.hexdigest()
 
 
@@ -104,7 +106,7 @@ def read_array(archive: zipfile.ZipFile, name: str) -> Any:
         ValueError: it is compressed, encrypted, no plain array, or its header promises another size than it has.
     """
     info = _plain(archive, name)
-    return _array(archive.read(info), name)
+    return array_of(bytearray(archive.read(info)), name)
 
 
 def _plain(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
@@ -116,26 +118,31 @@ def _plain(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
     return info
 
 
-def _member(stream: BinaryIO, info: zipfile.ZipInfo) -> bytes:
+def _member(stream: io.BufferedReader, info: zipfile.ZipInfo) -> bytearray:
     """Bytes of a stored member of an archive; members are many and small, and `zipfile` takes long over each."""
     stream.seek(info.header_offset)
     signature, names, more = _LOCAL.unpack(stream.read(_LOCAL.size))
     label = stream.read(names + more)[:names]
-    held = stream.read(info.file_size)
-    if signature != b"PK\x03\x04" or label != info.orig_filename.encode() or len(held) != info.file_size:
+    held = bytearray(info.file_size)
+    count = stream.readinto(held)
+    if signature != b"PK\x03\x04" or label != info.orig_filename.encode() or count != info.file_size:
         raise ValueError(f"member {info.filename!r} is not where the archive says")
     if zlib.crc32(held) != info.CRC:
         raise ValueError(f"member {info.filename!r} has another checksum than the archive says")
     return held
 
 
-def _array(raw: bytes, name: str) -> Any:
-    """The array of an `.npy` file."""
-    shape, fortran, dtype, start = _header(raw[:HEADER_BYTES])
+def array_of(raw: bytes | bytearray, name: str) -> Any:
+    """The array of an `.npy` file, which lies in its bytes: read-only where these are.
+
+    Raises:
+        ValueError: it is no plain array, or its header promises another size than it has.
+    """
+    shape, fortran, dtype, start = _header(bytes(raw[:HEADER_BYTES]))
     count = math.prod(shape)
     if dtype.hasobject or min(shape, default=0) < 0 or count * dtype.itemsize != len(raw) - start:
         raise ValueError(f"member {name!r} promises {shape} of {dtype} and holds {len(raw)} bytes")
-    flat = np.frombuffer(bytearray(memoryview(raw)[start:]), dtype, count) if count else np.empty(0, dtype)
+    flat = np.frombuffer(raw, dtype, count, start) if count else np.empty(0, dtype)
     return flat.reshape(shape, order="F" if fortran else "C")
 
 
@@ -170,7 +177,7 @@ def read_container(path: Path, names: Iterable[str] | None = None) -> dict[str, 
             found = {n: _plain(archive, n + ".npy") for n in wanted}
             if sum(i.file_size for i in found.values()) > path.stat().st_size:
                 raise ValueError("its members promise more than the file holds")
-            return {n: _array(_member(stream, i), n) for n, i in found.items()}
+            return {n: array_of(_member(stream, i), n) for n, i in found.items()}
     except DAMAGE as error:
         raise EvidenceError(f"cache container {path.name!r} is missing, damaged or lacks a channel: {error}") from error
 
@@ -281,6 +288,20 @@ class Cache:
             raise EvidenceError(f"frame {frame} of cache {self.folder.name!r}: {wrong}; bake again")
         return data
 
+    def seen(self, frame: int, names: Iterable[str]) -> dict[str, Any]:
+        """Channels of one frame as `read` gives them, from memory where the cache is small enough to be kept there; nobody writes to them.
+
+        Raises:
+            EvidenceError: as `read`.
+        """
+        if self._small:
+            try:
+                whole = self._whole(frame)
+                return {n: whole[n] for n in names}
+            except (EvidenceError, KeyError):
+                pass  # these channels may still be readable
+        return self.read(frame, names)
+
     def series(self, name: str) -> Any:
         """One channel over all frames, stacked: shape (frames, ...). Only for channels of constant shape.
 
@@ -298,10 +319,11 @@ class Cache:
         return np.stack(frames)
 
     def _channel(self, frame: int, name: str) -> Any:
-        """One channel of one frame; small caches are opened once and kept, for opening costs more than reading."""
-        if self._small:
+        """One channel of one frame; small caches, and the records of large ones, are opened once and kept, for opening costs more than reading."""
+        kept = self._whole if self._small else self._little if name in self._records else None
+        if kept is not None:
             try:
-                return self._whole(frame)[name]
+                return kept(frame)[name]
             except (EvidenceError, KeyError):
                 pass  # this channel may still be readable, and else says what is wrong with it
         return self.read(frame, (name,))[name]
@@ -314,6 +336,20 @@ class Cache:
     @kept()
     def _whole(self, frame: int) -> dict[str, Any]:
         return self.read(frame)
+
+    @kept()
+    def _little(self, frame: int) -> dict[str, Any]:
+        return self.read(frame, self._records)
+
+    @cached_property
+    def _records(self) -> tuple[str, ...]:
+        """Names of the records that are little at the first frame."""
+        try:
+            with zipfile.ZipFile(self.path(0)) as archive:
+                little = (i.filename.removesuffix(".npy") for i in archive.infolist() if i.file_size <= LITTLE_BYTES)
+                return tuple(n for n in little if n.startswith("record/"))
+        except DAMAGE:
+            return ()
 
     @kept(8)
     def ragged(self, *names: str, raw: bool = False) -> list[dict[str, Any]]:
@@ -352,3 +388,10 @@ class Cache:
     def frame_digest(self, frame: int) -> str:
         """Digest of one frame's arrays, whatever they are."""
         return digest_arrays(read_container(self.path(frame)))
+
+    def seen_digest(self, frame: int) -> str:
+        """The same of a small cache by what `seen` gives of it: the arrays that are judged."""
+        try:
+            return digest_arrays(self._whole(frame)) if self._small else self.frame_digest(frame)
+        except EvidenceError:
+            return self.frame_digest(frame)

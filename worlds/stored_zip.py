@@ -12,7 +12,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 
-__all__ = ["stored_zip"]
+__all__ = ["stored_members", "stored_zip"]
 
 _LOCAL = struct.Struct("<4s5H3L2H")
 _CENTRAL = struct.Struct("<4s4B4H3L5H2L")
@@ -40,6 +40,19 @@ def stored_zip(files: Mapping[str, bytes]) -> bytes:
     central = b"".join(directory)
     end = _END.pack(b"PK\5\6", 0, 0, len(files), len(files), len(central), at, 0)
     return b"".join([*body, central, end])
+
+
+def stored_members(raw: bytes) -> dict[str, bytes] | None:
+    """Files of an archive that is as `stored_zip` writes it, checksums included; None for any other, which `zipfile` may know to read."""
+    members, at = {}, 0
+    while raw[at : at + 4] == b"PK\3\4" and at + _LOCAL.size <= len(raw):
+        *_, size, length, more = _LOCAL.unpack_from(raw, at)
+        start = at + _LOCAL.size + length
+        key, at = raw[at + _LOCAL.size : start], start + size
+        if more or not key.isascii() or at > len(raw):
+            return None
+        members[key.decode("ascii")] = raw[start:at]
+    return members if stored_zip(members) == raw else None
 
 
 def _by_library(files: Mapping[str, bytes]) -> bytes:

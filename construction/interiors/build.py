@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...execution import seldom_collected
+from ...execution import one_core, seldom_collected
 from ...worlds.arrays import RigidPose, euler_to_quaternion
 from ...worlds.spec import Interior
 from ..assets.documents import body_id, feet
@@ -38,6 +38,7 @@ HEADROOM = {"door": 1.95, "stairs": 2.0}
 
 
 @seldom_collected()
+@one_core()
 def build_interior(name: str, interior: Interior, *, gap: float, ground: Heights | None = None) -> BuiltInterior:
     """Plan an interior, put up its walls, and furnish it.
 

@@ -9,10 +9,11 @@ Three things are added between the velocity stage of a step and its solution, in
 
 - **Impacts.** Contacts that close faster than `rest_speed` are struck one after another at the beginning of the step (`impact_sequence.py`); what
   lasts is solved for afterwards, with the speeds that they leave.
-- **Impacts of debris and beside elastic bodies.** Such a contact is solved for -(1 + e) v / dt instead: within one step, so
-  that a body enters a skin by v dt at most, whatever the phase of the impact. This is Newton's law v' = -e v (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988, for several contacts
+- **Impacts of debris.** Such a contact is solved for -(1 + e) v / dt instead: within one step, so that a body enters a skin by
+  v dt at most, whatever the phase of the impact. This is Newton's law v' = -e v (J. J. Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, 1988, for several contacts
   at once). What else a step with impacts asks for is in `impacts.py`. A calibrated spring-damper gave e +-0.02 depending on the phase of the impact and dipped N times deeper.
 - **Pieces of one breakable body** meet as `crumbling` says.
+- **Beside elastic bodies** the same is asked of rigid ones by another way (`beside_flexes.py`).
 - **No lift.** The convex friction cone of MuJoCo makes a contact that slides at speed s separate at mu s: a sliding box
   hops, and a ball that hits obliquely bounces too high. Taking mu s / dt out of the normal reference makes the cone
   Coulomb's (G. De Saxce and Z.-Q. Feng, Mathematical and Computer Modelling 28 (1998) 225; F. Cadoux, 2009, for the
@@ -28,11 +29,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...worlds.arrays import F64
+from .beside_flexes import ask_beside_flexes
 from .contact_points import ContactPoints
 from .crumbling import scale_rows
 from .impact_friction import stop_slides
 from .impact_sequence import Blow, ImpactSequence
-from .impacts import Impact, calm
+from .impacts import Impact
 from .pair_values import PairValues
 from .sides import sides_of
 from .stiction import Stiction
@@ -121,11 +123,8 @@ class ContactLaw:
         self.kin, self._stiction = kin, stiction
         self._weak: Weak | None = None
         self._found = False
-        self._impact: Impact | None = None
         self._needed = np.zeros(model.nv)
-        # Under `discrete`, which elastic members need, a second solution of a step diverges (MuJoCo 4.0.0, measured).
-        self._passes = 0 if model.nflex else SLIP_PASSES
-        self._sequence = None if model.nflex or kin is not None else ImpactSequence(model)
+        self._sequence = None if kin is not None else ImpactSequence(model)
         self.blow: Blow | None = None
         self._points = ContactPoints(model)
         self._pairs = PairValues(colliders, pairs)
@@ -142,7 +141,7 @@ class ContactLaw:
             dt: time step [s].
             slowest: closing speed from which on a contact bounces [m/s].
         """
-        self._weak, self._found, self._impact, self.blow = None, False, None, None
+        self._weak, self._found, self.blow = None, False, None
         self._points.apply(data)
         if self._stiction is not None and data.ncon and data.nefc:
             self._stiction.apply(data, sides_of(self.model, data.contact))
@@ -151,6 +150,14 @@ class ContactLaw:
         if not data.ncon or not data.nefc:
             return
         contact = data.contact
+        if self._sequence is not None and self.model.nflex:
+            solid = (contact.flex < 0).all(axis=1) & (contact.efc_address >= 0)
+            if (data.efc_vel[contact.efc_address[solid]] < -slowest).any():
+                self.blow = self._sequence.resolve(data, slowest, self.restitution_of(sides_of(self.model, contact)))
+            ask_beside_flexes(self, data, np.flatnonzero(solid), dt)
+            if self.blow is not None:
+                self._sequence.begin(self.blow, data, dt)
+            return
         rows = contact.efc_address
         live = rows >= 0
         if not live.all():
@@ -183,17 +190,33 @@ class ContactLaw:
         """Write what contacts are solved for that last, or that the impacts of the step leave."""
         blow, damping, speed = self.blow, data.efc_KBIP[rows, 1], data.efc_vel[rows]
         asked = data.efc_aref if blow is None else data.efc_aref - data.efc_KBIP[:, 1] * blow.change
-        lift = self._lasting_lift(data, rows, friction, sizes, asked)
+        lift = self.lasting_lift(data, rows, friction, sizes, asked)
         speed = speed if blow is None else speed + blow.change[rows]
-        opens = speed > 0.0
-        wanted = np.where(opens, np.minimum(asked[rows], PUSHED_OUT - speed / dt), asked[rows])
+        wanted = self.wanted(rows, asked[rows], speed, damping, dt)
         if blow is not None and self._sequence is not None:
-            # What the impacts moved stops closing within the step, and opens as they left it.
-            moved = blow.change[rows] != 0.0
-            stopped = np.where(opens, np.minimum(wanted, -speed / dt), wanted - speed * (1.0 / dt - damping))
-            wanted = np.where(moved, stopped, wanted) + blow.change[rows] / dt
             self._sequence.begin(blow, data, dt)
         data.efc_aref[rows] = wanted - lift
+
+    def wanted(self, rows: NDArray[np.int32], asked: F64, speed: F64, damping: F64, dt: float) -> F64:
+        """Accelerations that contacts are solved for along their normals, after the impacts of the step [m/s^2], shape (n,).
+
+        What opens is not pushed out of the skins faster than `PUSHED_OUT`; what the impacts moved stops closing within the step, and opens as
+        they left it.
+
+        Args:
+            rows: normal rows of the contacts.
+            asked: by their springs and dampers at `speed` [m/s^2].
+            speed: that the impacts leave [m/s].
+            damping: of each [1/s].
+            dt: time step [s].
+        """
+        opens = speed > 0.0
+        wanted = np.where(opens, np.minimum(asked, PUSHED_OUT - speed / dt), asked)
+        if self.blow is None:
+            return wanted
+        change = self.blow.change[rows]
+        stopped = np.where(opens, np.minimum(wanted, -speed / dt), wanted - speed * (1.0 / dt - damping))
+        return np.asarray(np.where(change != 0.0, stopped, wanted) + change / dt)
 
     def end(self, data: Any, dt: float) -> None:
         """Forget the impacts of the step after its integration: what follows goes on from the forces that last."""
@@ -205,12 +228,14 @@ class ContactLaw:
         """Find the forces of this step, unless they are found already, and note from what the next one goes on."""
         if not self._found:
             self._forward(data)
-            if self.blow is not None and self._sequence is not None:
-                self._sequence.settle(self.blow, data, self.model.opt.timestep)
-            if self._impact is not None and self._impact.lift is not None:
-                calm(self._impact, data, self.model, self._try)
+            self.settle(data)
         if self.kin is not None and self._weak is not None:
             self.kin.remember(data, self._weak)
+
+    def settle(self, data: Any) -> None:
+        """Count the impacts among the forces of contacts, once those of the step are found."""
+        if self.blow is not None and self._sequence is not None:
+            self._sequence.settle(self.blow, data, self.model.opt.timestep)
 
     def _forward(self, data: Any) -> None:
         for _ in range(1 if self.kin is None else ATTEMPTS):
@@ -250,9 +275,7 @@ class ContactLaw:
         speed = data.efc_vel[rows]
         own = data.efc_aref[rows]
         closing = speed[hit] if weak is None else np.minimum(speed[hit] + weak.slack[hit], 0.0)
-        impact = self._impact = Impact.of(
-            data, rows, hit, speed, self.restitution_of(sides), None if weak is None else weak.tight
-        )
+        impact = Impact.of(data, rows, hit, speed, self.restitution_of(sides), None if weak is None else weak.tight)
         own[hit] = -(1.0 + impact.bounce[hit]) * closing / dt
         own[impact.parting] = impact.wanted(dt)[impact.parting]
         # Faces in a tight fit ask for what cannot all be had, and the harder they are the larger is what they answer with.
@@ -264,7 +287,7 @@ class ContactLaw:
             lift[hit] = 0.0
         acceleration = np.zeros(data.nefc)
         swung = np.zeros(len(rows), dtype=bool)
-        passes, kin = self._passes, self.kin
+        passes, kin = SLIP_PASSES, self.kin
         if kin is not None and weak is not None:
             kin.recall(data, weak)
         near = self._near(data, rows, rows[hit])
@@ -291,8 +314,6 @@ class ContactLaw:
                     return True
                 break
         data.efc_aref[rows] = own - lift
-        if self._passes and kin is None:
-            impact.lift = lift
         return False
 
     def _near(self, data: Any, rows: NDArray[np.int32], hit: NDArray[np.int32]) -> NDArray[np.bool_]:
@@ -303,7 +324,7 @@ class ContactLaw:
         struck[data.efc_island[hit]] = True
         return np.asarray(struck[data.efc_island[rows]])
 
-    def _lasting_lift(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], asked: F64) -> F64:
+    def lasting_lift(self, data: Any, rows: NDArray[np.int32], friction: F64, sizes: NDArray[np.int32], asked: F64) -> F64:
         """The lift of what lasts [m/s^2], by the accelerations of the step before.
 
         The error falls as in the passes of a step. Without the accelerations what slides would sink by mu^2 g (N dt)^2, up to 0.2 mm, and be

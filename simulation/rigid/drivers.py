@@ -12,7 +12,7 @@ from ...worlds.errors import InputError
 from ...worlds.fields import acting_on
 from ...worlds.spec import DetachDriver, FieldDriver, ForceDriver, MotorDriver, PathDriver, ReleaseDriver, WorldSpec
 from ..protocol import Intervention
-from .flex import part_flexes
+from .flex_contacts import part_flexes
 from .holds import Holds
 from .model import RigidModel
 from .start import set_velocities

@@ -17,13 +17,12 @@ from ...worlds.spec import ElasticPhysics, Pin, WorldSpec
 from ..boundaries import MovingSurface
 from ..elastic import Lattice
 from .contact_law import IMPEDANCE
-from .holds import MOVING
+from .flex_contacts import AMONG
 from .records import velocities
 
 if TYPE_CHECKING:
     from ...worlds.built import BuiltEntity
     from .flex_fields import FlexFields
-    from .model import RigidModel
 
 __all__ = [
     "SOLIMP",
@@ -33,7 +32,6 @@ __all__ = [
     "hear",
     "is_soft",
     "node_count",
-    "part_flexes",
     "pinned_nodes",
 ]
 
@@ -183,35 +181,10 @@ def add_flex(builder: Any, name: str) -> FlexBody:
     flex.elem = part.simulation.tets.ravel().tolist()
     self_mode = mujoco.mjtFlexSelf
     flex.selfcollide = self_mode.mjFLEXSELF_AUTO if part.simulation.cells.max() >= LAYERS_FOR_SELF else self_mode.mjFLEXSELF_NONE
-    flex.contype, flex.conaffinity = MOVING
+    flex.group, flex.contype, flex.conaffinity = len(builder.flexes), AMONG, AMONG
     flex.condim, flex.friction = 3, [matter.friction_at_rest, 1e-6, 1e-6]
     flex.margin, flex.solimp = builder.settings.skin, SOLIMP
     return FlexBody(name, part.part, physics, lattice, pose, masses, carriers.tolist(), offsets)
-
-
-def part_flexes(rigid: RigidModel) -> None:
-    """Let each of the pairs `rigid.parted` pass through each other.
-
-    Every elastic body of such a pair has two bits of its own: all but the bodies of its pairs meet them. Written after anything that
-    writes contact types.
-    """
-    model = rigid.model
-    for index, body in enumerate(rigid.flexes):
-        partners = {n for pair in rigid.parted if body.entity in pair for n in pair - {body.entity}}
-        if not partners:
-            continue
-        meets = np.array([rigid.colliders[c] not in partners for c in rigid.geom_collider])
-        mine, theirs = 1 << (2 + 2 * index), 1 << (3 + 2 * index)
-        geoms = np.flatnonzero(meets[: model.ngeom])
-        model.geom_contype[geoms] |= theirs
-        model.geom_conaffinity[geoms] |= mine
-        owners = np.unique(model.geom_bodyid[geoms])
-        model.body_contype[owners] |= theirs
-        model.body_conaffinity[owners] |= mine
-        others = [k for k in np.flatnonzero(meets[model.ngeom :]).tolist() if k != index]
-        model.flex_contype[others] |= theirs
-        model.flex_conaffinity[others] |= mine
-        model.flex_contype[index], model.flex_conaffinity[index] = mine, theirs
 
 
 _ORIGIN = RigidPose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))

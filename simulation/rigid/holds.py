@@ -14,12 +14,14 @@ import numpy as np
 
 from ...worlds.arrays import F64
 
-__all__ = ["HOLD_FACTOR", "Holds"]
+__all__ = ["DEALT", "FIXED", "HOLD_FACTOR", "MOVING", "Holds"]
 
 HOLD_FACTOR = 1e6
 """Armature of a fixed body, in multiples of the heaviest moving body: contacts see a fixed body to 1e-6. Poses of fixed
 bodies are written anew in every step (paths) or frame (holds), so that nothing adds up."""
-MOVING, FIXED = (1, 3), (2, 1)
+DEALT = 1 << 29
+"""contype of flexes that hold a part of an elastic body's surface, which all geoms meet and no other flex does."""
+MOVING, FIXED = (1, 3 | DEALT), (2, 1 | DEALT)
 """contype and conaffinity: moving bodies meet everything, fixed ones only moving ones."""
 NEVER = -1e6
 """Margin [m] of an explicit pair of two fixed bodies: no contact is ever that deep."""

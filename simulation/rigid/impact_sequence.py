@@ -67,7 +67,7 @@ class ImpactSequence:
         self._none = np.zeros(0, dtype=np.int32)
 
     def resolve(self, data: Any, slowest: float, restitution: F64) -> Blow | None:
-        """The impacts of this step, None where nothing closes fast enough.
+        """The impacts of this step between rigid bodies, None where nothing closes fast enough.
 
         Args:
             data: state after `mj_step1`.
@@ -77,7 +77,7 @@ class ImpactSequence:
         from .impact_kernels import resolve
 
         model, contact = self.model, data.contact
-        live = np.flatnonzero(contact.efc_address >= 0)
+        live = np.flatnonzero((contact.efc_address >= 0) & (contact.flex < 0).all(axis=1))
         first = contact.efc_address[live]
         island = data.efc_island if data.nisland else np.zeros(data.nefc, dtype=np.int32)
         # Speeds are those half a step ago: half of the step's other forces have acted by now.

@@ -20,7 +20,8 @@ from ...worlds.spec import RigidSettings, WorldSpec
 from .builder import ModelBuilder, free_count
 from .contact_law import ContactLaw, set_contact_law
 from .crumbling import make_crumbling
-from .flex import FlexBody, add_flex, is_soft, node_count, part_flexes
+from .flex import FlexBody, add_flex, is_soft, node_count
+from .flex_contacts import add_surfaces, part_flexes
 from .links import add_links, add_pairs
 from .stiction import Stiction
 
@@ -119,6 +120,7 @@ def _filled(builder: ModelBuilder) -> dict[tuple[str, str], float]:
             builder.flexes.append(add_flex(builder, name))
         else:
             builder.entity(name)
+    add_surfaces(builder.out, builder.flexes, builder.settings.skin)
     add_links(builder)
     builder.drag()
     builder.room()

@@ -90,7 +90,7 @@ class ContactMonitor:
         self.count = len(rigid.colliders)
         self.gain = ContactGain(rigid.model)
         # Instances with elastic bodies do not sleep.
-        trees = np.append(rigid.model.body_treeid[rigid.model.geom_bodyid], np.full(rigid.model.nflex, -1))
+        trees = np.append(rigid.model.body_treeid[rigid.model.geom_bodyid], np.full(len(rigid.flexes), -1))
         self._trees: list[NDArray[np.int64]] = []
         for collider in range(self.count):
             own = np.unique(trees[rigid.geom_collider == collider])

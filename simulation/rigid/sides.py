@@ -10,6 +10,6 @@ __all__ = ["sides_of"]
 
 
 def sides_of(model: Any, contact: Any) -> Any:
-    """Sides of every contact, shape (n, 2): index of the geom, or number of geoms + index of the flex."""
+    """Sides of every contact, shape (n, 2): index of the geom, or number of geoms + index of the elastic body."""
     geoms = contact.geom
-    return np.where(geoms >= 0, geoms, model.ngeom + contact.flex) if model.nflex else geoms
+    return np.where(geoms >= 0, geoms, model.ngeom + model.flex_group[contact.flex]) if model.nflex else geoms

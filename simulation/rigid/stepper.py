@@ -194,7 +194,9 @@ class Stepper:
             if self.flexes is not None:
                 # Elastic members take the discrete integrator, which has no stage of its own; nothing sleeps beside them.
                 mujoco.mj_step2(model, data)
+                self.rigid.law.settle(data)
                 watch_contacts(data, start + (k + 1) * dt, dt)
+                self.rigid.law.end(data, dt)
                 self.flexes.watch(data, dt)
             else:
                 # The stages of `mj_step2`, so that forces are read before the integration.

@@ -170,9 +170,9 @@ _of = Impact.of
 
 @lru_cache(maxsize=8)
 def _badly(kind: str, number: int) -> Film:
-    """The world under that law; nothing lowers a restitution that gives."""
+    """The world under that law, all impacts of a step at once."""
     at_once = patch.object(contact_law, "ImpactSequence", lambda *_: None)
-    with at_once, patch.object(Impact, "of", _pushing), patch.object(contact_law, "calm", lambda *_: None):
+    with at_once, patch.object(Impact, "of", _pushing):
         return film_of(KINDS[kind](number))
 
 

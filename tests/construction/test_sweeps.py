@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
+from worldagent.construction import sweeps
 from worldagent.construction.assets.profiles import circle, rectangle
 from worldagent.construction.build import _deviation
 from worldagent.construction.primitives import build_shape
+from worldagent.geometry.booleans import union_volume
 from worldagent.geometry.solids import Solid
 from worldagent.verifiers.scene.extents import specified_extent
 from worldagent.worlds.errors import InputError
@@ -115,3 +117,27 @@ def test_the_profile_stands_upright_with_u_to_the_right() -> None:
 def test_paths_and_hulls_that_make_no_solid_are_refused_with_the_reason(shape: Hull | Sweep, said: str) -> None:
     with pytest.raises(InputError, match=said):
         build_shape(shape, Path())
+
+
+SPRING = [(math.cos(a), math.sin(a), 0.04 * a) for a in np.linspace(0, 4 * math.pi, 60)]
+
+
+@pytest.mark.parametrize(
+    ("shape", "asked"),
+    [
+        (Sweep(path=RING, profile=circle(0.05, 16), closed=True), 0),
+        (Sweep(path=[(0, 0, 0), (1, 0, 0), (1, 2, 0), (1, 2, 1)], profile=SQUARE, scales=[1.0, 0.5, 1.0, 0.7]), 0),
+        # Turns that lie over each other are between the same planes.
+        (Sweep(path=SPRING, profile=circle(0.05, 8)), 1),
+    ],
+)
+def test_segments_with_a_ring_between_them_are_apart_without_a_union(
+    shape: Sweep, asked: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Law: what lies on either side of a plane has no volume in common; the union says the same."""
+    told: list[float] = []
+    monkeypatch.setattr(sweeps, "union_volume", lambda pieces: told.append(union_volume(pieces)) or told[-1])
+    pieces = build_shape(shape, Path()).collision
+    assert len(told) == asked
+    alone = sum(float(ConvexHull(p.points).volume) for p in pieces)
+    assert union_volume([p.points for p in pieces]) == pytest.approx(alone, rel=1e-9)

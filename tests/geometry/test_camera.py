@@ -144,6 +144,16 @@ def test_a_window_shows_what_the_whole_picture_shows_there() -> None:
         caster.cast(view, poses, window=(5, 5, 0, 1))
 
 
+def test_a_picture_without_normals_shows_the_same() -> None:
+    caster = IdCaster([mesh_of(trimesh.creation.box((1, 1, 1))), mesh_of(trimesh.creation.icosphere(4, 0.3))])
+    view, poses = camera((2.0, -3.0, 1.0)), [at(), at(0.2, -1, 0.1)]
+    whole, bare = caster.cast(view, poses), caster.cast(view, poses, normals=False)
+    np.testing.assert_array_equal(whole.ids, bare.ids)
+    np.testing.assert_array_equal(whole.depth, bare.depth)
+    assert np.abs(whole.normals).max() > 0.5
+    assert not bare.normals.any()
+
+
 def test_a_turned_camera_shows_the_same_turned() -> None:
     """A quarter turn: right becomes up."""
     view = camera((0, -4.0, 0), size=(64, 64))
@@ -165,7 +175,7 @@ def test_leaving_out_what_reaches_no_pixel_changes_no_picture(seed, monkeypatch)
     caster, poses = IdCaster([sheets(rng, 60) for _ in range(3)]), [at()] * 3
     drawn, saved = [], 0
     draw = idcast._Buffer._draw_large
-    monkeypatch.setattr(idcast._Buffer, "_draw_large", lambda *told: (drawn.append(told[2]), draw(*told)))
+    monkeypatch.setattr(idcast._Buffer, "_draw_large", lambda *told: (drawn.extend(told[2].tolist()), draw(*told)))
     for _ in range(4):
         view = camera((0.0, 0.0, 0.0), tuple(rng.normal(size=3)), float(rng.uniform(20, 100)), (320, 180))
         x, y = np.sort(rng.integers(0, 320, 2)), np.sort(rng.integers(0, 180, 2))
@@ -179,6 +189,46 @@ def test_leaving_out_what_reaches_no_pixel_changes_no_picture(seed, monkeypatch)
             assert np.array_equal(one, other)
         drawn.clear()
     assert saved > 0
+
+
+def drawn_by_numpy(buffer, edge, index, rectangle, chunk=None):
+    """Triangles of a buffer, all pixels of a triangle at once; of equals the first wins, of small ones over those of earlier chunks."""
+    for n in range(len(index)):
+        x0, x1, y0, y1 = (int(v) for v in rectangle[n])
+        column, row = np.arange(x0, x1), np.arange(y0, y1)[:, None]
+        a, b, c = (edge[n, :, k, None, None] for k in range(3))
+        value = (a * column + c) + b * row if chunk is None else a * column + b * row + c
+        inverse = value[0] + value[1] + value[2]
+        with np.errstate(divide="ignore"):
+            hit = np.where((value.min(axis=0) >= -idcast.SEAM * inverse) & (inverse > 0.0), 1.0 / inverse, np.nan)
+        part = (slice(y0 - buffer.top, y1 - buffer.top), slice(x0 - buffer.left, x1 - buffer.left))
+        depth, face = (values.reshape(buffer.height, buffer.width)[part] for values in (buffer.depth, buffer.face))
+        closer = (hit < depth) & (hit >= idcast.NEAR)
+        level = np.zeros_like(closer)
+        if chunk is not None:
+            place = np.minimum(np.searchsorted(index, face), len(index) - 1)
+            level = (hit == depth) & ((index[place] != face) | (chunk[place] != chunk[n]))
+        depth[closer] = hit[closer]
+        face[closer | level] = index[n]
+
+
+@pytest.mark.parametrize("chunk", [1, 400, 10**6])
+def test_compiled_pictures_are_those_of_numpy(chunk, monkeypatch):
+    """Sheets through each other, each of them twice, so that depths are equal; from near and far, so that they fill few and many pixels."""
+    monkeypatch.setattr(idcast, "CHUNK", chunk)
+    rng = np.random.default_rng(11)
+    once = sheets(rng, 60)
+    twice = TriangleMesh(once.vertices, np.concatenate([once.faces, once.faces]))
+    for size in ((320, 180), (48, 27)):
+        view = camera((0.0, 0.0, 0.0), tuple(rng.normal(size=3)), 60.0, size)
+        found = IdCaster([twice, once]).cast(view, [at()] * 2)
+        with monkeypatch.context() as patch:
+            patch.setattr(idcast._Buffer, "_draw_large", drawn_by_numpy)
+            patch.setattr(idcast._Buffer, "_draw_small", drawn_by_numpy)
+            plain = IdCaster([twice, once]).cast(view, [at()] * 2)
+        assert len(np.unique(found.depth)) > 100
+        for one, other in zip(found, plain, strict=True):
+            np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -96,6 +96,16 @@ def test_an_array_made_anew_after_a_failure_is_one_change(yard: Any) -> None:
     assert tried["grp"] == "shape"
 
 
+def test_one_of_many_things_is_put_afloat(agent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    run_jobs_inline(monkeypatch)
+    depth = 0.15
+    spec = tank_spec(spacing=0.03, depth=depth, frames=24, closed=True, crate_at=LINER + depth + CRATE / 2)
+    agent.call("edit_spec", world="w", prompt=TANK, spec=spec)
+    agent.call("place_object", world="w", things=[{"entity": "crate", "afloat": "water"}])
+    told = agent.call("inspect_world", world="w", part="spec", pointer="/entities/crate/pose/position")
+    assert told["value"] == pytest.approx([0, 0, LINER + depth], abs=1e-6)
+
+
 def test_a_crate_of_half_the_density_is_put_at_its_float_line(agent: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     run_jobs_inline(monkeypatch)
     depth = 0.15

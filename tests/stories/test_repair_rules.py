@@ -43,6 +43,28 @@ def test_two_causal_groups_at_once_are_refused_after_a_failure(failed: Any, patc
         assert way in text
 
 
+def test_a_scene_that_fails_before_anything_moved_is_mended_in_one_edit(agent: Any, patch: Patch) -> None:
+    """Geometry is judged whole within seconds: groups of the scene go together, with one hypothesis; a solver's setting does not."""
+    right = small_spec()
+    wrong = small_spec()
+    wrong["entities"]["b1"]["pose"]["position"][2] = 0.31
+    wrong["graph"]["relations"]["on_shelf_b2"]["a"] = "floor"
+    agent.call("edit_spec", world="w", prompt=PROMPT, spec=wrong)
+    assert agent.call("place_object", world="w")["static_passed"] is False
+    place = ("/entities/b1/pose/position/2", right["entities"]["b1"]["pose"]["position"][2])
+    stands = ("/graph/relations/on_shelf_b2/a", "shelf")
+    slower = ("/simulation/solvers/rigid/settings/step", 0.00025)
+    reason = "the block stands on the shelf, as the prompt has it, and never on the floor"
+    given = {"hypothesis": "the first block stands in the shelf, and the second one on another thing", "weakening_reason": reason}
+    assert "2 causal parameter groups" in agent.refused("edit_spec", world="w", patch=patch(place, slower), **given)
+    done = agent.call("edit_spec", world="w", patch=patch(place, stands), **given)
+    assert done["groups"] == ["placement", "relations"]
+    kept = Ledger(agent.workspace / "w" / "ledger.sqlite").open_iterations()
+    assert sorted(i["grp"] for i in kept) == ["placement", "relations"]
+    assert agent.call("place_object", world="w")["static_passed"] is True
+    assert not Ledger(agent.workspace / "w" / "ledger.sqlite").open_iterations()
+
+
 def test_a_new_thing_comes_with_the_relations_that_say_how_it_stands(failed: Any, patch: Patch) -> None:
     """One edit, of one group, and no weakening: nothing was asked of it before, its foundation in the floor included."""
     body = {"shape": {"kind": "box", "size": [0.1, 0.1, 0.4]}}
@@ -105,7 +127,7 @@ def test_a_position_goes_along_with_the_shape_of_the_same_entity(failed: Any, pa
     size = ("/entities/b2/dimensions/size", [0.032, 0.05, 0.05])
     for more in (turned, other):
         text = failed.refused("edit_spec", world="w", patch=patch(wider, size, moved, more), hypothesis=WHY)
-        assert "(placement, shape)" in text
+        assert "(placement: /entities/b2/pose/euler, shape: /entities/b2" in text
     failed.edit(wider, size, moved, hypothesis=WHY)
     assert [i["grp"] for i in failed.call("inspect_world", world="w", part="iterations")["iterations"]] == ["shape"]
 

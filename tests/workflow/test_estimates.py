@@ -10,7 +10,17 @@ from typing import Any, cast
 import pytest
 from worldagent.execution import JobStore
 from worldagent.server.skill_files import SKILLS
-from worldagent.workflow.estimates import LAST_PROBES, START_S, film_estimate, pace_seen, still_took, usual_seconds
+from worldagent.workflow.estimates import (
+    LAST_PROBES,
+    START_S,
+    Usual,
+    film_estimate,
+    pace_seen,
+    probe_took,
+    still_estimate,
+    still_took,
+    usual_seconds,
+)
 from worldagent.worlds.categories.elastic.facts import cell_count
 from worldagent.worlds.categories.registry import CATEGORIES
 from worldagent.worlds.folder import WorldFolder
@@ -110,6 +120,19 @@ def test_the_pace_is_that_of_the_last_probes_that_passed() -> None:
         )
         == 2.0
     )
+
+
+def test_the_pace_of_a_world_is_that_of_its_last_simulation(tmp_path: Path) -> None:
+    """Also of one that failed or was stopped: an agent of a trial was told 164 s of a probe that took 530 s, and of the next again."""
+    folder, none = WorldFolder(tmp_path), cast("JobStore", _Jobs([_Job({"usual_s": 10.0}, 130.0, result={"passed": True})]))
+    assert pace_seen(none, folder) == 3.0
+    still_took(folder, 12.0, 100)
+    probe_took(folder, 90.0, 20.0)
+    assert pace_seen(none, folder) == 4.5
+    assert still_estimate(folder, 100) == pytest.approx(12.0)
+    usual = Usual(simulation=40.0, checks=9.0, reruns=110.0).at(pace_seen(none, folder))
+    assert usual.whole == pytest.approx(START_S + 4.5 * 159.0)
+    assert "simulation 180 s, 495 s runs without causes, checks 40 s" in usual.told
 
 
 def test_a_film_is_estimated_by_the_last_film_and_before_it_by_the_fastest_still(tmp_path: Path) -> None:

@@ -183,6 +183,63 @@ def test_frames_that_were_read_go_with_their_reader(tmp_path: Path) -> None:
     assert held() is None
 
 
+def _large(folder: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Cache, list[str]]:
+    """A cache that is too large to be kept, with a field and two records, and the files that are read from it."""
+    read: list[str] = []
+
+    def noted(path: Path, *args: Any, **named: Any) -> dict[str, Any]:
+        read.append(path.name)
+        return read_container(path, *args, **named)
+
+    cache = _cache(folder)
+    for k in range(2):
+        write_container(
+            cache.path(k),
+            {
+                "gas_soot": np.full((12, 12, 12), k, np.float32),
+                "record/heat": np.float64(k),
+                "record/soot_mass": np.float64(2.0 * k),
+            },
+        )
+    monkeypatch.setattr("worldagent.worlds.cache.KEPT_BYTES", 0)
+    monkeypatch.setattr("worldagent.worlds.cache.read_container", noted)
+    return cache, read
+
+
+def test_records_of_a_large_cache_are_read_together_and_its_fields_are_not_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cache, read = _large(tmp_path, monkeypatch)
+    assert cache.series("record/heat").tolist() == [0.0, 1.0]
+    assert cache.series("record/soot_mass").tolist() == [0.0, 2.0]
+    assert read == ["frame_000000.npz", "frame_000001.npz"]
+    assert set(cache._little(0)) == {"record/heat", "record/soot_mass"}
+    assert (cache.seen(1, ("gas_soot",))["gas_soot"] == 1.0).all()
+    assert cache.series("gas_soot").shape == (2, 12, 12, 12)
+    assert len(read) == 5
+
+
+def test_a_damaged_record_leaves_the_others_of_a_large_cache_readable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cache, _ = _large(tmp_path, monkeypatch)
+    raw = bytearray(cache.path(1).read_bytes())
+    at = raw.index(np.float64(1.0).tobytes())
+    raw[at] ^= 1
+    cache.path(1).write_bytes(raw)
+    assert cache.series("record/soot_mass").tolist() == [0.0, 2.0]
+    with pytest.raises(EvidenceError, match="checksum"):
+        cache.series("record/heat")
+
+
+def test_a_frame_that_is_kept_is_seen_as_it_was_read(tmp_path: Path) -> None:
+    cache = _cache(tmp_path)
+    first = cache.seen(0, ("position",))["position"]
+    assert first is cache.seen(0, ("position",))["position"]
+    assert [cache.seen_digest(k) for k in range(2)] == [cache.frame_digest(k) for k in range(2)] == cache.digests()
+    assert (first == cache.read(0, ("position",))["position"]).all()
+    with pytest.raises(EvidenceError, match="lacks a channel"):
+        cache.seen(0, ("velocity",))
+
+
 def test_missing_digests_and_indices_are_evidence_errors(tmp_path: Path) -> None:
     cache = _cache(tmp_path / "a")
     (cache.folder / "digests.txt").write_text(cache.digests()[0])

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...worlds.requirements import Row
     from ..rows.questions import Question
 
-__all__ = ["FUNCTIONS", "Function", "answers", "rows_about"]
+__all__ = ["FUNCTIONS", "Function", "answers", "digest_of", "rows_about"]
 
 Function = Callable[["Candidate", str, "Cache"], Finding]
 
@@ -104,7 +104,7 @@ def digest(candidate: Candidate, solver: str, cache: Cache) -> Finding:
         raise EvidenceError(f"digests of {len(recorded)} of {count} frames are recorded; bake again")
     for k in range(count):
         try:
-            digest = cache.frame_digest(k)
+            digest = digest_of(candidate, cache, k)
             state.update(digest.encode())
             if recorded[k] != digest:
                 raise EvidenceError(f"content does not match the digest recorded when it was written ({recorded[k][:12]})")
@@ -112,6 +112,15 @@ def digest(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             return Finding("fail", f"frame {k}: {error}", frame=k, hints=(bake_again("a cache file is damaged or gone"),))
     evidence = {"sha256": state.hexdigest(), "compared": count}
     return Finding("pass", f"{count} frames read", 0.0, 0.0, "frames", evidence=evidence)
+
+
+def digest_of(candidate: Candidate, cache: Cache, frame: int) -> str:
+    """Digest of one frame as it was first read of this candidate: reading all frames takes long, and several rows ask.
+
+    Raises:
+        EvidenceError: it is missing or damaged.
+    """
+    return candidate.memo(("digest", cache.folder, frame), lambda: cache.seen_digest(frame))
 
 
 FUNCTIONS: Mapping[Question, Function] = {FRAMES: frames, DIGEST: digest}

@@ -8,6 +8,7 @@ from ...worlds.cache import Cache
 from ...worlds.candidate import Candidate
 from ...worlds.errors import EvidenceError
 from ...worlds.requirements import Row
+from ..categories.container import digest_of
 from ..rows.answers import row_of
 from ..rows.corrections import bake_again, correction, resume
 from ..rows.findings import Finding
@@ -16,14 +17,14 @@ from .questions import COMPLETE, DIGESTS, INDEPENDENT
 __all__ = ["check"]
 
 
-def _first_altered(cache: Cache) -> tuple[int | None, str]:
+def _first_altered(candidate: Candidate, cache: Cache) -> tuple[int | None, str]:
     """First frame whose bytes do not give the recorded digest, and why."""
     digests = cache.digests()
     for frame in range(cache.index.frames):
         if frame >= len(digests):
             return frame, "no digest recorded"
         try:
-            if cache.frame_digest(frame) != digests[frame]:
+            if digest_of(candidate, cache, frame) != digests[frame]:
                 return frame, "content differs from the recorded digest"
         except EvidenceError as error:
             return frame, str(error)
@@ -43,8 +44,8 @@ def _complete(candidate: Candidate, cache: Cache) -> Finding:
     )
 
 
-def _untouched(cache: Cache) -> Finding:
-    bad, why = _first_altered(cache)
+def _untouched(candidate: Candidate, cache: Cache) -> Finding:
+    bad, why = _first_altered(candidate, cache)
     told = f"{cache.index.frames} frames are as baked" if bad is None else f"frame {bad}: {why}"
     return Finding(
         "pass" if bad is None else "fail",
@@ -82,5 +83,5 @@ def check(candidate: Candidate) -> list[Row]:
     for name, cache in candidate.caches.items():
         artifact = f"{candidate.artifact}/{name}"
         rows.append(row_of(candidate, COMPLETE, (name,), _complete(candidate, cache), artifact=artifact))
-        rows.append(row_of(candidate, DIGESTS, (name,), _untouched(cache), artifact=artifact))
+        rows.append(row_of(candidate, DIGESTS, (name,), _untouched(candidate, cache), artifact=artifact))
     return rows

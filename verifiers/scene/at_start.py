@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...geometry import ConvexGaps, convex_gaps
-from ...worlds.arrays import F64
+from ...geometry import ConvexGaps, convex_gaps, signed_clearances
+from ...worlds.arrays import F64, RigidPose
 from .bounds import ROUNDING
 
 if TYPE_CHECKING:
+    from ...geometry import Clearance
     from .parts import Pair, Parts
 
-__all__ = ["Gap", "nearest_parts", "own_distances"]
+__all__ = ["Gap", "measured_together", "nearest_parts", "own_distances"]
 
 Two = tuple[int, int]
 Boxes = tuple[F64, F64]
@@ -84,6 +85,25 @@ def _candidates(
     bound = np.linalg.norm(apart, axis=1)
     order = np.argsort(bound, kind="stable")
     return [some[k] for k in order], bound[order].tolist()
+
+
+def measured_together(surfaces: Parts, near: Sequence[set[Two]], clearance: Mapping[Two, float]) -> dict[Two, Clearance]:
+    """Clearances at frame 0, with their points, of parts that may be the nearest ones of two entities.
+
+    Args:
+        surfaces: of the candidate.
+        near: parts of pairs of entities whose clearance is known.
+        clearance: of those, the lower index first [m]; above `reach` a bound.
+    """
+    asked: list[Two] = []
+    for some in near:
+        known = {two: clearance[min(two), max(two)] for two in some}
+        most = max(min(known.values()), 0.0) + ROUNDING
+        asked += [two for two, value in known.items() if value <= most]
+    tracks = {i: surfaces.track_of(i) for two in asked for i in two}
+    poses = {i: RigidPose(t.position[0] + 0.0, t.quaternion[0]) for i, t in tracks.items()}  # no -0, as after a move by nothing
+    solid = surfaces.shapes.solid
+    return dict(zip(asked, signed_clearances([(solid(i, 0), poses[i], solid(j, 0), poses[j]) for i, j in asked]), strict=True))
 
 
 def own_distances(surfaces: Parts, boxes: Boxes) -> dict[Two, float]:

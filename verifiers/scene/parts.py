@@ -50,6 +50,7 @@ class Parts:
         self.frames = candidate.frame_count
         self._tracks: dict[tuple[str, str], Track] = {}
         self._solids: dict[bytes, Solid] = {}
+        self._shared: dict[tuple[int, int, bool], tuple[TriangleMesh, Solid]] = {}
 
     @cached_property
     def parts(self) -> tuple[PartSurface, ...]:
@@ -92,6 +93,16 @@ class Parts:
 
     def solid_of(self, mesh: TriangleMesh, *, closed: bool) -> Solid:
         """The mesh ready for queries; equal meshes share one, with all that is derived from it."""
+        own = (
+            id(mesh.vertices),
+            id(mesh.faces),
+            closed,
+        )  # entities of one recipe share their arrays; the mesh is kept with its solid
+        if own not in self._shared:
+            self._shared[own] = mesh, self._by_content(mesh, closed=closed)
+        return self._shared[own][1]
+
+    def _by_content(self, mesh: TriangleMesh, *, closed: bool) -> Solid:
         key = hashlib.sha256(repr((mesh.vertices.shape, mesh.vertices.dtype, mesh.faces.dtype, closed)).encode())
         key.update(mesh.vertices.tobytes())
         key.update(mesh.faces.tobytes())

@@ -17,21 +17,24 @@ from numpy.typing import NDArray
 from ...geometry import Care, Meetings, aabb_of, clearance_batch, meetings, signed_clearance, turned_boxes
 from ...worlds.arrays import F64, RigidPose, rotation_matrix
 from ..rows.telling import tell
-from .at_start import Gap, nearest_parts, own_distances
+from .at_start import Gap, measured_together, nearest_parts, own_distances
 from .bounds import MOVED_SHARE, ROUNDING, SUPPORT_SLOPE
 from .parts import Pair, Parts
 from .shifted import Shifted, Start, shifted
 
 if TYPE_CHECKING:
+    from ...geometry import Clearance
     from ...worlds.candidate import Candidate
 
-__all__ = ["NOWHERE", "Gap", "Surfaces", "surfaces_of"]
+__all__ = ["MANY_PARTS", "NOWHERE", "Gap", "Surfaces", "surfaces_of"]
 
 NOWHERE = 1e300
 """[m] Corner of the empty box that stands for a broken pose."""
 
 FEW_VERTICES = 1000
 """Own choice: parts of more vertices are put in their places one by one."""
+MANY_PARTS = 1000
+"""Own choice: parts of a world from which on all its pairs are measured together at frame 0, and loading compiled loops, half a second, is worth while."""
 QUERIES = 500_000
 """Clearances measured in one batch: about 150 MB."""
 
@@ -45,6 +48,7 @@ class Surfaces(Parts):
         self._support: dict[tuple[str, str, int], NDArray[np.bool_]] = {}
         self._boxes: dict[int, tuple[F64, F64]] = {}
         self._gaps: dict[Pair, Gap] = {}
+        self._measured: dict[tuple[int, int], Clearance] = {}
         self._near_at_start: dict[Pair, set[tuple[int, int]]] = {}
         self._tight: tuple[int, dict[int, tuple[F64, F64]]] = (0, {})
         self.at_start: dict[tuple[int, int], float] = {}
@@ -223,6 +227,9 @@ class Surfaces(Parts):
         if self._near_at_start and not self._gaps:
             for pair, found in nearest_parts(self, self._near_at_start, self.at_start, partial(self.tight_boxes, frame=0)):
                 self._gaps |= {pair: found, pair[::-1]: found.turned()}
+            if len(self.parts) >= MANY_PARTS:
+                left = [self._near_at_start[pair] for pair in self.first if pair not in self._gaps]
+                self._measured = measured_together(self, left, self.at_start)
         if (a, b) not in self._gaps:  # the checks of overlap and of support both ask where things touch at the start
             self._gaps[a, b] = self._gap(a, b, 0, None)
         return self._gaps[a, b]
@@ -251,8 +258,11 @@ class Surfaces(Parts):
             if beyond[i, j]:
                 continue
             one, two = self.parts[rows_a[i]], self.parts[rows_b[j]]
-            solids = self.shapes.solid(rows_a[i], frame), self.shapes.solid(rows_b[j], frame)
-            found = signed_clearance(solids[0], poses_a[i], solids[1], poses_b[j])
+            known = self._measured.get((rows_a[i], rows_b[j])) if frame == 0 and offset is None else None
+            if known is None:
+                solids = self.shapes.solid(rows_a[i], frame), self.shapes.solid(rows_b[j], frame)
+                known = signed_clearance(solids[0], poses_a[i], solids[1], poses_b[j])
+            found = known
             if best is None or found.distance < best.distance:
                 best = Gap(found.distance, found.point_a, found.point_b, one.part, two.part)
         assert best is not None

@@ -335,7 +335,7 @@ class Sight:
         if left >= right or top >= bottom:
             return None
         window = (left, right, top, bottom)
-        alone = scene.caster.cast(camera, poses, only=np.flatnonzero(own).tolist(), window=window)
+        alone = scene.caster.cast(camera, poses, only=np.flatnonzero(own).tolist(), window=window, normals=False)
         hit = alone.ids >= 0
         if size is not None:
             hit &= upright(camera, size, window)
@@ -345,7 +345,7 @@ class Sight:
         meets = (rectangle[:, 0] < right) & (rectangle[:, 2] > left) & (rectangle[:, 1] < bottom) & (rectangle[:, 3] > top)
         before = meets & ~own & ~scene.glass & (nearest <= farthest * (1.0 + COPLANAR))
         front = scene.caster.cast(
-            camera, poses, only=np.flatnonzero(before).tolist(), window=window, until=farthest * (1.0 + BEHIND)
+            camera, poses, only=np.flatnonzero(before).tolist(), window=window, until=farthest * (1.0 + BEHIND), normals=False
         )
         visible = hit & (alone.depth.astype(np.float64) * (1.0 + COPLANAR) < front.depth)
         return _Cast(window, hit, visible, front.ids)
@@ -356,7 +356,7 @@ class Sight:
         scene = self._at(at)
         poses = [self.candidate.pose(entity, at, body) for entity, body in scene.instances]
         only = np.flatnonzero(~scene.glass & ~np.isin(scene.owner, list(without)))
-        return scene.caster.cast(camera, poses, only=only.tolist()).depth
+        return scene.caster.cast(camera, poses, only=only.tolist(), normals=False).depth
 
     def inside(self, point: F64, frame: int) -> str | None:
         """Entity inside whose solid a point lies at a frame; None in the open."""

@@ -22,6 +22,7 @@ from ..rows.corrections import correction, move_by, pointer, set_value
 from ..rows.findings import Finding
 from ..scene.bounds import ROUNDING
 from ..scene.interpenetration import correction_order
+from ..scene.surfaces import MANY_PARTS
 from .bounds import LEFT
 from .questions import FASTENED, JOINT, ROPE
 
@@ -58,10 +59,14 @@ class Missed(NamedTuple):
     """Point of the surface [m]."""
 
 
-def _start(surfaces: Surfaces, part: int) -> RigidPose:
-    """Declared pose of a part's body: places of joints are given there, before any preroll."""
-    candidate, own = surfaces.candidate, surfaces.parts[part]
-    return compose(pose_of(candidate.spec.entities[own.entity].pose), candidate.body(own.entity, own.body).pose)
+class _Declared(NamedTuple):
+    """Parts of an entity as declared: places of joints are given there, before any preroll."""
+
+    poses: list[RigidPose]
+    inverses: list[RigidPose]
+    low: F64
+    """Corners of their boxes [m], shapes (parts, 3)."""
+    high: F64
 
 
 def way_to(surfaces: Surfaces, entity: str, points: F64) -> tuple[float, F64, F64]:
@@ -72,11 +77,11 @@ def way_to(surfaces: Surfaces, entity: str, points: F64) -> tuple[float, F64, F6
         entity: whose surface.
         points: [m], shape (n, 3).
     """
-    starts, low, high = surfaces.candidate.memo(("declared boxes", entity), lambda: _declared_boxes(surfaces, entity))
-    beyond = np.linalg.norm(np.maximum(np.maximum(low[:, None] - points, points - high[:, None]), 0.0), axis=2).min(axis=1)
+    declared = _declared(surfaces, entity)
+    beyond = _beyond(declared, points)
     solids = [surfaces.shapes.solid(i, 0) for i in surfaces.parts_of[entity]]
     for k in np.flatnonzero(beyond <= ROUNDING):
-        inside = contains(solids[k], starts[k].inverse().apply(points))
+        inside = contains(solids[k], declared.inverses[k].apply(points))
         if inside.any():
             point = points[int(np.argmax(inside))]
             return 0.0, point, point
@@ -84,19 +89,52 @@ def way_to(surfaces: Surfaces, entity: str, points: F64) -> tuple[float, F64, F6
     for k in np.argsort(beyond, kind="stable").tolist():
         if beyond[k] > best[0] + ROUNDING:
             break
-        distance, nearest = distance_to_surface(solids[k], starts[k].inverse().apply(points))
+        distance, nearest = distance_to_surface(solids[k], declared.inverses[k].apply(points))
         at = int(np.argmin(distance))
         if (float(distance[at]), k) < best[:2]:  # of parts that are as near, the first
-            best = (float(distance[at]), k, points[at], starts[k].apply(nearest[at][None])[0])
+            best = (float(distance[at]), k, points[at], declared.poses[k].apply(nearest[at][None])[0])
     return best[0], best[2], best[3]
 
 
-def _declared_boxes(surfaces: Surfaces, entity: str) -> tuple[list[RigidPose], F64, F64]:
-    """Declared poses of the parts of an entity, and their boxes there [m], shapes (parts, 3)."""
-    rows = surfaces.parts_of[entity]
-    starts = [_start(surfaces, i) for i in rows]
-    corners = [start.apply(surfaces.shapes.solid(i, 0).vertices) for i, start in zip(rows, starts, strict=True)]
-    return starts, np.array([c.min(axis=0) for c in corners]), np.array([c.max(axis=0) for c in corners])
+def _declared(surfaces: Surfaces, entity: str) -> _Declared:
+    """Parts of an entity as declared, worked out once."""
+    return surfaces.candidate.memo(("declared parts", entity), lambda: _made_declared(surfaces, entity))
+
+
+def _made_declared(surfaces: Surfaces, entity: str) -> _Declared:
+    candidate, rows = surfaces.candidate, surfaces.parts_of[entity]
+    place = pose_of(candidate.spec.entities[entity].pose)
+    names = [surfaces.parts[i].body for i in rows]
+    bodies = {name: compose(place, candidate.body(entity, name).pose) for name in dict.fromkeys(names)}
+    poses = [bodies[name] for name in names]
+    corners = [pose.apply(surfaces.shapes.solid(i, 0).vertices) for i, pose in zip(rows, poses, strict=True)]
+    low, high = np.array([c.min(axis=0) for c in corners]), np.array([c.max(axis=0) for c in corners])
+    return _Declared(poses, [p.inverse() for p in poses], low, high)
+
+
+def _beyond(declared: _Declared, points: F64) -> F64:
+    """Least distance of some points from the box of each part [m], shape (parts,)."""
+    away = np.maximum(np.maximum(declared.low[:, None] - points, points - declared.high[:, None]), 0.0)
+    return np.asarray(np.linalg.norm(away, axis=2).min(axis=1))
+
+
+def _distance(surfaces: Surfaces, entity: str, point: F64) -> float:
+    """Distance of a point from the visible surface of an entity as declared [m], 0 inside: that of `way_to`, by compiled loops."""
+    from ...geometry.point_kernels import to_triangles
+
+    declared, rows = _declared(surfaces, entity), surfaces.parts_of[entity]
+    beyond = _beyond(declared, point[None])
+    solids = [surfaces.shapes.solid(i, 0) for i in rows]
+    local = [None if far > ROUNDING else declared.inverses[k].apply(point[None]) for k, far in enumerate(beyond.tolist())]
+    if any(at is not None and contains(solid, at)[0] for solid, at in zip(solids, local, strict=True)):
+        return 0.0
+    best = np.inf
+    for k in np.argsort(beyond, kind="stable").tolist():
+        if beyond[k] > best + ROUNDING:
+            break
+        at = local[k] if local[k] is not None else declared.inverses[k].apply(point[None])
+        best = min(best, to_triangles(at[0], solids[k].triangles))
+    return float(best)
 
 
 def missed(surfaces: Surfaces, end: End) -> Missed:
@@ -172,8 +210,12 @@ def on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, b
     """
     axis = axis / np.linalg.norm(axis)
 
+    surfaces.require(*bodies)
+    many = len(surfaces.parts) >= MANY_PARTS
+
     def worst(at: float) -> float:
-        return max(missed(surfaces, End(b, anchor + at * axis, ())).distance for b in bodies)
+        place = anchor + at * axis
+        return max(_distance(surfaces, b, place) if many else missed(surfaces, End(b, place, ())).distance for b in bodies)
 
     best = (worst(0.0), 0.0)
     # The ends tried below lie a bound before the first corner or behind the last of a body, and are no nearer to it than that.
@@ -181,7 +223,8 @@ def on_axis(surfaces: Surfaces, bodies: Sequence[str], anchor: F64, axis: F64, b
         return np.asarray(anchor + best[1] * axis)
     spans = []
     for body in bodies:
-        corners = [_start(surfaces, i).apply(surfaces.shapes.solid(i, 0).vertices) for i in surfaces.parts_of[body]]
+        poses = zip(surfaces.parts_of[body], _declared(surfaces, body).poses, strict=True)
+        corners = [pose.apply(surfaces.shapes.solid(i, 0).vertices) for i, pose in poses]
         along = (np.concatenate(corners) - anchor) @ axis
         spans.append((float(along.min()), float(along.max())))
     # Bodies that lie one after the other along the axis are nearest somewhere between them.

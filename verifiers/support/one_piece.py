@@ -6,7 +6,7 @@ places whatever is between them, so that the same is asked of their surfaces her
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -25,8 +25,13 @@ if TYPE_CHECKING:
 __all__ = ["one_piece_rows", "own_touches"]
 
 
-def own_touches(surfaces: Surfaces, parts: Sequence[int], *, gap: float | None = None) -> Iterator[tuple[int, int]]:
-    """Pairs of an entity's parts that touch each other at frame 0, within `gap` [m]; default the contact tolerance (S3)."""
+def own_touches(
+    surfaces: Surfaces, parts: Sequence[int], *, gap: float | None = None, joined: Callable[[int, int], bool] | None = None
+) -> Iterator[tuple[int, int]]:
+    """Pairs of an entity's parts that touch each other at frame 0, within `gap` [m]; default the contact tolerance (S3).
+
+    Pairs that are `joined` when their turn comes are left out: those that cost a search come last.
+    """
     if len(parts) < 2:
         return
     low, high = (box[:, 0] for box in surfaces.boxes(np.zeros(1, dtype=np.intp)))
@@ -37,18 +42,27 @@ def own_touches(surfaces: Surfaces, parts: Sequence[int], *, gap: float | None =
     # Entities of one recipe share their surfaces: what touches in one touches in the other.
     alike = not surfaces.shapes.soft & set(parts) and len({surfaces.parts[i].body for i in parts}) == 1
     known: dict[tuple[int, int, float], bool] = surfaces.candidate.memo("own touches", dict) if alike else {}
-    for a, b in np.argwhere(boxes <= gap):
-        if a < b:
-            i, j = int(own[a]), int(own[b])
-            key = (id(surfaces.parts[i].solid), id(surfaces.parts[j].solid), gap)
-            if key not in known:
-                known[key] = _apart(surfaces, i, j, gap)
-            if not known[key]:
-                yield i, j
+    near = [(int(own[a]), int(own[b])) for a, b in np.argwhere(boxes <= gap).tolist() if a < b]
+    keys = [(id(surfaces.parts[i].solid), id(surfaces.parts[j].solid), gap) for i, j in near]
+    order: Sequence[int] = range(len(near))
+    if joined is not None:
+        order = sorted(order, key=lambda k: keys[k] not in known and not _told(surfaces, *near[k], gap))
+    for k in order:
+        if joined is not None and joined(*near[k]):
+            continue
+        if keys[k] not in known:
+            known[keys[k]] = _apart(surfaces, *near[k], gap)
+        if not known[keys[k]]:
+            yield near[k]
+
+
+def _told(surfaces: Surfaces, i: int, j: int, gap: float) -> bool:
+    """True if the clearance of two parts of one entity is known as far as `gap` asks."""
+    return gap <= surfaces.reach and (i, j) in surfaces.own
 
 
 def _apart(surfaces: Surfaces, i: int, j: int, gap: float) -> bool:
-    if gap <= surfaces.reach and (i, j) in surfaces.own:
+    if _told(surfaces, i, j, gap):
         return surfaces.own[i, j] >= gap
     poses = [surfaces.track(surfaces.parts[k].entity, surfaces.parts[k].body).at(0) for k in (i, j)]
     return apart(surfaces.shapes.solid(i, 0), poses[0], surfaces.shapes.solid(j, 0), poses[1], gap=gap)
@@ -77,9 +91,9 @@ def one_piece_rows(surfaces: Surfaces, still: frozenset[str]) -> list[Row]:
 def _pieces(surfaces: Surfaces, parts: Sequence[int]) -> list[list[int]]:
     """Parts that hang together, the piece with most of them first."""
     label = {i: i for i in parts}
-    for a, b in own_touches(surfaces, parts):
+    for a, b in own_touches(surfaces, parts, joined=lambda i, j: label[i] == label[j]):
         old, new = label[b], label[a]
-        label = {i: new if at == old else at for i, at in label.items()}
+        label.update({i: new for i, at in label.items() if at == old})
     groups: dict[int, list[int]] = {}
     for i, at in label.items():
         groups.setdefault(at, []).append(i)

@@ -13,6 +13,7 @@ from ...geometry import distance_to_surface
 from ...geometry.triangles import nearest_on_triangles, segment_points
 from ...worlds.arrays import F64, RigidPose, cross, length
 from ..scene.bounds import ROUNDING
+from ..scene.surfaces import MANY_PARTS
 from .bounds import BEND, EDGE_SLACK, SAME_NORMAL
 
 if TYPE_CHECKING:
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Contacts", "contacts_of", "hull_corners"]
 
-MANY_PARTS = 1000
-"""Own choice: parts of a world from which on loading compiled loops, half a second, is worth while."""
 MOST_PAIRS = 1_000_000
 """Edge pairs or point-triangle pairs that are compared at once."""
 MOST_POINTS = 200
@@ -80,7 +79,7 @@ def contacts_of(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
 
 
 def _contacts(surfaces: Surfaces, a: str, b: str, frame: int) -> Contacts:
-    nearest = surfaces.gap(a, b, frame)
+    nearest = (surfaces.known_gap(a, b) if frame == 0 else None) or surfaces.gap(a, b, frame)
     none = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
     if nearest.distance > surfaces.contact_gap(a, b):
         return none

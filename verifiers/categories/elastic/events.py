@@ -1,4 +1,4 @@
-"""Evaluators of `bends`, `stretches` and `wobbles`: from a body's middle line and from its shape in its own frame."""
+"""Evaluators of `bends`, `stretches` and `wobbles`: from a body's middle line and from its shape in its own frame; `bends` of sheets too."""
 
 from __future__ import annotations
 
@@ -23,15 +23,19 @@ __all__ = ["bends", "stretches", "wobbles"]
 
 
 class _Line:
-    """Middle line of a body: the centres of slices across its longest extent at rest."""
+    """Middle line of a body: the centres of slices across its longest extent at rest.
 
-    def __init__(self, scope: Scope, entity: str) -> None:
+    Args:
+        scope: candidate and frames.
+        entity: a body that deforms.
+        nth: which extent, the longest being 0.
+    """
+
+    def __init__(self, scope: Scope, entity: str, nth: int = 0) -> None:
         self.soft: Deforming = require_deforming(scope.candidate, entity)
-        if scope.candidate.spec.entities[entity].physics.category != "elastic":
-            raise EvidenceError(f"{entity!r} is cloth; ask flutters, tears or drape of it")
         rest = self.soft.rest
         size = np.ptp(rest, axis=0)
-        axis = int(np.argmax(size))
+        axis = int(np.argsort(-size, kind="stable")[nth])
         self.length = float(size[axis])
         """[m], at rest."""
         place = (rest[:, axis] - rest[:, axis].min()) / self.length
@@ -52,17 +56,31 @@ class _Line:
         return self.soft.pose(frame).inverse().apply(points) - self.soft.pose(frame).inverse().apply(points[0] + share * way)
 
 
+def _solid(scope: Scope, entity: str) -> None:
+    """Raise EvidenceError unless it is an elastic body."""
+    if scope.candidate.spec.entities[entity].physics.category != "elastic":
+        raise EvidenceError(f"{entity!r} is cloth; ask bends, flutters, tears or drape of it")
+
+
 def bends(scope: Scope, p: DeformEvent) -> Outcome:
-    """Measured: change of the middle line's sag since the first frame, over the body's length."""
-    line = _Line(scope, p.entity)
-    first = line.sag(line.frames[0])
-    value = np.array([np.linalg.norm(line.sag(f) - first, axis=1).max() for f in line.frames]) / line.length
+    """Measured: change of the middle line's sag since the first frame, over the body's length; of a sheet along the side that sags more."""
+    sheet = scope.candidate.spec.entities[p.entity].physics.category != "elastic"
+    lines = [_Line(scope, p.entity, nth) for nth in range(2 if sheet else 1)]
+    each = np.array([_bent(line) for line in lines])
+    line, value = lines[int(each.max(axis=1).argmax())], each.max(axis=0)
     sag = Condition("change of its middle line's sag, over its length,", value, max(BEND_SHARE, p.min or 0.0))
     return happens(scope, p.entity, [sag], lambda i: {"length_m": line.length, "bent_at_the_end": float(value[-1])})
 
 
+def _bent(line: _Line) -> F64:
+    """Change of a line's sag since the first frame, over its length, shape (frames,)."""
+    first = line.sag(line.frames[0])
+    return np.array([np.linalg.norm(line.sag(f) - first, axis=1).max() for f in line.frames]) / line.length
+
+
 def stretches(scope: Scope, p: DeformEvent) -> Outcome:
     """Measured: growth of the middle line since the first frame, over its length then."""
+    _solid(scope, p.entity)
     line = _Line(scope, p.entity)
     length = np.array([np.linalg.norm(np.diff(line.at(f), axis=0), axis=1).sum() for f in line.frames])
     growth = Condition("growth of its middle line", length / length[0] - 1.0, max(STRETCH_SHARE, p.min or 0.0))
@@ -71,6 +89,7 @@ def stretches(scope: Scope, p: DeformEvent) -> Outcome:
 
 def wobbles(scope: Scope, p: DeformEvent) -> Outcome:
     """Measured: turning points so far of the point that has most, in the body's own frame."""
+    _solid(scope, p.entity)
     line = _Line(scope, p.entity)
     own = np.stack([line.soft.pose(f).inverse().apply(line.soft.positions(f)) for f in line.frames])
     away = own - own.mean(axis=0)

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 
-__all__ = ["WHOLE", "Cells", "FireCells", "GasFrame", "Mask", "neighbours"]
+__all__ = ["WHOLE", "Cells", "Fields", "FireCells", "GasFrame", "Grid", "Mask", "most_near", "neighbours", "squares"]
 
 WHOLE = 0.999
 """[1] Room of a cell that no body cuts; the rest is rounding of bodies whose sides are those of cells."""
 Cells: TypeAlias = NDArray[np.float32]
 Mask: TypeAlias = NDArray[np.bool_]
+T = TypeVar("T")
 
 
 def neighbours(array: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -26,6 +27,21 @@ def neighbours(array: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[An
     upper = list(lower)
     lower[axis], upper[axis] = slice(0, -1), slice(1, None)
     return array[tuple(lower)], array[tuple(upper)]
+
+
+def most_near(values: NDArray[Any], reach: int) -> NDArray[Any]:
+    """Greatest value within so many cells along each axis, of every cell; beyond the sides nothing is."""
+    from .near_kernels import most_near as found
+
+    if values.dtype == np.bool_:
+        return np.asarray(found(np.ascontiguousarray(values).view(np.uint8), reach)).view(np.bool_)
+    return np.asarray(found(np.ascontiguousarray(values), reach))
+
+
+def squares(vectors: NDArray[Any]) -> NDArray[Any]:
+    """Squared lengths of vectors (..., 3), summed from the first component on: `sum` takes much longer over an axis of three."""
+    square = vectors * vectors
+    return np.asarray(square[..., 0] + square[..., 1] + square[..., 2])
 
 
 @dataclass(frozen=True)
@@ -40,6 +56,56 @@ class FireCells:
     """[W/m^3] In the last step before the frame."""
     radiated: Cells
     """[W/m^3] The same."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Places of cells, the same at all frames of a box that stands still."""
+
+    corner: F64
+    """Lower corner of the first cell [m], shape (3,)."""
+    cell: float
+    """[m]"""
+    shape: tuple[int, ...]
+
+    @cached_property
+    def centers(self) -> F64:
+        """Middles of cells [m], shape (nx, ny, nz, 3)."""
+        grid = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in self.shape), indexing="ij"), axis=-1)
+        return np.asarray(self.corner + self.cell * grid)
+
+    @cached_property
+    def middle(self) -> F64:
+        """Middle of all cells [m], shape (3,)."""
+        return np.asarray(self.corner + 0.5 * (self.cell * np.array(self.shape)))
+
+    @cached_property
+    def arms(self) -> F64:
+        """Ways from that middle to those of cells [m], shape (nx, ny, nz, 3)."""
+        return np.asarray(self.centers - self.middle)
+
+    def faces(self, axis: int) -> F64:
+        """Middles of the faces between neighbours along an axis [m], one fewer along it than cells."""
+        return np.asarray(neighbours(self.centers, axis)[0] + 0.5 * self.cell * np.eye(3)[axis])
+
+
+class Fields:
+    """Fields that are worked out from frames, kept of the last two that were asked about: watches compare a frame with the one before."""
+
+    def __init__(self) -> None:
+        self._frames: dict[int, dict[Hashable, Any]] = {}
+
+    def of(self, frame: GasFrame, name: Hashable, make: Callable[[], T]) -> T:
+        """The field of a frame, made at the first call; nobody writes to it."""
+        known = self._frames.get(frame.index)
+        if known is None:
+            while len(self._frames) > 1:
+                self._frames.pop(next(iter(self._frames)))
+            known = self._frames[frame.index] = {}
+        if name not in known:
+            known[name] = make()
+        found: T = known[name]
+        return found
 
 
 @dataclass(frozen=True)
@@ -63,6 +129,10 @@ class GasFrame:
     """None of a gas without fuel."""
     part: NDArray[np.int32] | None = None
     """First cell and the one behind the last of the part that was solved, shape (2, 3); None where all was."""
+    grid: Grid | None = None
+    """Its places, where other frames have the same."""
+    fields: Fields = field(default_factory=Fields, repr=False, compare=False)
+    """Fields of it and of the frames about it."""
 
     @property
     def active(self) -> tuple[slice, ...]:
@@ -85,13 +155,22 @@ class GasFrame:
     @cached_property
     def speed(self) -> Cells:
         """[m/s]; 0 where a cell has no room."""
-        return np.asarray(np.linalg.norm(self.velocity, axis=-1) * self.open, dtype=np.float32)
+        return np.asarray(np.sqrt(squares(self.velocity)) * self.open, dtype=np.float32)
 
-    @cached_property
+    @property
     def centers(self) -> F64:
         """Middles of cells [m], shape (nx, ny, nz, 3)."""
-        grid = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in self.soot.shape), indexing="ij"), axis=-1)
-        return np.asarray(self.corner + self.cell * grid)
+        return self.places.centers
+
+    @cached_property
+    def places(self) -> Grid:
+        """Places of its cells."""
+        return self.grid or Grid(self.corner, self.cell, self.soot.shape)
+
+    @cached_property
+    def held(self) -> Cells:
+        """Soot by volume of the whole cell [kg/m^3]."""
+        return np.asarray(self.soot * self.room)
 
     def place(self, cell: Sequence[Any]) -> list[float]:
         """Middle of a cell [m], to the millimetre."""

@@ -7,6 +7,7 @@ sum over frames of its mean velocity.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,12 +38,19 @@ def _carried(box: GasBox, scope: Scope) -> tuple[F64, F64]:
     for i, index in enumerate(range(first, last + 1)):
         if index == 0:
             continue
-        for frame in (box.read(index - 1), box.read(index)):
-            mass = frame.soot.astype(np.float64) * frame.room
-            total = max(float(mass.sum()), TINY)
-            ways[i] += 0.5 * box.duration * np.tensordot(mass, frame.velocity.astype(np.float64), axes=3) / total
-            lengths[i] += 0.5 * box.duration * float((mass * frame.speed).sum()) / total
+        for k in (index - 1, index):
+            moment, length, total = box.candidate.memo(("carried soot", box.solver, k), partial(_moving, box, k))
+            ways[i] += 0.5 * box.duration * moment / total
+            lengths[i] += 0.5 * box.duration * length / total
     return ways, lengths
+
+
+def _moving(box: GasBox, index: int) -> tuple[F64, float, float]:
+    """Soot by its velocity at a frame [kg/s m^-2], by its speed, and all of it; per volume of a cell."""
+    frame = box.read(index)
+    mass = frame.soot.astype(np.float64) * frame.room
+    moment = np.tensordot(mass, box.velocity(frame), axes=3)
+    return moment, float((mass * frame.speed).sum()), max(float(mass.sum()), TINY)
 
 
 def _least(scope: Scope, p: BodyEvent) -> float:

@@ -44,7 +44,7 @@ class Fate:
 
     def see(self, now: GasFrame, before: GasFrame | None) -> None:
         """Look at one frame."""
-        soot = (now.soot * now.room).astype(np.float64)
+        soot = now.held.astype(np.float64)
         self.depth.append(self.box.extinction * self.box.cell * max(float(soot.sum(axis=a).max()) for a in range(3)))
         shots = self.box.candidate.spec.shots
         taken = {n: s for n, s in shots.items() if s.frames[0] <= now.index <= s.frames[1]}

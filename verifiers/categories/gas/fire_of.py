@@ -31,11 +31,19 @@ class Fire:
 
     def power(self, first: int, last: int) -> F64:
         """Power of all flames at frames first..last [W]."""
-        return np.array([self._power(k) for k in range(first, last + 1)])
+        return np.array([self._kept(k) for k in range(first, last + 1)])
 
     def hottest(self, last: int) -> str:
         """Words that tell how near to burning it came by a frame; empty of a gas."""
         return ""
+
+    def _kept(self, index: int) -> float:
+        """Power at a frame; beats and those who look for causes ask again."""
+        return self.box.candidate.memo((*self._whose, index), lambda: self._power(index))
+
+    @property
+    def _whose(self) -> tuple[str, ...]:
+        return ("power of flames", self.box.solver)
 
     def _power(self, index: int) -> float:
         frame = self.box.read(index)
@@ -50,6 +58,10 @@ class SolidFire(Fire):
 
     surfaces: KindledSurfaces
     entity: str
+
+    @property
+    def _whose(self) -> tuple[str, ...]:
+        return ("power of flames", self.box.solver, self.entity)
 
     def hottest(self, last: int) -> str:
         """Temperature of its hottest piece of surface by a frame, beside the one at which it gives off gas."""

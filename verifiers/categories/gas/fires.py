@@ -16,6 +16,7 @@ from ....worlds.categories.gas.facts import ignitions_of, lit
 from ...rows.findings import Finding
 from .books import declared
 from .bounds import BOOKS, BURNT, FLAMES, RADIATED, RELEASED, SEEP
+from .cells import most_near
 from .questions import FIRES
 from .reach import reach_of, within_reach
 from .rows import kept_within, recomputed
@@ -88,14 +89,11 @@ class Fires:
 
     def _strange(self, now: GasFrame, fire: FireCells, combustion: Combustion) -> F64:
         """Power of cells without fuel or heat about them, or beyond what a flame gives."""
-        from scipy.ndimage import maximum_filter
-
         least = combustion.ambient + KEPT * (combustion.fuel.ignition - combustion.ambient)
         hot = (now.temperature >= least) & now.open | self._sparks(now, now)
-        fuel = combustion.atoms(fire) > 0.0
-        about = maximum_filter((hot & now.open).astype(np.uint8), size=NEAR) & maximum_filter(fuel.astype(np.uint8), size=NEAR)
+        about = most_near(hot & now.open, NEAR // 2) & most_near(self.box.tracer(now) > 0.0, NEAR // 2)
         fierce = fire.released > (1.0 + 1e-3) * greatest_power(self.box.cell)
-        return np.where((about == 0) | fierce | ~now.open, self._burning(fire), 0.0)
+        return np.where(~about | fierce | ~now.open, self._burning(fire), 0.0)
 
     def _unlit(self, now: GasFrame, before: GasFrame | None, fire: FireCells, combustion: Combustion) -> F64:
         """Power of cells that neither a spark nor gas that was hot enough a frame ago reaches."""
@@ -127,11 +125,9 @@ class Fires:
 
     def _dark(self, now: GasFrame, fire: FireCells, combustion: Combustion) -> F64:
         """Power that is radiated beyond what flames and soot give, or short of what flames do [W/m^3]."""
-        from scipy.ndimage import maximum_filter
-
         flames = combustion.fuel.radiant * fire.released.astype(np.float64)
         soot = soot_power(now.soot.astype(np.float64), now.temperature.astype(np.float64)) * now.open
-        most = np.maximum(flames, SLACK * maximum_filter(soot, size=NEAR))
+        most = np.maximum(flames, SLACK * most_near(soot, NEAR // 2))
         wrong = np.maximum(fire.radiated - most, flames - fire.radiated)
         self.most = max(self.most, float(fire.radiated.max()), float(flames.max()))
         return np.asarray(wrong)

@@ -15,7 +15,7 @@ from ....worlds.arrays import F64
 from ....worlds.fields import fields_of
 from ...rows.findings import Finding
 from .bounds import DIVERGENT, EMITTED, ENERGY, PROJECTED
-from .cells import WHOLE
+from .cells import WHOLE, most_near
 from .outflow import outflow
 from .questions import FLOW
 from .rows import kept_within, recomputed
@@ -39,42 +39,16 @@ AMBIENT = 0.5
 
 def mirrored(velocity: Any, sides: tuple[str, ...]) -> F64:
     """Velocities with one more cell beyond each side: mirrored at closed ones, which nothing passes; NaN beyond open ones."""
-    found = np.pad(np.asarray(velocity, dtype=np.float64), ((1, 1), (1, 1), (1, 1), (0, 0)), mode="edge")
-    for side, kind in enumerate(sides):
-        at: list[slice | int] = [slice(None)] * 3
-        at[side // 2] = -1 if side % 2 else 0
-        if kind == "closed":
-            found[(*at, side // 2)] *= -1.0
-        else:
-            found[tuple(at)] = np.nan
-    return found
+    from .flow_kernels import mirrored as found
+
+    return np.asarray(found(np.ascontiguousarray(velocity), np.array([kind == "closed" for kind in sides])))
 
 
 def net_outflow(velocity: F64, cell: float) -> F64:
     """Net outflow per volume [1/s] of inner cells and their neighbours, weighted 1, 2, 1 along each axis, shape (nx - 2, ny - 2, nz - 2)."""
-    total = np.zeros(tuple(n - 2 for n in velocity.shape[:3]))
-    for axis in range(3):
-        speed = np.asarray(velocity[..., axis], dtype=np.float64)
-        for other in range(3):
-            low, middle, high = (_part(speed, other, k) for k in range(3))
-            speed = (high - low) / (2.0 * cell) if other == axis else 0.25 * (low + 2.0 * middle + high)
-        total += speed
-    return total
+    from .flow_kernels import netted
 
-
-def blurred(values: F64) -> F64:
-    """Means of inner cells and their neighbours, weighted 1, 2, 1 along each axis, shape (nx - 2, ny - 2, nz - 2)."""
-    for axis in range(3):
-        low, middle, high = (_part(values, axis, k) for k in range(3))
-        values = 0.25 * (low + 2.0 * middle + high)
-    return values
-
-
-def _part(array: F64, axis: int, start: int) -> F64:
-    """All but two cells along an axis, from one on."""
-    at: list[slice] = [slice(None)] * array.ndim
-    at[axis] = slice(start, start + array.shape[axis] - 2)
-    return array[tuple(at)]
+    return np.asarray(netted(np.ascontiguousarray(velocity, dtype=np.float64), 2.0 * cell))
 
 
 def _within(now: GasFrame) -> Mask:
@@ -116,15 +90,15 @@ class Flow:
 
     def see(self, now: GasFrame, before: GasFrame | None) -> None:
         """Look at one frame."""
-        from scipy.ndimage import minimum_filter
-
         box = self.box
-        net = net_outflow(mirrored(now.velocity, box.sides), box.cell) - self._asked(now)
+        net = net_outflow(mirrored(now.velocity, box.sides), box.cell)
+        if now.fire is not None:
+            net -= self._asked(now)
         free = (now.room > WHOLE) & (box.bodies.depth(now) == -np.inf) & box.bodies.apart(now, box.sides) & ~self._burning(now)
-        whole = minimum_filter(free, size=5, mode="nearest") & np.isfinite(net) & _within(now)
+        whole = ~most_near(~free, 2) & np.isfinite(net) & _within(now)
         calm = whole & ~np.any([s.cells(now, 2.0 * box.cell, box.duration) for s in box.sources], axis=0)
         if self._heats:
-            calm &= minimum_filter(np.abs(now.temperature - box.ambient) < AMBIENT, size=3, mode="nearest")
+            calm &= ~most_near(~(np.abs(now.temperature - box.ambient) < AMBIENT), 1)
         fastest = max(float(now.speed.max()), SLOW)
         error = np.where(calm, np.abs(net), 0.0) * box.cell / fastest
         at = np.unravel_index(int(error.argmax()), error.shape)
@@ -142,7 +116,9 @@ class Flow:
 
     def _asked(self, now: GasFrame) -> F64:
         """Net outflow that the heat of fire asks for [1/s], weighted as `net_outflow` is."""
-        return blurred(np.pad(self.box.heating(now) / self.box.joule, 1, mode="edge"))
+        from .flow_kernels import blurred
+
+        return np.asarray(blurred(self.box.heating(now) / self.box.joule))
 
     @property
     def _heats(self) -> bool:
@@ -164,14 +140,16 @@ class Flow:
         return abs(float(net[about].sum()) * box.volume - rate) / rate
 
     def _work(self, now: GasFrame, before: GasFrame | None) -> None:
+        from .flow_kernels import driven, moving
+
         box = self.box
-        motion = 0.5 * box.volume * box.density(now) * now.room * np.square(now.velocity.astype(np.float64)).sum(axis=-1)
+        motion = moving(0.5 * box.volume, box.density(now), now.room, box.velocity(now))
         whole = box.bodies.depth(now) == -np.inf
-        self.kinetic.append((float(motion[whole].sum()), float(motion.sum())))
-        known = 0.0 if before is None else float(motion[before.active].sum())
-        self.taken_in.append(0.0 if before is None else float(motion.sum()) - known)
-        heavier = (now.soot - box.air * box.lightness(now)) * now.room * box.volume
-        power = float(np.sum(heavier * (now.velocity.astype(np.float64) @ box.gravity)))
+        total = float(motion.sum())
+        self.kinetic.append((float(motion[whole].sum()), total))
+        self.taken_in.append(0.0 if before is None else total - float(motion[before.active].sum()))
+        heavier = driven(now.soot, box.lightness(now), box.air, now.room, box.volume)
+        power = float(np.sum(heavier * (box.velocity(now) @ box.gravity)))
         time = box.duration * now.index
         self.struck.append(any(s.changes(time - box.duration, time) for s in box.sources))
         for source in box.sources:
@@ -188,18 +166,16 @@ class Flow:
         taken = None if before is None else self.box.returned(now.index)
         if before is None or taken is None:
             return 0.0, 0.0
-        start, end = before.velocity.astype(np.float64), now.velocity.astype(np.float64)
+        start, end = (self.box.velocity(f) for f in (before, now))
         return 0.5 * float((taken * (start + end)).sum()), 0.5 * float(np.abs(taken * (end - start)).sum())
 
     def _spread(self, now: GasFrame) -> float:
         """Power of gas that fire makes swell or shrink, at the pressure of the fastest gas about it [W]."""
-        from scipy.ndimage import maximum_filter
-
         box = self.box
         if box.combustion is None:
             return 0.0
         made = np.abs(box.heating(now)) / box.joule * now.room * box.volume
-        return float(box.air * np.sum(made * np.square(maximum_filter(now.speed, size=3).astype(np.float64))))
+        return float(box.air * np.sum(made * np.square(most_near(now.speed, 1).astype(np.float64))))
 
     def findings(self) -> dict[str, Finding]:
         """Findings on the four questions by name."""

@@ -20,7 +20,7 @@ from ...rows.findings import cache_of
 from .bodies import Bodies
 from .boils import Boils, boils_of
 from .bounds import EVEN
-from .cells import FireCells, GasFrame
+from .cells import Fields, FireCells, GasFrame, Grid
 from .combustion import Combustion
 from .kindled import KindledSurfaces, surfaces_of_box
 from .sources import Source, sources_of
@@ -74,6 +74,9 @@ class GasBox:
         """Fuel that the gas may burn, with its source and air; None where nothing burns."""
         self.last_reach: Any = None
         """Reach of cells between the last two frames asked for."""
+        self.fields = Fields()
+        self._grid: Grid | None = None
+        """Places of the cells of the last frame that was read."""
         self._kept: dict[int, GasFrame] = {}
         self._room = KEPT_CELLS
 
@@ -145,6 +148,9 @@ class GasBox:
 
     def lightness(self, frame: GasFrame) -> F64:
         """Values of all cells, in double precision; 0 where a cell has no room."""
+        return self.fields.of(frame, "lightness", lambda: self._lightness(frame))
+
+    def _lightness(self, frame: GasFrame) -> F64:
         # As frames hold it, or its rounding would count as heat in every cell.
         ambient, known = float(np.float32(self.ambient)), np.maximum(frame.temperature.astype(np.float64), 1e-3)
         return np.where(frame.open, 1.0 - ambient / known if self.expands else known / ambient - 1.0, 0.0)
@@ -159,14 +165,18 @@ class GasBox:
 
     def tracer(self, frame: GasFrame) -> F64:
         """Amount that flow alone moves [kg/m^3]: soot, or fuel burnt or not."""
+        return self.fields.of(frame, "tracer", lambda: self._tracer(frame))
+
+    def _tracer(self, frame: GasFrame) -> F64:
         if self.combustion is None or frame.fire is None:
             return frame.soot.astype(np.float64)
         return self.combustion.atoms(frame.fire)
 
     def concentration(self, frame: GasFrame) -> F64:
         """Amount that neither flow nor burning raises: soot [kg/m^3], or the mass of fuel, burnt or not, in a mass of gas."""
-        found = self.tracer(frame)
-        return found if self.combustion is None else np.where(frame.open, found / self.density(frame), 0.0)
+        if self.combustion is None:
+            return self.tracer(frame)
+        return self.fields.of(frame, "concentration", lambda: np.where(frame.open, self.tracer(frame) / self.density(frame), 0.0))
 
     def source_tracer(self, member: str) -> float:
         """`tracer` of what a source lets out [kg/m^3]."""
@@ -185,9 +195,10 @@ class GasBox:
 
     def heating(self, frame: GasFrame) -> F64:
         """Heat that fire gives to the gas, less what is radiated [W/m^3]."""
-        if frame.fire is None:
+        fire = frame.fire
+        if fire is None:
             return np.zeros(self.shape)
-        return frame.fire.released.astype(np.float64) - frame.fire.radiated.astype(np.float64)
+        return self.fields.of(frame, "heating", lambda: fire.released.astype(np.float64) - fire.radiated.astype(np.float64))
 
     def burnt(self, name: str) -> F64:
         """Record of a fire over the frames, shape (frames,); 0 of a gas without fuel."""
@@ -201,7 +212,13 @@ class GasBox:
 
     def density(self, frame: GasFrame) -> F64:
         """Density of the gas that moves [kg/m^3]."""
-        return self.air * (1.0 - self.lightness(frame)) if self.expands else np.full(frame.soot.shape, self.air)
+        if not self.expands:
+            return np.full(frame.soot.shape, self.air)
+        return self.fields.of(frame, "density", lambda: self.air * (1.0 - self.lightness(frame)))
+
+    def velocity(self, frame: GasFrame) -> F64:
+        """At the middles of cells, in double precision [m/s], shape (nx, ny, nz, 3)."""
+        return self.fields.of(frame, "velocity", lambda: frame.velocity.astype(np.float64))
 
     def read(self, index: int) -> GasFrame:
         """One frame.
@@ -219,7 +236,7 @@ class GasBox:
 
     def _read(self, index: int) -> GasFrame:
         fields = CHANNELS if self.combustion is None else {**CHANNELS, **FIRE}
-        data = self.cache.read(index, ("gas_corner", *(("gas_active",) if self.follows else ()), *fields))
+        data = self.cache.seen(index, ("gas_corner", *(("gas_active",) if self.follows else ()), *fields))
         for name, width in fields.items():
             wanted = (*self.shape, width) if width else self.shape
             if data[name].shape != wanted:
@@ -231,7 +248,16 @@ class GasBox:
         fire = None if self.combustion is None else FireCells(*(data[n] for n in FIRE))
         corner = np.asarray(data["gas_corner"], dtype=np.float64)
         soot, temperature, velocity, room = (data[n] for n in ("gas_soot", "gas_temperature", "gas_velocity", "gas_room"))
-        return GasFrame(index, self.cell, corner, soot, temperature, velocity, room, fire, self._part(index, data))
+        part = self._part(index, data)
+        return GasFrame(
+            index, self.cell, corner, soot, temperature, velocity, room, fire, part, self._places(corner), self.fields
+        )
+
+    def _places(self, corner: F64) -> Grid:
+        """Places of the cells of a box at a corner."""
+        if self._grid is None or not bool((self._grid.corner == corner).all()):
+            self._grid = Grid(corner, self.cell, self.shape)
+        return self._grid
 
     def _part(self, index: int, data: Mapping[str, Any]) -> NDArray[np.int32] | None:
         """The part of the box that a frame tells was solved; None of all of it."""
@@ -261,7 +287,7 @@ class GasBox:
         """
         if not felt_by(self.candidate.spec, self.solver):
             return None
-        found = np.asarray(self.cache.read(index, ("gas_returned",))["gas_returned"], dtype=np.float64)
+        found = np.asarray(self.cache.seen(index, ("gas_returned",))["gas_returned"], dtype=np.float64)
         if found.shape != (*self.shape, 3):
             raise EvidenceError(
                 f"gas_returned of frame {index} of {self.solver!r} has shape {found.shape}, planned {(*self.shape, 3)}; bake again"

@@ -98,9 +98,10 @@ class GasJudge(Loose):
         now = box.read(frame)
         clear = box.dark(box.members[row]) <= 0.0
         amount = box.air * np.abs(box.lightness(now)) if clear else now.soot.astype(np.float64)
-        held = (amount > 0.0) & now.open
-        mass = box.volume * (amount * now.room)[held]
-        return Sample(now.centers[held], now.velocity[held].astype(np.float64), mass)
+        held = np.flatnonzero((amount > 0.0) & now.open)
+        mass = box.volume * (amount * now.room).reshape(-1)[held]
+        velocity = np.take(now.velocity.reshape(-1, 3), held, axis=0)
+        return Sample(np.take(now.centers.reshape(-1, 3), held, axis=0), velocity.astype(np.float64), mass)
 
     def centers(self, candidate: Candidate, entity: str) -> F64:
         """Middle of the soot [m], shape (frames, 3); of its source before any came."""

@@ -13,6 +13,7 @@ import numpy as np
 from ....worlds.arrays import F64
 from ...rows.findings import Finding
 from .bounds import BOOKS, BURNT, CARRIED, FLAMES, HEATED
+from .cells import most_near
 from .fires import KEPT
 from .questions import KINDLING
 from .rows import kept_within, recomputed
@@ -79,11 +80,9 @@ class Kindling:
 
     def _offered(self, surfaces: KindledSurfaces, now: GasFrame, before: GasFrame) -> F64:
         """Most heat that gas and flames can give each piece over a frame [J/m^2]."""
-        from scipy.ndimage import maximum_filter
-
         box = self.box
         gas = np.maximum(*(np.where(f.open, f.temperature, 0.0) for f in (now, before)))
-        gas = maximum_filter(gas, size=NEAR)
+        gas = most_near(gas, NEAR // 2)
         old, new = surfaces.state[before.index], surfaces.state[now.index]
         # What moves goes through all the gas between its places.
         places = [np.floor((p - now.corner) / box.cell).astype(np.int64) for p in surfaces.along(now.index, box.cell)]

@@ -45,21 +45,23 @@ class Limits:
 
     def see(self, now: GasFrame, before: GasFrame | None) -> None:
         """Look at one frame."""
-        box = self.box
+        from .extreme_kernels import extremes, hottest_beyond, sootiest_beyond
+
+        box, room = self.box, np.ascontiguousarray(now.room)
         light = box.lightness(now)
         if before is None:
             self.start = float(now.soot.max())
         span = max(self.light[1] - self.light[0], float(box.lightness_at(box.ambient + (1.0 if box.heats else EVEN))))
-        off = np.maximum(self.light[0] - light, light - self.light[1]) * now.open / span
-        known = now.temperature[now.open]
-        self.range = [min(self.range[0], float(known.min(initial=np.inf))), max(self.range[1], float(known.max(initial=-np.inf)))]
+        least, greatest = extremes(now.temperature, room)
+        self.range = [min(self.range[0], float(least)), max(self.range[1], float(greatest))]
         # Gas that gives off heat shrinks, and its soot with it.
         most = max(self.most, self.start) * (1.0 + (float(light.max()) if self.range[1] > box.ambient else 0.0))
-        soot = np.maximum(-now.soot, now.soot - most) * now.open / max(self.most, self.start, TINY)
-        for name, kept, bound, value in (("warm", self.warm, WARM, off), ("thick", self.thick, SEEP, soot)):
-            kept.append(max(0.0, float(value.max())))
+        warm = hottest_beyond(light, room, self.light[0], self.light[1], span)
+        thick = sootiest_beyond(now.soot, room, np.float32(most), np.float32(max(self.most, self.start, TINY)))
+        for name, kept, bound, found in (("warm", self.warm, WARM, warm), ("thick", self.thick, SEEP, thick)):
+            kept.append(float(found[0]))
             if kept[-1] > bound:
-                self.where[name, now.index] = now.place(np.unravel_index(int(value.argmax()), value.shape))
+                self.where[name, now.index] = now.place(np.unravel_index(int(found[1]), room.shape))
 
     def findings(self) -> dict[str, Finding]:
         """Findings on the two questions by name."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ....worlds.arrays import F64
+from .cells import squares
 
 if TYPE_CHECKING:
     from .cells import GasFrame
@@ -46,6 +47,10 @@ def layer(array: Any, side: int, depth: int = 0) -> F64:
 
 def outflow(box: GasBox, frame: GasFrame) -> Outflow:
     """Flow through the open sides at a frame; sides of its active part inside the box are open ones."""
+    return box.fields.of(frame, "outflow", lambda: _outflow(box, frame))
+
+
+def _outflow(box: GasBox, frame: GasFrame) -> Outflow:
     at, area = frame.active, box.cell**2
     light, traced, centers, density = box.lightness(frame)[at], box.tracer(frame)[at], frame.centers[at], box.density(frame)[at]
     velocity, open_to = frame.velocity[at], frame.room[at]
@@ -62,7 +67,7 @@ def outflow(box: GasBox, frame: GasFrame) -> Outflow:
             sides[side, n] = through.sum()
             doubt[n] += abs(float(through.sum() - (np.maximum(near, 0.0) * amount * room * area).sum()))
             moment[n] += np.tensordot(through, place, axes=2)
-        motion = 0.5 * layer(density, side) * np.square(layer(velocity, side)).sum(axis=-1)
+        motion = 0.5 * layer(density, side) * squares(layer(velocity, side))
         inward += float((motion * np.maximum(-np.minimum(out, near), 0.0) * room * area).sum())
     rate[:] = sides.sum(axis=0)
     return Outflow(rate, doubt, moment, sides, inward)

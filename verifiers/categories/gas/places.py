@@ -63,21 +63,20 @@ class Places:
         box = self.box
         most = max([TINY, *(box.dark(m) for m in box.members)])
         span = max([TINY, *(abs(float(box.lightness_at(box.physics(m).temperature))) for m in box.members)])
-        light = np.abs(box.lightness_at(np.maximum(now.temperature, 1e-3)))
-        share = np.where(~now.open | (depth > HALF_DIAGONAL * box.cell), np.maximum(np.abs(now.soot) / most, light / span), 0.0)
-        self.inside.append(float(share.max()))
+        shut = np.flatnonzero(~now.open | (depth > HALF_DIAGONAL * box.cell))
+        soot, temperature = (a.reshape(-1)[shut] for a in (now.soot, now.temperature))
+        light = np.abs(box.lightness_at(np.maximum(temperature, 1e-3)))
+        share = np.maximum(np.abs(soot) / most, light / span)
+        self.inside.append(float(share.max(initial=0.0)))
         if self.inside[-1] > THIN:
-            self.where["inside", now.index] = now.place(np.unravel_index(int(share.argmax()), share.shape))
+            self.where["inside", now.index] = now.place(np.unravel_index(int(shut[share.argmax()]), depth.shape))
 
     def _thickness(self, now: GasFrame, side: int) -> float:
         """Largest optical depth along a side; along a closed one, of what is against no body."""
         box = self.box
-        soot = layer(now.soot * now.room, side)
+        soot = layer(now.held, side)
         if box.sides[side] == "closed":
-            points = layer(now.centers, side)
-            points[..., side // 2] += (0.5 + BEYOND) * (1.0 if side % 2 else -1.0) * box.cell
-            beyond = depth_in(box.bodies.pieces, points.reshape(-1, 3), now.index, 0.0).reshape(soot.shape)
-            soot = np.where(beyond == -np.inf, soot, 0.0)
+            soot = np.where(box.bodies.beyond(now, side, BEYOND) == -np.inf, soot, 0.0)
         return box.extinction * box.cell * max(float(soot.sum(axis=a).max(initial=0.0)) for a in range(2))
 
     def findings(self) -> dict[str, Finding]:

@@ -11,6 +11,7 @@ import numpy as np
 from ....physics.dust import impact_energy, reduced_mass
 from ....worlds.arrays import F64
 from ....worlds.categories.gas.facts import dusty_box, yielding_mass
+from .cells import squares
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate
@@ -54,7 +55,15 @@ class Puff:
 
     def reach(self, frame: GasFrame) -> float:
         """Distance from the impact within which its dust comes [m]: its ball, or the one whose cells have room for it at a frame."""
-        away = np.linalg.norm(frame.centers - self.point, axis=-1)
+        return frame.fields.of(frame, ("reach", self), lambda: self._reach(frame))
+
+    def _away(self, frame: GasFrame) -> F64:
+        """Distance of the middles of cells from the impact [m], (nx, ny, nz)."""
+        key = ("away", self.point.tobytes())
+        return frame.fields.of(frame, key, lambda: np.sqrt(squares(frame.centers - self.point)))
+
+    def _reach(self, frame: GasFrame) -> float:
+        away = self._away(frame)
         if float(frame.room[away <= self.radius].sum(dtype=np.float64)) * frame.cell**3 >= ROOMY * self.volume:
             return self.radius + LEEWAY * frame.cell
         far = away.ravel()
@@ -65,7 +74,7 @@ class Puff:
 
     def cells(self, frame: GasFrame, margin: float) -> Mask:
         """Cells whose middles are within its reach and a margin [m], (nx, ny, nz)."""
-        return np.asarray(np.linalg.norm(frame.centers - self.point, axis=-1) <= self.reach(frame) + margin)
+        return np.asarray(self._away(frame) <= self.reach(frame) + margin)
 
 
 def puffs_of(candidate: Candidate, entity: str) -> tuple[Puff, ...]:

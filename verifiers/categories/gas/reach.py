@@ -8,7 +8,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from .bounds import REACH
-from .cells import neighbours
+from .cells import most_near, neighbours
 
 if TYPE_CHECKING:
     from .cells import GasFrame, Mask
@@ -22,15 +22,13 @@ def reach_of(box: GasBox, now: GasFrame, before: GasFrame) -> tuple[F64, tuple[M
 
     That of the last two frames asked for is kept with the box: several watches ask for it.
     """
-    from scipy.ndimage import maximum_filter
-
     kept = box.last_reach
     if kept is not None and kept[0] is now and kept[1] is before:
         known: tuple[F64, tuple[Mask, Mask, Mask]] = kept[2]
         return known
     speed = np.maximum(now.speed, before.speed)
     far = min(int(np.ceil(float(speed.max()) * box.duration / box.cell)) + 1, max(box.shape))
-    way = maximum_filter(speed, size=2 * far + 1, mode="nearest") * (box.duration / box.cell) + REACH
+    way = most_near(speed, far) * (box.duration / box.cell) + REACH
     found = np.asarray(way), _walls(now, before, box.bodies.blocked(now), box.bodies.blocked(before))
     box.last_reach = (now, before, found)
     return found

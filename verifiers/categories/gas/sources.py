@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,6 +60,10 @@ class Source:
 
     def samples(self) -> F64:
         """Points all over its parts [m], shape (n, 3)."""
+        return self._points
+
+    @cached_property
+    def _points(self) -> F64:
         found = []
         for part in self.parts:
             axes = [np.linspace(part.lower[a], part.upper[a], SAMPLES + 2)[1:-1] for a in range(3)]
@@ -112,6 +117,9 @@ class Source:
 
     def given(self, now: GasFrame, duration: float) -> list[tuple[float, F64, float]]:
         """Gas that came out over the time before a frame [m^3], its middle [m] and how far that may be off [m]; one of each place."""
+        return now.fields.of(now, ("given", self, duration), lambda: self._given(now, duration))
+
+    def _given(self, now: GasFrame, duration: float) -> list[tuple[float, F64, float]]:
         end = duration * now.index
         start = end - duration
         steady = self._flowed(end) - self._flowed(start)

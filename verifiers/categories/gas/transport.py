@@ -8,16 +8,15 @@ identity of fluxes, which the frames at both ends bound.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....physics.substances import air_density
 from ....worlds.arrays import F64
 from ...rows.findings import Finding
 from .bounds import COURSE, SEEP, SLIVER
-from .cells import neighbours
 from .outflow import outflow
 from .questions import TRANSPORT
 from .reach import reach_of, within_reach
@@ -61,6 +60,8 @@ class Transport:
         self.flow = flow
 
     def _reached(self, now: GasFrame, before: GasFrame) -> None:
+        from .extreme_kernels import out_of_reach
+
         box, (way, walls) = self.box, reach_of(self.box, now, before)
         lit = _emitting(box, now)
         most = max([0.0, *(box.source_concentration(s.entity) for s in box.sources), *(source for _, source in lit)])
@@ -69,18 +70,20 @@ class Transport:
         for cells, source in lit:
             upper, lower = (np.where(cells, np.maximum(a, s), a) for a, s in ((upper, source), (lower, -source)))
         highest = within_reach(upper, way, walls, (0.0,) * 6)
-        lowest = -within_reach(lower, way, walls, tuple(0.0 if s == "open" else -np.inf for s in box.sides))
-        soot = np.where(now.room > SLIVER, box.concentration(now), np.nan)
-        for name, kept, excess in (("continuity", self.over, soot - highest), ("gaps", self.under, lowest - soot)):
-            excess = np.where(np.isfinite(excess), excess, 0.0)
-            kept.append(max(0.0, float(excess.max())) / scale)
+        lowest = within_reach(lower, way, walls, tuple(0.0 if s == "open" else -np.inf for s in box.sides))
+        held, room = (np.ascontiguousarray(a) for a in (box.concentration(now), now.room))
+        over, first, under, second = out_of_reach(held, room, np.float32(SLIVER), highest, lowest)
+        for name, kept, excess, at in (("continuity", self.over, over, first), ("gaps", self.under, under, second)):
+            kept.append(float(excess) / scale)
             if kept[-1] > SEEP:
-                self.where[name, now.index] = now.place(np.unravel_index(int(excess.argmax()), excess.shape))
+                self.where[name, now.index] = now.place(np.unravel_index(int(at), room.shape))
 
     def _carried(self, n: int, now: GasFrame, before: GasFrame, flow: Outflow, last: Outflow) -> float:
         """Difference of the way of the middle over that of the velocities."""
-        box, step, middle = self.box, self.box.duration, now.corner + 0.5 * self.box.size
-        (new, new_rate, new_path, new_doubt), (old, old_rate, old_path, old_doubt) = (_moments(box, f, n) for f in (now, before))
+        box, step, middle = self.box, self.box.duration, now.places.middle
+        (new, new_rate, new_path, new_doubt), (old, old_rate, old_path, old_doubt) = (
+            _moments_of(box, f, n) for f in (now, before)
+        )
         came, loose = np.zeros(3), 0.0
         for source in box.sources:
             physics = box.physics(source.entity)
@@ -112,9 +115,8 @@ class Transport:
 
     def _heated(self, now: GasFrame, before: GasFrame) -> tuple[F64, float]:
         """Moment of the heat that fire gave over a frame by its power at both ends [J m], and how far that may be off."""
-        box, middle = self.box, now.corner + 0.5 * self.box.size
-        (new, old) = (box.heating(f) * f.room * box.volume for f in (now, before))
-        arm = now.centers - middle
+        box, arm = self.box, now.places.arms
+        new, old = (box.fields.of(f, "heated", partial(_heat, box, f)) for f in (now, before))
         gave = 0.5 * box.duration * np.tensordot(new + old, arm, axes=3)
         doubt = 0.5 * box.duration * float(np.linalg.norm(np.tensordot(new - old, arm, axes=3)))
         if box.combustion is not None:
@@ -169,18 +171,23 @@ def _about(flow: Outflow, n: int, middle: F64) -> F64:
     return np.asarray(flow.moment[n] - flow.rate[n] * middle)
 
 
+def _heat(box: GasBox, frame: GasFrame) -> F64:
+    """Power of fire that stays in each cell [W]."""
+    return np.asarray(box.heating(frame) * frame.room * box.volume)
+
+
+def _moments_of(box: GasBox, frame: GasFrame, n: int) -> tuple[F64, F64, float, float]:
+    """Moments of a frame, which the next one asks for again."""
+    return box.fields.of(frame, f"moments {n}", lambda: _moments(box, frame, n))
+
+
 def _moments(box: GasBox, frame: GasFrame, n: int) -> tuple[F64, F64, float, float]:
     """First moment of tracer or heat about the middle of the box [kg m or J m], its rate by the velocities, the length of the way that they carry
     in a second, and how far the rate may be off: by cells, or by faces with what flows to them, as along a floor that gas sinks on."""
+    from .flow_kernels import through
+
     amount: F64 = (box.tracer(frame) if n == 0 else box.joule * box.lightness(frame)) * frame.room * box.volume
-    rate = np.tensordot(amount, frame.velocity.astype(np.float64), axes=3)
-    middle = frame.corner + 0.5 * box.size
-    off = float(np.linalg.norm(rate - np.array([_by_faces(amount, frame.velocity[..., a], a) for a in range(3)])))
-    return np.tensordot(amount, frame.centers - middle, axes=3), rate, float(np.sum(np.abs(amount) * frame.speed)), off
-
-
-def _by_faces(amount: F64, speed: NDArray[np.float32], axis: int) -> float:
-    """Rate of the moment along an axis by what flows through the faces between cells, each from the cell that the gas there comes from."""
-    (a, b), (u, v) = (neighbours(x, axis) for x in (amount, speed))
-    middle = 0.5 * (u.astype(np.float64) + v.astype(np.float64))
-    return float(np.sum(np.where(middle > 0.0, a, b) * middle))
+    rate = np.tensordot(amount, box.velocity(frame), axes=3)
+    # Rates by what flows through the faces between cells, each from the cell that the gas there comes from.
+    off = float(np.linalg.norm(rate - np.array([float(np.sum(through(amount, frame.velocity, a))) for a in range(3)])))
+    return np.tensordot(amount, frame.places.arms, axes=3), rate, float(np.sum(np.abs(amount) * frame.speed)), off

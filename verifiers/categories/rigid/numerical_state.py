@@ -9,6 +9,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ....worlds.errors import EvidenceError
+from ....worlds.spec import ReleaseDriver
 from ...contact.log import log_fault
 from ...ledgers.balance import books_of, frictions
 from ...ledgers.exchanged import exchange_steps
@@ -104,7 +105,7 @@ def events(candidate: Candidate, solver: str, cache: Cache) -> Finding:
             )
     step = candidate.spec.simulation.rigid[solver].settings.step
     rough = frictions(candidate, cache.index.colliders)[1]
-    let_go = _let_go(books_of(candidate, cache), cache)
+    let_go = _let_go(candidate, cache)
     wrong_log = log_fault(cache.ragged(*contact, *event), h, _sleepers(cache), step, rough, let_go=let_go)
     if wrong_log is not None:
         colliders = [cache.index.colliders[i] for i in wrong_log.pair]
@@ -124,13 +125,13 @@ def _sleepers(cache: Cache) -> list[frozenset[int]]:
     return [frozenset(o for o, s in zip(owners, row, strict=False) if s) for row in np.asarray(cache.series("asleep"))]
 
 
-def _let_go(books: Books, cache: Cache) -> dict[int, frozenset[int]]:
+def _let_go(candidate: Candidate, cache: Cache) -> dict[int, frozenset[int]]:
     """By frame, colliders of the entities that a release lets go within it; at a frame's own time it acts in the next."""
     found: dict[int, frozenset[int]] = {}
-    for name, time in zip(books.entities, books.released.tolist(), strict=True):
-        if 0.0 < time < math.inf and name in cache.index.colliders:
-            frame = math.floor(time * cache.index.fps + TIME) + 1
-            found[frame] = found.get(frame, frozenset()) | {cache.index.colliders.index(name)}
+    for driver in candidate.spec.simulation.drivers.values():
+        if isinstance(driver, ReleaseDriver) and driver.entity in cache.index.colliders:
+            frame = math.floor(driver.time * cache.index.fps + TIME) + 1
+            found[frame] = found.get(frame, frozenset()) | {cache.index.colliders.index(driver.entity)}
     return found
 
 

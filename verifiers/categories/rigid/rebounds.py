@@ -51,8 +51,8 @@ def rebounds(books: Books) -> Finding:
     """Deviation of the restitution of impacts."""
     spec, solver = books.candidate.spec, books.cache.index.solver
     members = [spec.entities[m] for m in spec.simulation.solvers[solver].members if m in spec.entities]
-    if any(e.breakable is not None or e.physics.category == "elastic" for e in members):
-        return Finding("not_applicable", f"impacts of {solver!r}, which holds debris or elastic bodies, are not told one by one")
+    if any(e.breakable is not None for e in members):
+        return Finding("not_applicable", f"impacts of {solver!r}, which holds debris, are not told one by one")
     found = [r for k in range(1, books.frames) for r in _frame(books, k)]
     table = np.full((books.frames - 1, len(books.entities)), -np.inf)
     for rebound in found:

@@ -85,9 +85,9 @@ def _instance(spec: WorldSpec, name: str, instance: RigidInstance) -> list[dict[
 def _impacts(spec: WorldSpec, name: str, instance: RigidInstance) -> dict[str, str]:
     """Line about impacts that pass through several bodies."""
     members = [spec.entities[m] for m in instance.members]
-    if any(e.breakable is not None or e.physics.category == "elastic" for e in members):
+    if any(e.breakable is not None for e in members):
         return {
-            "what": f"impacts of {name!r}, which holds debris or elastic bodies, are solved at once",
+            "what": f"impacts of {name!r}, which holds debris, are solved at once",
             "effect": "a row that touches hands a blow on to more of its bodies, and an oblique bounce keeps up to three quarters of the slide "
             "that friction takes",
         }

@@ -11,7 +11,7 @@ __all__ = ["EVENTS", "DeformEvent"]
 
 
 class DeformEvent(MatterEvent):
-    """An elastic body bends, stretches, or wobbles."""
+    """An elastic body bends, stretches, or wobbles; a sheet may bend too, as an awning that sags."""
 
     kind: Literal["bends", "stretches", "wobbles"]
 
@@ -25,7 +25,8 @@ def _event(kind: str, gloss: str, source: str) -> PredicateInfo:
 EVENTS = (
     _event(
         "bends",
-        "Its middle line, less its best straight line and compared with that of the first frame, is off by at least 0.02 of its length.",
+        "Its middle line, less its best straight line and compared with that of the first frame, is off by at least 0.02 of its length; of a sheet along "
+        "either side.",
         "beam theory: bending is the curvature of the middle line, which no turn of the whole body has; the share is an own choice",
     ),
     _event(

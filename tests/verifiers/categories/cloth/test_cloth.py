@@ -19,6 +19,7 @@ from worldagent.verifiers.checks import run_checks
 from worldagent.verifiers.diagnosis.cite import diagnose
 from worldagent.verifiers.story import beats
 from worldagent.worlds.candidate import Candidate
+from worldagent.worlds.categories.elastic.events import DeformEvent
 from worldagent.worlds.patch import parse_spec
 from worldagent.worlds.predicates import Drape, Flutters, Pinned, Torn
 from worldagent.worlds.requirements import Row
@@ -208,6 +209,25 @@ def test_a_flutter_is_measured_and_what_does_not_go_to_and_fro_is_rejected(waved
         found = evaluate(still, asked, (0, 32))
         assert found.status == "fail"
         agrees(found)
+
+
+def test_a_sheet_that_sags_bends_and_one_that_moves_as_a_whole_does_not(waved: Waves) -> None:
+    """Written motions: sag along either side by a tenth of a metre, a turn about an edge, a way of the whole, a ripple of 1 % of its length."""
+    asked = DeformEvent(kind="bends", entity="flag")
+    across = waved("across", lambda place, t: 0.1 * t / 1.33 * np.sin(np.pi * place[:, 0]))
+    found = evaluate(across, asked, (0, 32))
+    assert (found.status, found.unit) == ("pass", "1")
+    agrees(found)
+    upright = waved("upright", lambda place, t: 0.1 * t / 1.33 * np.sin(1.5 * np.pi * place[:, 2]))
+    assert evaluate(upright, asked, (0, 32)).status == "pass"
+    for name, way in {
+        "turned": lambda place, t: 0.3 * t * place[:, 0],
+        "pushed": lambda place, t: t + 0.0 * place[:, 0],
+        "rippled": lambda place, t: 0.01 * t / 1.33 * np.sin(np.pi * place[:, 0]),
+    }.items():
+        assert evaluate(waved(name, way), asked, (0, 32)).status == "fail", name
+    for kind in ("stretches", "wobbles"):
+        assert evaluate(across, DeformEvent(kind=kind, entity="flag"), (0, 32)).status == "unverified"
 
 
 def test_a_corner_that_shakes_is_no_flutter_and_one_still_corner_stops_none(waved: Waves) -> None:

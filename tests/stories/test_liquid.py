@@ -115,7 +115,7 @@ def test_a_coarser_probe_runs_fewer_particles_and_gives_way_to_a_finer_one(agent
             assert resolution == pytest.approx(coarser * SPACING)
             assert told.get("overrides", {}) == ({"/entities/water/physics/resolution": resolution} if coarser > 1 else {})
             apart = told.get("not_carried_over", {"rows": []})["rows"]
-            assert ("category:liquid:obstacles:water" in apart) is (coarser > 1)
+            assert ("category:liquid:jumps:water" in apart) is (coarser > 1)
             assert "category:liquid:across:water" not in apart, "it is judged for the spacing of the world"
         assert 2.0 < counts[1.0] / counts[1.5] < 5.0
         assert "allowed" in agent.refused("probe_sim", world="w", coarser=3.0)

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Across", "across_finding", "thin_lines"]
 
+FINER = 1.05
+"""Own choice: what a correction refines beyond the rule; in the finer spacing the width is measured on finer cells, which read up to a cell less."""
+
 ASKS = frozenset({"submerged_fraction", "liquid_level_at"})
 """Predicates whose answer is off by the share of a spacing in the depth."""
 
@@ -86,7 +89,7 @@ def across_finding(liquid: Declared, there: Mapping[str, float] | None = None) -
     if name not in asked:
         text += "; nothing asks for its level, buoyancy or pressure, and the register tells it"
         return Finding("pass", text, value, 0.0, "spacings", comparison=">=", evidence={"thin": name, **more})
-    wanted = value * s / LEAST_ACROSS
+    wanted = value * s / (LEAST_ACROSS * FINER)
     text += f": too thin to answer {', '.join(asked[name][:4])}; refine to {wanted:.3g} m, or make it thicker"
     hints = (refine(liquid, "the liquid is too thin for its spacing", wanted),)
     evidence = {"asked": asked[name], "thickness_m": value * s, **more}

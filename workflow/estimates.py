@@ -208,7 +208,7 @@ def _pace_of_stills(folder: WorldFolder) -> float | None:
 
 
 def _kept(folder: WorldFolder) -> dict[str, float]:
-    """What is known of the pace of a world; empty where nothing is, or no numbers are."""
+    """Pace of a world, as far as it is known; empty where nothing is, or no numbers are."""
     try:
         return {str(k): float(v) for k, v in json.loads((folder.pictures / PACE).read_bytes()).items()}
     except (OSError, ValueError, AttributeError, TypeError):

@@ -1,4 +1,4 @@
-"""What elastic bodies meet: their surfaces as flexes of their own, each small enough for the engine to keep all of its contacts.
+"""Surfaces of elastic bodies as flexes of their own, each small enough for the engine to keep all of its contacts with what they meet.
 
 A flex of tetrahedra has one contact per tetrahedron with a geom, anywhere on a face that lies flat, and MuJoCo keeps 50 of them for an
 interpolated flex and a geom, others in every step (4.0.0). A cushion that lay on the ground trembled for ever: 0.01 J, 22 s of processor

@@ -19,7 +19,7 @@ from .contact_law import rest_speed, set_contact_law
 from .distances import collide_all, settle_kinematics
 from .exchange import Exchange
 from .fields import FieldForces
-from .flex import hear
+from .flex import Flexes, hear
 from .flex_fields import FlexFields
 from .flex_loads import SoftLoads
 from .parts import Parts, carry_over, make_parts
@@ -192,12 +192,7 @@ class Stepper:
             gyration(data, dt)
             contact_law(data, dt, slowest)
             if self.flexes is not None:
-                # Elastic members take the discrete integrator, which has no stage of its own; nothing sleeps beside them.
-                mujoco.mj_step2(model, data)
-                self.rigid.law.settle(data)
-                watch_contacts(data, start + (k + 1) * dt, dt)
-                self.rigid.law.end(data, dt)
-                self.flexes.watch(data, dt)
+                self._step_beside(self.flexes, start + (k + 1) * dt, dt)
             else:
                 # The stages of `mj_step2`, so that forces are read before the integration.
                 solve(data)
@@ -220,6 +215,14 @@ class Stepper:
             self.drivers.follow_paths(data, taken, dt)
         self._close(fields, working, taken, dt)
         return taken, fate
+
+    def _step_beside(self, flexes: Flexes, end: float, dt: float) -> None:
+        """The rest of a step of `dt` to `end` [s] with elastic members: their integrator has no stage of its own, and nothing sleeps beside them."""
+        self._mj.mj_step2(self.model, self.data)
+        self.rigid.law.settle(self.data)
+        self.monitor.watch_contacts(self.data, end, dt)
+        self.rigid.law.end(self.data, dt)
+        flexes.watch(self.data, dt)
 
     def _close(self, fields: Sequence[FieldForces | FlexFields], working: bool, taken: int, dt: float) -> None:
         """Bring the state up to date after some steps of `dt` [s], and count what acted in them."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from ....worlds.arrays import F64
 from ..liquid.solids import pieces_of, rows_within
-from .outflow import layer
+from .cells import layer
 
 if TYPE_CHECKING:
     from ....worlds.candidate import Candidate

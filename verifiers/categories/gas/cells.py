@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ....worlds.arrays import F64
 
-__all__ = ["WHOLE", "Cells", "Fields", "FireCells", "GasFrame", "Grid", "Mask", "most_near", "neighbours", "squares"]
+__all__ = ["WHOLE", "Cells", "Fields", "FireCells", "GasFrame", "Grid", "Mask", "layer", "most_near", "neighbours", "squares"]
 
 WHOLE = 0.999
 """[1] Room of a cell that no body cuts; the rest is rounding of bodies whose sides are those of cells."""
@@ -27,6 +27,13 @@ def neighbours(array: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[An
     upper = list(lower)
     lower[axis], upper[axis] = slice(0, -1), slice(1, None)
     return array[tuple(lower)], array[tuple(upper)]
+
+
+def layer(array: Any, side: int, depth: int = 0) -> F64:
+    """Cells of an array along a side; `depth` cells inward."""
+    at: list[slice | int] = [slice(None)] * array.ndim
+    at[side // 2] = -1 - depth if side % 2 else depth
+    return np.array(array[tuple(at)], dtype=np.float64, order="C")
 
 
 def most_near(values: NDArray[Any], reach: int) -> NDArray[Any]:

@@ -14,7 +14,7 @@ from ...rows.corrections import correction
 from ...rows.findings import Finding
 from .books import declared
 from .bounds import BOOKS, EVEN, THIN
-from .outflow import layer
+from .cells import layer
 from .questions import FOLLOWING
 from .rows import kept_within, recomputed
 

@@ -6,18 +6,18 @@ the outermost two cells. How far it is from that of the outermost cell alone is 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ....worlds.arrays import F64
-from .cells import squares
+from .cells import layer, squares
 
 if TYPE_CHECKING:
     from .cells import GasFrame
     from .frames import GasBox
 
-__all__ = ["NAMES", "Outflow", "layer", "outflow"]
+__all__ = ["NAMES", "Outflow", "outflow"]
 
 NAMES = ("-x", "+x", "-y", "+y", "-z", "+z")
 """Sides of the box."""
@@ -36,13 +36,6 @@ class Outflow(NamedTuple):
     """Rate per side, shape (6, 2)."""
     inward: float
     """Energy of motion that flows in [W]."""
-
-
-def layer(array: Any, side: int, depth: int = 0) -> F64:
-    """Cells of an array along a side; `depth` cells inward."""
-    at: list[slice | int] = [slice(None)] * array.ndim
-    at[side // 2] = -1 - depth if side % 2 else depth
-    return np.array(array[tuple(at)], dtype=np.float64, order="C")
 
 
 def outflow(box: GasBox, frame: GasFrame) -> Outflow:

@@ -15,8 +15,8 @@ from ...rows.corrections import bake_again, correction
 from ...rows.findings import Finding
 from .bodies import depth_in
 from .bounds import ACROSS, CUT, THIN
-from .cells import WHOLE
-from .outflow import NAMES, layer
+from .cells import WHOLE, layer
+from .outflow import NAMES
 from .questions import PLACES
 from .rows import finer, kept_within, larger_box, recomputed
 

@@ -1,4 +1,4 @@
-"""What may break rolls, slides and tips as one body as long as its bonds hold, and its loose pieces do so each by itself."""
+"""Breakable bodies roll, slide and tip as one body as long as their bonds hold; their loose pieces do so each by itself."""
 
 from __future__ import annotations
 

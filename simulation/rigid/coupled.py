@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from threadpoolctl import ThreadpoolController
 
 from ...worlds.arrays import F64
 from ..boundaries import BodyState, MovingSurface
@@ -52,6 +53,7 @@ class RigidBodies:
 
         self._mj, self._solver = mujoco, solver
         self._model, self._probe = solver.model, mujoco.MjData(solver.model)
+        self._blas = ThreadpoolController().select(user_api="blas")
 
     def state(self) -> BodyState:
         """The moving bodies at present, one row per entry of `RigidModel.bodies`; held ones, and pieces that the world holds, do not react."""
@@ -68,7 +70,8 @@ class RigidBodies:
         fixed = solver.drivers.held(solver.time)
         mass, inertia, mobility = alone(self._mj, self._model, probe, solver.rigid, fixed)
         turning = inertia.copy()
-        held(self._mj, self._model, probe, solver.rigid, mobility, turning)
+        with self._blas.limit(limits=1):  # its threads would spin for longer than they work on matrices of one island
+            held(self._mj, self._model, probe, solver.rigid, mobility, turning)
         told = self._accelerations(probe)
         return BodyState(origin, rotation, center, linear, angular, mass, inertia, told, mobility, turning)
 

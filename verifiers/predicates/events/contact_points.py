@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ....worlds.arrays import F64, rotation_matrix
 from ....worlds.errors import EvidenceError
 from ...ledgers import motion
+from ...ledgers.pieces import whole_frames
 from ...scene.surfaces import surfaces_of
 from ...support.touching import contacts_of
 from .course import Course, between, course_of
@@ -45,23 +46,26 @@ class Meeting:
 
 
 def single(course: Course) -> None:
-    """Hold that an entity is of one body.
+    """Hold that an entity is of one body, or of pieces that are one body as long as their bonds hold.
 
     Raises:
         EvidenceError: it is of several.
     """
-    if len(course.candidate.entity(course.entity).bodies) != 1:
+    built = course.candidate.entity(course.entity)
+    if len(built.bodies) != 1 and built.bonds is None:
         raise EvidenceError(
             f"{course.entity!r} is of several bodies, which roll, slide and tip each by itself; ask this of a single body"
         )
 
 
 def meeting_of(candidate: Candidate, entity: str, other: str, span: slice, hop: float = 0.0) -> Meeting:
-    """Contact of an entity of one body with another entity over the intervals of a span; arrays are of that length.
+    """Contact of an entity that is one body with another entity over the intervals of a span; arrays are of that length.
+
+    Of what breaks only the intervals count in which all its pieces are bonded to one another still.
 
     Args:
         candidate: what is judged.
-        entity: one of a single body.
+        entity: one of a single body, or one that breaks.
         other: the other.
         span: intervals.
         hop: between its first and last contact it counts as touching at the nearest points where it is no farther off than this [m].
@@ -88,7 +92,7 @@ def _meeting(candidate: Candidate, entity: str, other: str, span: slice, hop: fl
     patches = [_patch(candidate, entity, other, int(f), hop) if ask else None for f, ask in zip(frames, asked, strict=True)]
     points = np.array([np.full(3, np.nan) if p is None else _middle(p) for p in patches])
     there = np.isfinite(points).all(axis=1)
-    touching = logged & there[:-1] & there[1:]
+    touching = logged & there[:-1] & there[1:] & _of_one_piece(course)[span]
     at = slice(span.start, span.stop + 1)
     arms = points - course.centers[at]
     spins = course.spins[at]
@@ -113,6 +117,15 @@ def _meeting(candidate: Candidate, entity: str, other: str, span: slice, hop: fl
         _axes(course, turned, at),
         _own_frame(course, points, at),
     )
+
+
+def _of_one_piece(course: Course) -> NDArray[np.bool_]:
+    """True where what it is of moves as one body over an interval, shape (F - 1,)."""
+    built = course.candidate.entity(course.entity)
+    if built.bonds is None:
+        return np.ones(course.candidate.frame_count - 1, dtype=bool)
+    whole = whole_frames(course.candidate, course.entity)
+    return np.asarray(whole[:-1] & whole[1:])
 
 
 def _patch(candidate: Candidate, entity: str, other: str, frame: int, hop: float) -> F64 | None:

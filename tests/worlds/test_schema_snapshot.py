@@ -5,7 +5,7 @@ import json
 
 from worldagent.worlds.spec import WorldSpec
 
-SCHEMA = "9b03e841152fb2ec2cf9d60853f5067370483e8abd17e86208edc898155be063"
+SCHEMA = "f6a838327d88be584fcd0deaf6a7ba8bff09707d301c946698160eb7a3d7c9ef"
 """SHA-256 of the schema with sorted keys; a new one belongs with a line in the changelog that names what changed."""
 
 

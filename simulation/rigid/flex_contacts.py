@@ -1,8 +1,8 @@
 """Surfaces of elastic bodies as flexes of their own, each small enough for the engine to keep all of its contacts with what they meet.
 
 A flex of tetrahedra has one contact per tetrahedron with a geom, anywhere on a face that lies flat, and MuJoCo keeps 50 of them for an
-interpolated flex and a geom, others in every step (4.0.0). A cushion that lay on the ground trembled for ever: 0.01 J, 22 s of processor
-time a frame. So each vertex of the surface has a small tetrahedron that ends in it, whose contact has one place; the tetrahedra behind
+interpolated flex and a geom, others in every step (4.0.0). A cushion that lay on the ground trembled for ever, and each step solved for
+contacts that the one before did not know. So each vertex of the surface has a small tetrahedron that ends in it, whose contact has one place; the tetrahedra behind
 the faces hold what pokes in between vertices, and act one skin later. Both are dealt out to flexes of at most `MOST`, which hang on the
 body's own nodes, carry no elasticity and meet geoms alone. The flex with the elasticity meets other elastic bodies, and itself.
 """

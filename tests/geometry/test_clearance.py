@@ -190,13 +190,13 @@ def test_a_repeated_relative_pose_is_not_measured_again(monkeypatch):
 
     module = importlib.import_module("worldagent.geometry.clearance")
     seen = []
-    original = module._measure
+    original = module.examine
 
     def counting(a, b, poses, **options):
         seen.append(len(poses.translation))
         return original(a, b, poses, **options)
 
-    monkeypatch.setattr(module, "_measure", counting)
+    monkeypatch.setattr(module, "examine", counting)
     ride = np.linspace(0, 1, 50)[:, None] * [1.0, 2.0, 0.5]
     turn = np.tile([1.0, 0, 0, 0], (50, 1))
     series = clearance_series(box(1, 1, 1), (ride, turn), box(1, 1, 1), (ride + np.array([0, 0, 1.25]), turn), skip_above=1.0)

@@ -263,7 +263,7 @@ def test_what_set_the_cause_going_does_not_link_it_with_what_it_strikes_next(tmp
 def _struck(tmp_path: Path, held_from: int) -> Row:
     """A wall stands still, bears a load that slops from frame `held_from` on, and is struck at 0.5 s: both move."""
     slop = 0.3 + 0.004 * np.sin(40.0 * TIME)
-    tracks = {
+    tracks: dict[str, Any] = {
         "ram": TIME - 0.6,
         "wall": np.clip(TIME - 0.5, 0, None) * 0.2,
         "load": slop + np.clip(TIME - 0.5, 0, None) * 0.2,

@@ -100,15 +100,14 @@ class Fields:
     """Fields that are worked out from frames, kept of the last two that were asked about: watches compare a frame with the one before."""
 
     def __init__(self) -> None:
-        self._frames: dict[int, dict[Hashable, Any]] = {}
+        self._frames: list[tuple[GasFrame, dict[Hashable, Any]]] = []
 
     def of(self, frame: GasFrame, name: Hashable, make: Callable[[], T]) -> T:
-        """The field of a frame, made at the first call; nobody writes to it."""
-        known = self._frames.get(frame.index)
+        """The field of a frame, made at the first call with this very frame; nobody writes to it."""
+        known = next((fields for held, fields in self._frames if held is frame), None)
         if known is None:
-            while len(self._frames) > 1:
-                self._frames.pop(next(iter(self._frames)))
-            known = self._frames[frame.index] = {}
+            known = {}
+            self._frames = [*self._frames[-1:], (frame, known)]
         if name not in known:
             known[name] = make()
         found: T = known[name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -82,11 +83,17 @@ def frame(index: int, fields: Fields, grid: Grid | None = None) -> GasFrame:
 
 
 def test_fields_are_made_once_while_the_frame_is_one_of_the_last_two() -> None:
-    fields, made = Fields(), []
+    fields, made = Fields(), list[tuple[int, str]]()
+    frames = [frame(k, fields) for k in range(3)]
+
+    def make(index: int, name: str) -> tuple[int, str]:
+        made.append((index, name))
+        return index, name
+
     for index, name in ((0, "a"), (1, "a"), (0, "a"), (1, "b"), (2, "a"), (1, "a"), (0, "a")):
-        asked = frame(index, fields)
-        assert fields.of(asked, name, lambda k=index, n=name: made.append((k, n)) or (k, n)) == (index, name)
+        assert fields.of(frames[index], name, partial(make, index, name)) == (index, name)
     assert made == [(0, "a"), (1, "a"), (1, "b"), (2, "a"), (0, "a")]
+    assert fields.of(frame(0, fields), "a", partial(make, 0, "another")) == (0, "another"), "another frame of that number"
 
 
 def test_frames_of_a_box_that_stands_still_share_their_places() -> None:

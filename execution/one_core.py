@@ -1,7 +1,7 @@
 """Linear algebra on one thread while a large world is built or judged.
 
-Products are small there, and threads that share them wait for each other at full speed: on busy cores that took ten times the processor time
-of the products (collision pieces of a ring of 40 segments against what is drawn: 1.24 s with two threads, 0.13 s with one, the same numbers).
+Products are small there, and threads that share them wait for each other at full speed: on busy cores that takes several times the processor
+time of the products, for the same numbers.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Thickness of what stands in a liquid, against its spacing (R58).
 
-Wet at frame 0 is what the declared volume touches: judged at the static stage, and not again undone. Wet later is what particles came
+Wet at frame 0 is what the declared volume touches: judged at the static stage, for good. Wet later is what particles came
 to, which is decided when the frames asked for are there: until then a part that seems thin keeps the row open and fails nothing.
 
 What another solid covers is not wet. Of a breakable body the wall of the whole counts, as it was built: cut edges of its pieces are
